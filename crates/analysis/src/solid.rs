@@ -242,7 +242,7 @@ impl SolidQuestion<'_> {
             tolerance,
             witnesses,
         } = self;
-        // Among all samples, as only a few places are listed.
+        // The nearest of all samples is found by comparing all of them, since only a few places are listed.
         let gap = |&center: &[f64; 3]| {
             let distances = points.iter().map(|&point| region.distance(point, center));
             SolidGap {

@@ -190,7 +190,7 @@ fn scene(arguments: &DrawArguments, read: &ReadSet, region: Region) -> Result<Sc
     let given = &arguments.set;
     let (set, certificate) = (&read.set, read.certificate.as_ref());
     let own_radii = own_radii(arguments, read)?;
-    // Disks of one radius would mislead where the radius varies.
+    // Where the radius varies, the certificate's radius is not used: disks of one radius would be wrong.
     let stated = certificate
         .map(|c| &c.radius)
         .filter(|radius| !radius.is_field());

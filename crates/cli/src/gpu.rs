@@ -58,7 +58,7 @@ pub fn run(arguments: &GpuArguments) -> Result<u8> {
     let mut reports = block_on(adapters());
     reports.retain(|report| report.name.to_lowercase().contains(&part));
 
-    // If no GPU computes, the installed parts of its driver tell why.
+    // If no GPU computes, the installed parts of its driver show why.
     let is_lacking = reports.iter().all(|report| report.is_software);
     let drivers = is_lacking.then(Drivers::find).flatten();
 

@@ -58,7 +58,7 @@ pub fn run_headless(reason: &HeadlessReason) -> ExitCode {
 /// Runs the default session without a window, and says how to open one.
 fn default_session(reason: &HeadlessReason) -> Result<u8> {
     output::emit(&format!("{reason}, so this runs without one.\n\n"))?;
-    // A failure is returned only at the end: the advice matters most to those for whom nothing works.
+    // A failure is returned only at the end, since the advice is most useful where nothing works.
     let outcome = session(Path::new(OUT));
     let advice = match reason {
         HeadlessReason::NotBuilt => {

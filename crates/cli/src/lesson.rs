@@ -571,7 +571,7 @@ const MAX_SESSION: u64 = 16 << 20;
 /// Makes a lesson of the scenes of a saved session.
 fn from(session: &Path, out: Option<&Path>, window: FromWindow) -> Result<()> {
     let out = out.map_or_else(|| session.with_extension("md"), Path::to_path_buf);
-    // Its name is the lesson's, which has to be one before the work begins.
+    // The name of the file becomes the name of the lesson: it is checked before the work begins.
     name_of(&out)?;
     let made = (window.lesson_of_session)(&read_text(session, MAX_SESSION)?);
     let text = made.map_err(|fault| anyhow!("{}: {fault}", named(session)))?;
@@ -658,7 +658,7 @@ fn merge(arguments: &ResultsArguments) -> Result<()> {
     let read: Vec<(String, Results)> = files.iter().map(results).collect::<Result<_>>()?;
     let merged = Merged::of(read);
 
-    // Everything is made before anything is written, so that a fault leaves no file behind.
+    // All texts are made before the first file is written, so that a fault leaves no file behind.
     let mut made = Vec::new();
     if let Some(out) = out {
         made.push((out, entries_text(&merged, out)?));

@@ -135,7 +135,7 @@ pub fn run(arguments: &ReproduceArguments) -> Result<u8> {
     };
 
     let outcome = reproduce(&experiments, &options, &watch);
-    // The bar goes first, so that an error stands in a line of its own.
+    // The bar is cleared before an error is printed, which then stands in a line of its own.
     watch.0.finish_and_clear();
     let summary = outcome?;
 

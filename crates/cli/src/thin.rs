@@ -283,7 +283,7 @@ impl ThinArguments {
             ),
         };
 
-        // An option without effect would be believed to have one.
+        // An option without effect is refused, since the user expects one.
         let is_drawn = matches!(priority, ThinningPriority::Random { .. });
         ensure!(
             is_drawn || self.seed.is_none(),

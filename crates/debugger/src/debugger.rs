@@ -265,7 +265,8 @@ impl Debugger {
             match holds {
                 Ok(true) => return Some(Stop::Breakpoint(index)),
                 Ok(false) => {}
-                // A condition without a value must not pass for a false one: the run would go past without a word.
+                // A condition that cannot be evaluated stops the run, too. Taken for a false one, it would be passed
+                // unnoticed.
                 Err(error) => return Some(Stop::BadCondition(index, error)),
             }
         }

@@ -376,7 +376,8 @@ impl Recording {
     pub(crate) fn status_of(&self, life: &Life, sample: u32, cursor: usize) -> Status {
         let before = |event: u32| (event as usize) < cursor;
 
-        // A life has one event of each kind at most, so that comparisons with the cursor say all. `NONE` is never before.
+        // A life has at most one event of each kind, so that comparisons with the cursor suffice. `NONE` is never
+        // before it.
         if !before(life.born) {
             Status::Absent
         } else if before(life.lost) {

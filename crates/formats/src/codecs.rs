@@ -374,7 +374,7 @@ pub(crate) fn check_target(target: &Target) -> Result<(), FormatError> {
         positive(name, value.unwrap_or(1.0))?;
     }
 
-    // Without a region, or a radius, nothing is promised of the positions.
+    // Without a region or a radius there is no promise that an origin could break.
     let (Some(region), Some(radius)) = (target.region, target.radius) else {
         return Ok(());
     };

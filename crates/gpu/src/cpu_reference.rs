@@ -133,7 +133,7 @@ fn in_list<T: PartialEq + Debug>(
     if device == cpu {
         return None;
     }
-    // If one list is the beginning of the other, they differ in the first element past it.
+    // If one list is the beginning of the other, they differ at the first element that only one has.
     let shorter = device.len().min(cpu.len());
     let index = device
         .iter()

@@ -83,6 +83,7 @@ impl Combination {
     }
 }
 
+/// Returns the seams as they are drawn, with those on a border of a periodic domain on both of its sides.
 fn lines(domain: &Domain, seams: &[Seam]) -> Vec<[DVec2; 2]> {
     let size = [domain.width(), domain.height()].map(radii);
     let mut lines = Vec::with_capacity(seams.len());

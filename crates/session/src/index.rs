@@ -169,6 +169,7 @@ impl SampleIndex {
         }
     }
 
+    /// Calls `visit` with the samples in a rectangle of the domain itself, not of its copies.
     fn visit_copy(&self, low: DVec2, high: DVec2, mut visit: impl FnMut(u32, DVec2)) {
         let Some([columns, rows]) = self.cells(low, high) else {
             return;

@@ -35,6 +35,7 @@ impl Speaker {
         }
     }
 
+    /// Announces what has changed since the tree of the frame before.
     fn follow(&mut self, tree: &TreeUpdate) {
         let now = SpokenFocus::of(tree);
         let spoken = now.as_ref().and_then(|now| now.since(self.before.as_ref()));
@@ -164,6 +165,7 @@ fn name(tree: &TreeUpdate, node: &Node) -> String {
     texts.collect::<Vec<_>>().join(" ")
 }
 
+/// Returns the word for a role; nothing for one that needs no word.
 const fn role(role: Role) -> &'static str {
     match role {
         Role::Button | Role::DefaultButton => "button",

@@ -270,6 +270,7 @@ pub fn contrast(a: &Parameters, b: &Parameters) -> Vec<(String, String, String)>
     found
 }
 
+/// Appends the parts in which two values differ, by their names in objects.
 fn walk(
     name: &str,
     a: &serde_json::Value,

@@ -17,6 +17,7 @@ pub fn start(file: &NamedBytes) -> Result<(), String> {
     begin(file).map_err(|error| format!("{name} cannot be downloaded: {error:?}"))
 }
 
+/// Gives a file to the browser, which saves it.
 fn begin(file: &NamedBytes) -> Result<(), JsValue> {
     let missing = || JsValue::from_str("there is no page");
     let window = web_sys::window().ok_or_else(missing)?;

@@ -256,6 +256,7 @@ fn load(fields: &Map<String, Value>) -> Result<Request, RequestError> {
     }
 }
 
+/// Reads a request to step.
 fn step(fields: &Map<String, Value>) -> Result<Request, RequestError> {
     // Numbers of JavaScript are floats, so that 1.0 is a step, too.
     let forwards = match fields.get("by") {
@@ -383,6 +384,7 @@ fn lesson(fields: &Map<String, Value>) -> Result<LessonRequest, RequestError> {
     }))
 }
 
+/// Reads a request to answer a question, or to change the answer that is being put together.
 fn answer(fields: &Map<String, Value>) -> Result<LessonRequest, RequestError> {
     let command = match (fields.get("value"), fields.get("draft")) {
         (Some(value), None) => return Ok(LessonRequest::Answer(value.clone())),

@@ -168,6 +168,7 @@ impl Command {
     }
 }
 
+/// Returns the rules of a command of the form.
 const fn form(command: &FormCommand) -> Rules {
     let undo = match command {
         // Whether runs begin by themselves is no parameter of a run.
@@ -194,6 +195,7 @@ const fn form(command: &FormCommand) -> Rules {
     }
 }
 
+/// Returns the rules of a move in time.
 const fn time(command: &TimeCommand) -> Rules {
     // While a question is open, the run has no events after the question's moment, so that no move in time shows the answer.
     match command {
@@ -226,6 +228,7 @@ const fn time(command: &TimeCommand) -> Rules {
     }
 }
 
+/// Returns the rules of a command of scenes.
 const fn scene(command: &SceneCommand) -> Rules {
     match command {
         SceneCommand::Add => STOPS,
@@ -247,6 +250,7 @@ const fn scene(command: &SceneCommand) -> Rules {
     }
 }
 
+/// Returns the rules of a command of lessons.
 const fn lesson(command: &LessonCommand) -> Rules {
     // Numbers in these commands are indices into a list that the lesson shows; a number beyond its end changes nothing.
     match command {
@@ -271,6 +275,7 @@ const fn lesson(command: &LessonCommand) -> Rules {
     }
 }
 
+/// Returns the rules of a command of talks.
 const fn talk(command: &TalkCommand) -> Rules {
     let reveals = match command {
         // A handout without answers and notes says no more than the lesson itself.
@@ -311,6 +316,7 @@ const fn talk(command: &TalkCommand) -> Rules {
     }
 }
 
+/// Returns the rules of a command of the debugger.
 const fn debug(command: &DebugCommand) -> Rules {
     match command {
         DebugCommand::ToggleBreakpoint(_) | DebugCommand::Watch(_) => STOPS,
@@ -327,6 +333,7 @@ const fn debug(command: &DebugCommand) -> Rules {
     }
 }
 
+/// Returns the rules of a command of a run's view.
 const fn view(which: Which, command: &ViewCommand) -> Rules {
     let rules = match which {
         Which::First => VIEW,
@@ -364,6 +371,7 @@ const fn view(which: Which, command: &ViewCommand) -> Rules {
     }
 }
 
+/// Returns the rules of a command of the appearance.
 const fn appearance(command: AppearanceCommand) -> Rules {
     match command {
         // The page around a frame chooses its look.
@@ -382,6 +390,7 @@ const fn appearance(command: AppearanceCommand) -> Rules {
     }
 }
 
+/// Returns the rules of a command of the window.
 const fn window(command: &WindowCommand) -> Rules {
     // A number beyond the end of the list of actions chooses the last one, so that none needs to be checked.
     match command {
@@ -404,6 +413,7 @@ const fn window(command: &WindowCommand) -> Rules {
     }
 }
 
+/// Returns the rules of a command of the GPU's passes.
 const fn passes(command: &PassCommand) -> Rules {
     // A pass works on the whole run, and so shows what comes after an open question's moment.
     let rules = Rules {
@@ -435,6 +445,7 @@ const fn passes(command: &PassCommand) -> Rules {
     }
 }
 
+/// Returns the rules of a command of the comparison.
 const fn compare(command: CompareCommand) -> Rules {
     match command {
         CompareCommand::Start(_)
@@ -462,6 +473,7 @@ const fn analysis(command: &AnalysisCommand) -> Rules {
     }
 }
 
+/// Returns the rules of a command of files.
 const fn file(command: &FileCommand) -> Rules {
     // Pages choose files of their visitors by dialogs of their own, not by those of a frame.
     match command {
@@ -480,6 +492,7 @@ const fn file(command: &FileCommand) -> Rules {
     }
 }
 
+/// Returns the rules of a command of the export sheet.
 const fn export(command: &ExportCommand) -> Rules {
     match command {
         ExportCommand::Open(_)

@@ -248,6 +248,7 @@ impl State {
         self.time.follow_passes(&self.runs.first);
     }
 
+    /// Passes a command to the part of the state that it changes.
     fn dispatch(&mut self, command: Command) {
         // Below, `s` is the state and `c` the context, which takes the effects that a part asks for.
         match command {

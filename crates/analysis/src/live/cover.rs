@@ -129,6 +129,7 @@ impl LiveCover {
 
     /// Removes all samples.
     fn clear(&mut self) {
+        // On a narrow torus no cell is left out (`MIN_TORUS`).
         let shorter = f64::from(self.plane.size[0].min(self.plane.size[1]));
         let is_narrow =
             self.plane.boundary == Boundary::Periodic && shorter < MIN_TORUS * self.limit;

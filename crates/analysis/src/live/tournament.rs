@@ -39,7 +39,7 @@ impl Tournament {
         while node > 1 {
             node /= 2;
             let larger = self.nodes[2 * node].max(self.nodes[2 * node + 1]);
-            // Nodes above saw the same number before, so most changes end after a few nodes.
+            // A node that keeps its number changes none above it: most changes end after a few nodes.
             if self.nodes[node] == larger {
                 break;
             }

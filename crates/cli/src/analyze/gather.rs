@@ -104,7 +104,7 @@ impl Analysis {
             match set.and_then(|set| Ok(Subject::one(set)?)) {
                 Ok(subject) => {
                     self.subjects.extend(subject);
-                    // Two equal columns mislead no one, unlike a set that counts twice in an average.
+                    // Two equal columns are only noted, unlike a set that would count twice in an average.
                     if let Some(repetition) = repetition {
                         self.note(format!("{repetition}: it is analysed twice"));
                     }

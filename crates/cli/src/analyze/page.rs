@@ -105,7 +105,7 @@ three times the power of white noise on. The zero frequency is left out; if it h
 
 /// Appends a table in HTML.
 fn page_table(out: &mut String, table: &Table) {
-    // Tables of files have no units, and a column of nothing is left out.
+    // Tables of files have no units, and an empty column of units is left out.
     let has_units = table.rows.iter().any(|(_, unit)| !unit.is_empty());
     let class = if has_units { " class=\"units\"" } else { "" };
     let _ = write!(out, "<div class=\"wide\"><table{class}>\n<thead>");

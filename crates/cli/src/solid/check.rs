@@ -151,7 +151,7 @@ fn smallest_distance(points: &[[f64; 3]], region: SolidRegion) -> Result<f64> {
         judges: JudgeChoice::Subdivision,
         ..VerifyOptions::default()
     };
-    // In a periodic box no place may be near two images of a sample.
+    // The verifier refuses a radius at which, in a periodic box, a place is near two images of a sample.
     let radius = spacing.min(shortest / 2.5);
     let report = verifying(|control| verify_solid(points, region, radius, &options, control))
         .context("no radius is known, and none can be measured; give --radius")?;

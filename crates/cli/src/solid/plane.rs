@@ -92,7 +92,7 @@ fn disks(
 ) -> Result<PlaneDisks> {
     let size = region.size();
     let side = size[slice.axis];
-    // Beyond the box a plane would meet the balls that reach out of it, and look like one inside.
+    // A plane just beyond the box would meet the balls that reach out of the box, and would look like a plane inside.
     ensure!(
         (0.0..=side).contains(&slice.place),
         "the plane {slice} lies beyond the domain, where {} is from 0 to {}",

@@ -34,7 +34,8 @@ impl AsPrinted {
     pub fn new(domain: Domain, search: Search, samples: &Samples) -> Self {
         let mut grid = SampleGrid::with_capacity(domain, samples.len());
         for (id, &fate) in (0..).zip(&samples.fates) {
-            // Eliminated samples stay in the grid, and searches pass them by. Dropped ones lie where it has no cells.
+            // Eliminated samples stay in the grid, and searches leave them out. Dropped ones lie outside of the grid's
+            // cells.
             if fate != Fate::Dropped {
                 grid.insert(id, samples.points[id as usize]);
             }

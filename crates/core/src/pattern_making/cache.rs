@@ -55,7 +55,7 @@ fn of_spec(
         Meter::begin(observer, Stage::Pattern, total)?.end()?;
         pattern
     } else {
-        // Not under the lock, so that a run that needs another pattern does not wait for this one.
+        // The pattern is made without the lock, so that a run that needs another one does not wait for it.
         Arc::new(Pattern::generate(spec, observer)?)
     };
 

@@ -231,7 +231,7 @@ impl<'a> Detection<'a> {
 
     /// Records the search around a detector.
     fn record_search<T: Recorder>(&self, centre: u32, at: Point, recorder: &mut T) {
-        // The search of the definition, a disk, whatever parts of it are read.
+        // The search that the definition describes is recorded: a disk, also where the code reads only a part of it.
         let radius = self.reach.search;
         let limit = i64::from(radius) * i64::from(radius);
         let mut found = 0;

@@ -82,7 +82,7 @@ pub(super) fn read(bytes: &[u8]) -> Result<Raw, FormatError> {
     let mut points = Vec::new();
     add(&content, &mut points)?;
 
-    // Small planar sets fit, too: only beside a domain is it decided.
+    // Small planar sets look like degrees, too. This is decided later, when the domain is known.
     let degrees = may_be_degrees(&points);
     let mut raw = Raw::new(points, Precision::Double);
     raw.degrees = degrees;

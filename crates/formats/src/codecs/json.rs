@@ -32,7 +32,7 @@ pub(super) fn read(
     certificate: CertificateUse,
     any_z: bool,
 ) -> Result<Raw, FormatError> {
-    // A page reads no such points, and would load what cuts them for nothing.
+    // A page never asks for this. The condition keeps the code for it out of the page's program.
     if any_z && !cfg!(target_arch = "wasm32") {
         let flat = kept::flat(bytes)?;
         return read(&flat, certificate, false);

@@ -223,7 +223,7 @@ impl Parser {
             scalar,
             offset: element.width,
         });
-        // Binary rows have no room between properties.
+        // In a binary row, properties follow each other without gaps.
         element.width += scalar.bytes();
         Ok(())
     }

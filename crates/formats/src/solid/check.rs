@@ -106,7 +106,7 @@ impl SolidFile {
         });
         let stated = stated.transpose()?;
 
-        // Whatever is not given is as the certificate states.
+        // What the overrides leave open is taken from the certificate.
         let raw = codec::decode(data, &hint(name, overrides.format, overrides.set))?;
         let (format, precision) = (raw.detection.format, raw.precision);
         let judged = SolidJudged::new(format, stated.as_ref(), overrides, depth)?;

@@ -442,7 +442,7 @@ fn locked(path: &Path) -> Result<(Place, Lock), ExportError> {
 /// Returns how a set is written band by band. Fails if that is not possible, before any work is done.
 fn stream_target(path: &Path, context: &ExportContext) -> Result<Target, ExportError> {
     let mut target = target(&file_name(path)?, context)?;
-    // Found out at the end, this would cost the whole export.
+    // It is checked whether the certificate can be written now, since at the end the whole export would be lost.
     Place::of(path)?.takes_certificate()?;
 
     let format = target.format;

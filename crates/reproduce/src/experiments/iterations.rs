@@ -122,7 +122,8 @@ fn suffices(how: &str, sets: &[Summary]) -> Claim {
         // A set has about as many samples as it was made for.
         .filter(|set| set.count as f64 >= 0.9 * PAPER_SAMPLES)
         .count();
-    // One set that needs more refutes it, whatever its size; only sets of the paper's size confirm it.
+    // A single set that needs more iterations refutes the claim, whatever its size. Only sets of the paper's size
+    // confirm it.
     let verdict = Verdict::if_known(most > PAPER || large >= ENOUGH, most <= PAPER);
 
     let values = json!({
@@ -145,7 +146,7 @@ fn rare(how: &str, sets: &[Summary]) -> Claim {
     // Where nothing was inserted, the share is 0.
     let share = |count: f64| count / inserted.max(1) as f64;
     let [low, high] = poisson_interval(late, MISSED).map(share);
-    // Known if the interval lies on one side of the limit.
+    // There is a verdict only if the whole interval lies on one side of the limit.
     let verdict = Verdict::if_known(low > RARE || high <= RARE, high <= RARE);
 
     let values = json!({

@@ -133,6 +133,7 @@ pub(crate) fn run_timed(
     })
 }
 
+/// Adds the report of a pass to the times of its name in a stage.
 fn add(passes: &mut Vec<PassTimes>, [stage, name]: [String; 2], report: &PassReport) {
     let known = passes
         .iter_mut()
@@ -140,7 +141,7 @@ fn add(passes: &mut Vec<PassTimes>, [stage, name]: [String; 2], report: &PassRep
 
     if let Some(pass) = known {
         pass.times += 1;
-        // A pass without a number leaves the sum without one: a part would look like all.
+        // If one pass has no number, the sum has none: the sum of the others would be too small.
         pass.bytes = pass.bytes.zip(report.bytes()).map(|(a, b)| a + b);
         pass.seconds = pass.seconds.zip(report.seconds).map(|(a, b)| a + b);
     } else {

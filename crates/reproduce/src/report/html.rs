@@ -88,6 +88,7 @@ pub fn page(blocks: &[Block], figures: &Path) -> String {
     out
 }
 
+/// Returns a span of text in HTML.
 fn span(span: &Span) -> String {
     match span {
         Span::Plain(text) => escape(text),

@@ -134,6 +134,7 @@ impl Draft {
     }
 }
 
+/// Returns the part of the form that an error is about.
 pub(super) fn part_of(error: &ParameterError, parameters: &Parameters) -> FormPart {
     FormPart::Field(match error {
         // The limits of sides are in r: if the side suits the default radius, the radius is at fault.

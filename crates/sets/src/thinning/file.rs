@@ -318,6 +318,7 @@ fn around(points: &[[f64; 2]], radius: Option<f64>) -> Result<(Region, [f64; 2])
     }
 }
 
+/// Fails if a point is not in the stated region.
 fn refuse_outside(
     points: &[[f64; 2]],
     region: Region,

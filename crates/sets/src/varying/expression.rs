@@ -166,6 +166,7 @@ impl Parser<'_> {
         Ok(())
     }
 
+    /// Reads a sum: products with signs between them.
     fn sum(&mut self) -> Result<(), VaryingError> {
         // Each parenthesis and each argument is a sum, so that depth is counted here.
         self.go_deeper()?;
@@ -218,6 +219,7 @@ impl Parser<'_> {
         Ok(())
     }
 
+    /// Reads a number, a name, a function with its arguments, or a sum in parentheses.
     fn atom(&mut self) -> Result<(), VaryingError> {
         match self.peek() {
             Some(b'(') => {
@@ -239,6 +241,7 @@ impl Parser<'_> {
         }
     }
 
+    /// Reads a number.
     fn number(&mut self) -> Result<(), VaryingError> {
         let start = self.at;
         while let Some(&c) = self.text.get(self.at) {
@@ -265,8 +268,9 @@ impl Parser<'_> {
         }
     }
 
+    /// Reads what follows a word, which began at `start`: nothing after a name, the arguments after a function.
     fn word(&mut self, word: &str, start: usize) -> Result<(), VaryingError> {
-        // Names stand for themselves only, without a way to define others.
+        // These three names are all that there are; others cannot be defined.
         let without_arguments = match word {
             "x" => Some(Step::X),
             "y" => Some(Step::Y),

@@ -85,6 +85,7 @@ struct Nodes {
 }
 
 impl VaryingRecipe {
+    /// Returns the ground of a radius: what the sampler needs, and what the judge gets.
     pub(super) fn ground_of(&self, radius: &RadiusSource) -> Result<Ground, VaryingError> {
         radius.check()?;
         let frame = self.frame(radius)?;
@@ -389,6 +390,7 @@ impl VaryingRecipe {
         })
     }
 
+    /// Returns the shape for the sampler, for the judge and for the certificate.
     fn shapes(&self, frame: &Frame, domain: &Domain, bits: u32) -> Result<Shapes, VaryingError> {
         match &self.shape {
             None => Ok(Shapes {

@@ -78,6 +78,7 @@ impl PlanarPolygon {
         Self { rings, file: None }
     }
 
+    /// Fails if the rings are too large, enclose nothing, cross each other, or seem to be in degrees.
     fn check(&self, name: &str, planar: bool) -> Result<(), VaryingError> {
         let fault = |reason: String| VaryingError::Polygon {
             name: name.to_owned(),
@@ -265,6 +266,7 @@ fn add(object: &Value, rings: &mut Vec<Vec<[f64; 2]>>) -> Result<(), String> {
     }
 }
 
+/// Appends the rings of a polygon of GeoJSON.
 fn add_polygon(polygon: &[Value], rings: &mut Vec<Vec<[f64; 2]>>) -> Result<(), String> {
     for ring in polygon {
         let index = rings.len();

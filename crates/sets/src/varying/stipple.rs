@@ -250,6 +250,7 @@ struct Wider {
 }
 
 impl Wider {
+    /// Returns the field and the shape with a margin in which dots go on as at the border.
     fn around(ground: &Ground, image: &GrayImage, white: f64) -> Result<Self, VaryingError> {
         let (frame, bits, [columns, rows]) = (ground.field.domain(), ground.bits, image.pixels());
         // At a node the field has exactly the node's radius.
@@ -273,7 +274,8 @@ impl Wider {
         );
         let min = Point::new(0, 0);
         let domain = Domain::of_rect(&Rect { min, max }, Boundary::Bounded)?;
-        // Beyond the frame a node is as the nearest one in it. Of nodes there is one more than pixels.
+        // A node beyond the frame has the radius of the nearest node in it. There is one node more than pixels on each
+        // axis.
         let nearest = |index: usize, last: usize| index.saturating_sub(pixels).min(last);
         let nodes = (0..=rows + 2 * pixels).flat_map(|row| {
             (0..=columns + 2 * pixels)

@@ -45,6 +45,7 @@ pub(crate) fn domain_text(region: Region) -> String {
     format!("{} \u{d7} {} {border}", region.width, region.height)
 }
 
+/// Returns why a set from a file is not compared with the run, or `None` if it is.
 fn refusal(name: &str, region: Region, guessed: bool, run: Region) -> Option<String> {
     // A side may differ by rounding: the run's is computed from its radius, the file's was written by any program.
     let same = |a: f64, b: f64| (a - b).abs() <= 1e-9 * a.abs().max(b.abs());

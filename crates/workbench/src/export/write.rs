@@ -297,6 +297,7 @@ fn write_samples(job: &ExportJob, monitor: &Monitor) -> Result<What, WriteError>
     })
 }
 
+/// Appends the file of a set and its certificate to `files`.
 fn render_samples(
     job: &ExportJob,
     name: &str,

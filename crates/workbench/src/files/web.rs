@@ -41,6 +41,7 @@ pub fn choose(wake: &Wake) -> Job<ReadFiles> {
     })
 }
 
+/// Opens the browser's dialog for files. The promise is resolved when the user has chosen some, or none.
 fn open_dialog() -> Result<(HtmlInputElement, Promise), JsValue> {
     let missing = || JsValue::from_str("there is no page");
     let window = web_sys::window().ok_or_else(missing)?;

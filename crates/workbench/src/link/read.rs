@@ -88,6 +88,7 @@ fn is_known(key: &str) -> bool {
 }
 
 impl LinkReader {
+    /// Splits a link into its keys and values.
     fn split(&mut self, text: &str) {
         let text = text.trim();
         let fragment = text.split_once('#').map_or(text, |(_, fragment)| fragment);
@@ -129,6 +130,7 @@ impl LinkReader {
         start.rfind('&').map_or("", |end| &start[..end])
     }
 
+    /// Reads the lesson and the language.
     fn lesson(&mut self, content: &mut LinkContent) {
         let known = |text: &str| {
             language::TAGS
@@ -147,12 +149,13 @@ impl LinkReader {
         });
     }
 
+    /// Warns if the link is not of this version.
     fn version(&mut self) {
         let Some(text) = self.pairs.get("v") else {
             return;
         };
         let shown = quoted(text);
-        // Each part of a link stands by itself, so that a newer one is read as far as its parts are known.
+        // The parts of a link do not depend on each other, so that a newer link is read as far as its parts are known.
         match tidy(text).parse::<u32>() {
             Ok(VERSION) => {}
             Ok(newer) if newer > VERSION => self.warnings.add(format!(
@@ -177,6 +180,7 @@ impl LinkReader {
         taken
     }
 
+    /// Reads the run and its moment.
     fn run(&mut self, content: &mut LinkContent) {
         content.combination = self.combination();
         if content.combination.is_none() {
@@ -395,6 +399,7 @@ impl LinkReader {
         (content.view.second, content.view.links) = (Some(second), links);
     }
 
+    /// Reads breakpoints, watches, and scenes with their views.
     fn stops(&mut self, content: &mut LinkContent) {
         content.breakpoints = self.list("break", "breakpoint", MAX_STOPS, breakpoint);
         content.watches = self.list("watch", "watch", MAX_STOPS, short);
@@ -403,7 +408,7 @@ impl LinkReader {
         let views = self.list("mark-view", "view of a scene", MAX_SCENES, |text| {
             Some(read_scene_view(text).ok_or_else(|| quoted(text)))
         });
-        // In the order of the scenes, with a place holder where a scene has none.
+        // Views are in the order of the scenes, with a placeholder where a scene has none.
         for (scene, view) in content.scenes.iter_mut().zip(views) {
             match view {
                 Ok(view) => scene.view = view,

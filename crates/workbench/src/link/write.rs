@@ -102,6 +102,7 @@ impl Writer {
         }
     }
 
+    /// Writes the run and its moment.
     fn run(&mut self, content: &LinkContent) {
         match &content.combination {
             Some(layout) => self.combination(layout),
@@ -137,6 +138,7 @@ impl Writer {
         }
     }
 
+    /// Writes the field and the shape.
     fn ground(&mut self, request: &GroundRequest) {
         let [expression, shape, origin] = GROUND;
         // A request with an image was left out before.
@@ -155,6 +157,7 @@ impl Writer {
         }
     }
 
+    /// Writes the layout of a combination, unless it is too long.
     fn combination(&mut self, layout: &tilescope_core::combine::file::Layout) {
         let json = serde_json::to_string(layout).unwrap_or_default();
         let nine = tilescope_core::combine::file::Layout::from_json(NINE.as_bytes());

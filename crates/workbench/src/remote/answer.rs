@@ -171,6 +171,7 @@ fn need_session(state: &State) -> Result<&tilescope_session::session::Session, R
     refused(why)
 }
 
+/// Steps once by a unit, whichever unit the user has chosen for play.
 fn step_by(state: &mut State, forwards: bool, unit: Clock) -> Result<(), RequestError> {
     need_session(state)?;
     if let Some(why) = state.runs().first.clock_refusal(unit) {
@@ -186,7 +187,7 @@ fn step_by(state: &mut State, forwards: bool, unit: Clock) -> Result<(), Request
     let before = state.time().playback.clone();
     let mut by_unit = before.clone();
     by_unit.clock = unit;
-    // The chosen unit stays.
+    // The unit is changed for this step alone: afterwards playback is as it was before.
     state.carry_out(Which::First, vec![Effect::Playback(Box::new(by_unit))]);
     state.apply(Command::Time(step));
     state.carry_out(Which::First, vec![Effect::Playback(Box::new(before))]);
@@ -229,6 +230,7 @@ fn seek_part(state: &mut State, part: f64) -> Result<(), RequestError> {
     Ok(())
 }
 
+/// Goes to the next target in a direction. Fails if there is none.
 fn seek_target(
     state: &mut State,
     target: Target,
@@ -240,7 +242,7 @@ fn seek_target(
         return refused(NO_EVENTS);
     };
     let (recording, cursor) = (debugger.recording(), debugger.state().cursor());
-    // The command itself would do nothing, with a notice in place of an error.
+    // The command would do nothing and show a notice, where the page expects an error.
     if moves::arrive(recording, cursor, target, direction).is_none() {
         return refused(none_there(target, direction));
     }

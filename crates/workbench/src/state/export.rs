@@ -500,6 +500,7 @@ fn frames_key(form: &ExportForm, source: ExportSource<'_>) -> Result<Key, Export
     Ok((generation, range, form.clock, form.every()?))
 }
 
+/// Changes a field of the sheet.
 fn fill_in(form: &mut ExportForm, command: ExportCommand) {
     match command {
         ExportCommand::Path(path) => {

@@ -197,6 +197,7 @@ impl FileState {
         is_new && is_free && window.embedding.is_none()
     }
 
+    /// Opens the sheet for a purpose, with a path to begin with.
     fn open_sheet(&mut self, purpose: Purpose, session_path: Option<&str>) {
         let path = match purpose {
             Purpose::Pattern | Purpose::Combination | Purpose::Against => String::new(),
@@ -233,6 +234,7 @@ impl FileState {
         saves || self.exports.sheet.as_ref().is_some_and(|form| form.asked)
     }
 
+    /// Opens the dialog for files of the system or of the browser.
     fn browse(&mut self, context: &mut Context) {
         let Some(form) = &self.sheet else {
             return;
@@ -290,6 +292,7 @@ impl FileState {
         }
     }
 
+    /// Starts to read a file in the background.
     fn begin_reading(
         &mut self,
         purpose: Option<Purpose>,

@@ -102,6 +102,7 @@ impl Form {
         (!names.is_empty()).then(|| format!("Not in the run shown: {}.", names.join(", ")))
     }
 
+    /// Applies a command to the parameters that are being edited.
     pub(super) fn apply(&mut self, command: FormCommand, context: &mut Context) {
         match command {
             FormCommand::Type(field, text) => self.draft.set_text(field, text),

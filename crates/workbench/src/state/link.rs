@@ -204,6 +204,7 @@ impl LinkSource<'_> {
         }
     }
 
+    /// Returns the parameters of run B for a link; `None` if there is no run B, or if it has to be left out.
     fn linked_second(
         &self,
         made: Option<Parameters>,

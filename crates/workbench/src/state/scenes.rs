@@ -164,6 +164,7 @@ impl Scenes {
         }
     }
 
+    /// Makes a scene of the moment, behind the one that is shown, or at the end of the list.
     fn add(&mut self, run: &mut RunView, source: &SceneSource, context: &mut Context) {
         let view = scene_view(run, &source.view);
         let at = match self.shown {
@@ -187,6 +188,7 @@ impl Scenes {
         }
     }
 
+    /// Shows the scene before or after the one that is shown.
     fn step(
         &mut self,
         direction: Direction,
@@ -274,6 +276,7 @@ fn scene_view(run: &RunView, view: &SavedView) -> Value {
     view
 }
 
+/// Goes to the moment of a scene, and looks at it as the scene does.
 fn arrive_at(scene: &SavedScene, run: &mut RunView, source: &SceneSource, context: &mut Context) {
     let Some(debugger) = &run.debugger else {
         return;

@@ -224,6 +224,7 @@ impl Time {
         }
     }
 
+    /// Starts or stops play. It begins anew at the end of the run, and in the loop if the cursor is outside of it.
     fn toggle_play(&mut self, run: &mut RunView) {
         if self.playback.is_playing() {
             self.playback.stop();

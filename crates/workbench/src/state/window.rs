@@ -75,6 +75,7 @@ impl WindowState {
         self.drawer.open = None;
     }
 
+    /// Applies a command of the window.
     pub(super) fn apply(&mut self, command: WindowCommand) {
         match command {
             // Panels and their layout.

@@ -56,7 +56,7 @@ pub fn claims(each: &[Against], rows: &[EngineRate]) -> Vec<Claim> {
     let mut claims = Vec::from(self::rates(rows));
     claims.push(similar(&holding));
 
-    // Of all radii: two groups may come close to each other by chance.
+    // The largest of all radii is taken, since at one radius two groups may be close to each other by chance.
     let apart = largest(each.iter().map(|one| one.apart));
     claims.extend(level([&holding, &close], apart, control));
     claims.extend(spikes(&holding, &close, control));

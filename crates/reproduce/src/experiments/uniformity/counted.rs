@@ -164,6 +164,7 @@ impl Counter {
         self.count(points)
     }
 
+    /// Counts the samples of a run, and those that were inserted by their rank in the gap.
     fn run(&self, run: &Run, gaps: &Gaps<'_>, control: &Control<'_>) -> Result<SetCounts> {
         let seed = run.parameters.seed;
         let what = format!("{:?}, seed {seed}", run.parameters.insertion);

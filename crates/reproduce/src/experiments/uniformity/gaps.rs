@@ -120,6 +120,7 @@ impl<'a> Gaps<'a> {
 }
 
 impl Gap {
+    /// Prepares draws of uniform places in a gap.
     fn new(region: GapRegion) -> Self {
         let deepest = region.deepest.0;
         let corners = region.fill.as_flattened().iter();

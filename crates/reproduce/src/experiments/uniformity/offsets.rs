@@ -259,6 +259,7 @@ pub struct PairedBias {
 }
 
 impl PairedBias {
+    /// Returns the bias near the borders of blocks, as differences of sets that were made from the same seeds.
     pub fn of(seeds: &[SeedCounts]) -> Self {
         let sets = seeds.len() as f64;
         // The classes within 1 r of a block's border.

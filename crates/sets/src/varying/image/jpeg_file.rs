@@ -17,6 +17,7 @@ pub(super) const SIGNATURE: &[u8] = b"\xff\xd8\xff";
 /// The longest side of a JPEG image that its file can state.
 const MAX_SIDE: usize = 65_535;
 
+/// Decodes the luma of a JPEG image.
 pub(super) fn read(file: &ImageFile<'_>) -> Result<Pixels, VaryingError> {
     let damaged =
         |error: DecodeErrors| file.fault(format!("the image cannot be decoded: {error:?}"));
@@ -24,7 +25,7 @@ pub(super) fn read(file: &ImageFile<'_>) -> Result<Pixels, VaryingError> {
         .jpeg_set_out_colorspace(ColorSpace::Luma)
         .set_max_width(MAX_SIDE)
         .set_max_height(MAX_SIDE)
-        // A decoder that goes on after a fault would lose a part of the image without a word.
+        // A decoder that goes on after a fault would lose a part of the image without an error.
         .set_strict_mode(true);
     let mut decoder = JpegDecoder::new_with_options(ZCursor::new(file.bytes), options);
     // The size is checked twice: as the file states it, for a message of our own, and as the decoder will decode it.
@@ -36,7 +37,8 @@ pub(super) fn read(file: &ImageFile<'_>) -> Result<Pixels, VaryingError> {
         file.check_size(info.width.into(), info.height.into())?;
     }
 
-    // Luma is the first plane of both. The grey of other colours would be a matter of opinion.
+    // Grey images and those in YCbCr have luma as their first plane. Other colours have no grey that all programs agree
+    // on.
     match decoder.input_colorspace() {
         Some(ColorSpace::Luma | ColorSpace::YCbCr) => {}
         Some(ColorSpace::CMYK | ColorSpace::YCCK) => {
@@ -53,7 +55,7 @@ pub(super) fn read(file: &ImageFile<'_>) -> Result<Pixels, VaryingError> {
 
     let luma = decoder.decode().map_err(damaged)?;
     let columns = decoder.info().map_or(1, |info| usize::from(info.width));
-    // 257 times 255 is 65,535: black and white stay what they are.
+    // 257 times 255 is 65,535: black stays the least and white the greatest value.
     let light = luma.iter().map(|&byte| u16::from(byte) * 257).collect();
     let turn = decoder.exif().map_or(1, |exif| orientation(exif));
     Ok(turned(light, columns, turn))

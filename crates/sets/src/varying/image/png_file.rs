@@ -13,8 +13,10 @@ pub(super) const SIGNATURE: &[u8] = b"\x89PNG\r\n\x1a\n";
 /// Where the header of a PNG file has width and height.
 const DIMENSIONS: usize = 16;
 
+/// Decodes a PNG image.
 pub(super) fn read(file: &ImageFile<'_>) -> Result<Pixels, VaryingError> {
-    // Before anything is decoded, as the decoder refuses some sizes with other words.
+    // The size is checked before anything is decoded, since the decoder would refuse some sizes with a message of its
+    // own.
     let side = |at: usize| {
         let bytes = file.bytes.get(at..at + 4);
         bytes
@@ -25,7 +27,7 @@ pub(super) fn read(file: &ImageFile<'_>) -> Result<Pixels, VaryingError> {
         file.check_size(columns, rows)?;
     }
 
-    // Twice as much as the largest image takes, of 2^26 pixels with 8 bytes each.
+    // The limit is twice the largest image: 2^26 pixels of 8 bytes each.
     let limits = Limits { bytes: 1 << 30 };
     let mut decoder = Decoder::new_with_limits(Cursor::new(file.bytes), limits);
     // Palettes become colours, and depths below 8 bits 8 bits; 16 bits stay.
@@ -35,7 +37,7 @@ pub(super) fn read(file: &ImageFile<'_>) -> Result<Pixels, VaryingError> {
     if reader.info().is_animated() {
         return Err(file.fault("the image is animated; save one picture of it"));
     }
-    // No more than 8 bytes for each of the pixels, which were counted above.
+    // The buffer has at most 8 bytes for each pixel, and the number of pixels was checked above.
     let size = reader.output_buffer_size().unwrap_or(0);
     let mut data = vec![0; size];
     let info = reader.next_frame(&mut data).map_err(damaged)?;
@@ -56,6 +58,7 @@ fn words(data: &[u8], depth: BitDepth) -> Vec<u16> {
     data.iter().map(|&byte| u16::from(byte) * 257).collect()
 }
 
+/// Returns the luminance of pixels, and their alpha if some of them are transparent.
 fn pixels(words: &[u16], color: ColorType, columns: usize) -> Pixels {
     let (samples, has_alpha) = match color {
         ColorType::Grayscale => (1, false),
@@ -74,7 +77,7 @@ fn pixels(words: &[u16], color: ColorType, columns: usize) -> Pixels {
         }
         _ => pixel[0],
     });
-    // An alpha channel that is opaque everywhere says nothing, and grey is the mask.
+    // An alpha channel that is opaque everywhere is left out, so that the grey values serve as the mask.
     let alpha = |pixel: &[u16]| pixel[samples - 1];
     let is_transparent = has_alpha && all.clone().any(|pixel| u32::from(alpha(pixel)) < WHITE);
     Pixels {

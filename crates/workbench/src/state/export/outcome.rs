@@ -161,6 +161,7 @@ impl Exports {
         }
     }
 
+    /// Closes the sheet of an export that has succeeded, and shows a notice of it.
     fn exported(&mut self, written: &Written, download: Option<&str>, context: &mut Context) {
         // The sheet may have been opened for another file since.
         let this = |form: &ExportForm| form.file() == written.path;

@@ -22,6 +22,7 @@ const NEIGHBOURHOOD: f64 = 12.0;
 const FOLLOWED: f64 = 40.0;
 
 impl RunView {
+    /// Applies a command to the camera, the selection or what is under the pointer.
     pub(in crate::state) fn apply_to_view(&mut self, command: ViewCommand, context: &mut Context) {
         match command {
             ViewCommand::Viewport(rect) => self.follow_viewport(rect),
@@ -315,6 +316,7 @@ impl RunView {
         })
     }
 
+    /// Flies to the current event, if it is out of sight or too small to be seen.
     fn approach_event(&mut self, context: &Context) {
         let Some(place) = self.middle_of_event() else {
             return;

@@ -110,6 +110,7 @@ impl Task for CountHitsTask {
     }
 }
 
+/// Returns the moments at which breakpoints stop the run, as far as the limits allow.
 fn hits(recording: &Arc<Recording>, stops: &[(LineId, String)], monitor: &Monitor) -> Vec<usize> {
     let mut debugger = Debugger::new(Arc::clone(recording), DEFAULT_BUDGET);
     for (line, condition) in stops {
