@@ -127,7 +127,7 @@ impl Grid {
             *cursor += 1;
         }
 
-        // Moves each start back to its cell.
+        // While samples were placed, the start of each cell became its end, which is the start of the next cell.
         starts.pop();
         starts.insert(0, 0);
 

@@ -113,7 +113,7 @@ impl StreamVerifier {
         let (by_delaunay, by_circles) = match options.judges {
             JudgeChoice::Delaunay => (true, false),
             JudgeChoice::Circles => (false, true),
-            // Subdivision was refused above.
+            // A stream is never judged by subdivision, which was refused above.
             JudgeChoice::Both | JudgeChoice::Subdivision => (true, true),
             JudgeChoice::Automatic => {
                 // The densest set without conflicts has 1.155 samples to a squared radius; 1.2 is a little more.
@@ -288,7 +288,7 @@ impl StreamVerifier {
         match (delaunay.map(report_on), circles) {
             (Some(delaunay), Some(circles)) => agreement::agreed(delaunay, circles),
             (Some(report), None) | (None, Some(report)) => Ok(report),
-            // At least one judge is always asked.
+            // This does not occur, as at least one judge is always asked.
             (None, None) => Err(VerifyError::Empty),
         }
     }

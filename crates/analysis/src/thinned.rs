@@ -158,7 +158,7 @@ fn check(set: &ThinnedSet<'_>) -> Result<(), VerifyError> {
     assert_eq!(set.kept.len(), count, "one flag for each point");
     assert!(set.ranks.is_none_or(|ranks| ranks.len() == count));
 
-    // Indices have 32 bits.
+    // Indices are stored in 32 bits.
     let limit = u32::MAX as usize;
     if count == 0 {
         return Err(VerifyError::Empty);
@@ -293,7 +293,7 @@ impl ThinnedSet<'_> {
 
 /// Returns the harmonic mean of two radii: points nearer than that are near.
 fn mean(a: f64, b: f64) -> f64 {
-    // The same number by a shorter way.
+    // The harmonic mean of equal radii is the radius itself, without rounding.
     if a == b {
         return a;
     }
@@ -332,7 +332,7 @@ impl Parts {
     fn of(value: f64) -> Self {
         let bits = value.to_bits();
         let (exponent, fraction) = ((bits >> 52) as i32 & 0x7ff, bits & ((1 << 52) - 1));
-        // The smallest numbers have no digit before the point.
+        // Subnormal numbers have a 0 before the point, all others a 1, which is not stored.
         let digits = if exponent == 0 {
             fraction
         } else {
@@ -430,7 +430,7 @@ impl Search<'_> {
                 break;
             }
             let index = point.index;
-            // A kept point needs no other one near it.
+            // A kept point is covered by itself.
             let mut is_covered = self.set.is_kept(index);
             let mut last_index = None;
             for other in near.iter() {

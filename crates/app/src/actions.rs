@@ -608,7 +608,7 @@ fn colours(list: &mut List, state: &State) {
             }
             _ => "Only nested levels have levels.",
         };
-        // Such a colouring would be drawn as another one.
+        // A colouring that the run cannot show would be drawn as another one, so that it is refused.
         list.add(name, command)
             .refused((colouring.of(kind) != colouring).then_some(refusal))
             .marked(state.appearance().colouring.of(kind) == colouring);

@@ -86,7 +86,7 @@ impl App {
             commands: Vec::new(),
             focused: None,
             stage: Stage::default(),
-            // A page replaces these; otherwise egui's ways serve.
+            // A page replaces these two functions. Elsewhere they return false, and egui does the work.
             copier: |_| false,
             full_screen_turner: || false,
             #[cfg(not(target_arch = "wasm32"))]
@@ -419,7 +419,7 @@ impl App {
 
         let lessons = self.state.lessons();
         let look = self.state.appearance().look;
-        // Whole: every panel occurs once, shown or hidden.
+        // A layout is whole if every panel occurs once in it, shown or hidden.
         let arrangement = if self.state.window().layout.is_whole() {
             if lessons.open.is_some() || lessons.shows_list {
                 Arrangement::beside_lesson(size, look)

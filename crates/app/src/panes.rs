@@ -202,7 +202,7 @@ impl PaneSide<'_> {
         };
 
         overlay::scale_bar(&painter, rect, subject, palette);
-        // The class sees the picture and its scale alone.
+        // On the stage of a talk only the picture and its scale are shown.
         if context.is_stage {
             return response;
         }

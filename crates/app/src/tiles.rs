@@ -79,7 +79,7 @@ impl Maker {
                 tabs.active = active;
                 Container::Tabs(tabs)
             }
-            // Panels were inserted above.
+            // A panel has no container: its tile was inserted above.
             layout::LayoutTile::Panel(_) => return id,
         };
 

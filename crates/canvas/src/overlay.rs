@@ -77,7 +77,7 @@ fn own_unit(subject: &Subject<'_>) -> Option<f64> {
 
 /// Returns the length of the scale bar, in r or in the unit of the domain, and in screen points.
 fn bar(subject: &Subject<'_>) -> (f64, f32) {
-    // Screen points in what is shown as 1.
+    // How many screen points the unit of length takes that is shown.
     let scale = subject.camera.scale / own_unit(subject).unwrap_or(1.0);
     let shown_length = round_length(110.0 / scale);
     (shown_length, (shown_length * scale) as f32)

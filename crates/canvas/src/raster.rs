@@ -103,7 +103,7 @@ impl Coverage {
         let domain = locality.field.domain();
         let mut radii = vec![0; self.cells.len()];
         for (index, (cell, radius)) in self.cells.iter_mut().zip(&mut radii).enumerate() {
-            // Columns and rows of pixels are those of `size`.
+            // The index counts pixels row by row.
             let pixel = [index % self.size[0], index / self.size[0]];
             let at = frame.domain_from_pixel(pixel.map(|k| k as f64 + 0.5)) * f64::from(R);
             let place = domain.wrap(at.floor().as_i64vec2());
@@ -184,7 +184,7 @@ impl Coverage {
             for k in pixels {
                 image.pixels[k] = match self.cells[k] {
                     OPEN if self.is_edge(k) => edge,
-                    // Row plus column is the same along a diagonal.
+                    // Row plus column is constant along a diagonal, which makes the lines of the hatching.
                     OPEN if (k / width + k % width) % period < thick => hatch,
                     OPEN => fill,
                     NOW => faint,

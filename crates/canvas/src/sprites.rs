@@ -78,7 +78,7 @@ impl Sprites {
                 self.spare.push(mesh);
             }
         }
-        // `mesh` takes the last, which is the largest.
+        // `mesh` takes the last one, so that the largest is used first.
         self.spare.sort_by_key(|mesh| mesh.vertices.capacity());
     }
 

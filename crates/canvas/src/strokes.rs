@@ -101,7 +101,7 @@ impl Strokes {
     /// Adds a dashed line; dashes are shorter on short lines.
     pub fn dashes(&mut self, from: Pos2, to: Pos2, width: f32, color: Color32) {
         let length = (to - from).length_sq().sqrt();
-        // Less than a pixel is not seen.
+        // A line of less than half a point is not visible.
         if length < 0.5 {
             return;
         }

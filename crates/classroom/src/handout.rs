@@ -209,7 +209,7 @@ impl HandoutTask {
         let record = self.record.as_ref();
         let strokes = record.map_or(&[][..], |record| record.strokes_in(&key));
 
-        // Paper is light, whatever look the window has.
+        // Pictures on paper are light, whatever look the window has.
         let style = PictureStyle {
             size: PICTURE,
             dark: false,

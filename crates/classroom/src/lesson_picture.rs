@@ -321,7 +321,7 @@ impl StepPictureTask {
     fn drawn(&self) -> Result<StepPicture, String> {
         let lesson = Lesson::read(&self.name, &self.text).map_err(|error| error.to_string())?;
 
-        // A step of another version of the file, perhaps.
+        // The index may be that of a step in another version of the file.
         let count = lesson.steps.len();
         if self.index >= count {
             return Err(format!("the lesson has {count} steps"));

@@ -212,7 +212,7 @@ fn expression(text: &str) -> Result<Expression> {
 /// Returns the radius that a formula gives.
 pub fn formula(text: &str) -> Result<RadiusSource> {
     let expression = expression(text)?;
-    // As it is written; only a count scales it.
+    // The formula is taken as it is written. Only a wanted number of samples scales it later.
     let scale = 1.0;
     Ok(RadiusSource::Expression { expression, scale })
 }

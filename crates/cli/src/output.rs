@@ -403,7 +403,7 @@ pub fn verdict_text(report: &Report, levels: &[CertifiedLevel]) -> String {
 /// Returns the verdict on a set whose radius varies or that covers a shape. No length of it is a radius.
 fn subdivision_text(report: &Report) -> String {
     let covers = match report.covering_factor {
-        // Rounded up, as every place is within it.
+        // The factor is rounded up, so that the sentence is true of every place.
         Some(factor) => format!(
             "prefix         yes   every place is within {:.6} times its radius",
             (factor * 1e6).ceil() / 1e6

@@ -73,7 +73,7 @@ pub fn pass(
     };
     let outcome = Outcome::new(facts, work, count, verdict);
     Ok(Outcome {
-        // The samples before the checkpoint did not pass by.
+        // A resumed run has not seen the samples before the checkpoint, so that it has no digest of all.
         positions_digest: state.is_none().then_some(digest),
         ..outcome
     })

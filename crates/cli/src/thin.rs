@@ -144,7 +144,7 @@ fn make(arguments: &ThinArguments) -> Result<ThinnedFile> {
     if file.read.degrees && !arguments.planar && recipe.domain.is_none() {
         return Err(ThinFileError::Degrees).in_file(&arguments.input);
     }
-    // Found out now, rather than after the work.
+    // The name is checked now, so that the command does not fail only after the work.
     if let Some(path) = &arguments.out {
         file.check_name(&file_name(path)).in_file(path)?;
     }

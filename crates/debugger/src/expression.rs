@@ -355,7 +355,7 @@ fn with_signs(text: &str) -> String {
         let length = rest.find(|c| !is_of_name(c)).unwrap_or(rest.len());
         let (word, after) = rest.split_at(length.max(first.len_utf8()));
         signs.push_str(match word {
-            // A blank fills the place of the third letter.
+            // A blank makes the sign as long as the word, so that places in error messages stay right.
             "and" if !is_quoted => "&& ",
             "or" if !is_quoted => "||",
             word => word,

@@ -182,7 +182,7 @@ const fn printed(run_event: &RunEvent) -> (&'static str, u8) {
         RunEvent::Call { iteration, .. } => ("printed", if iteration == 1 { 10 } else { 15 }),
         RunEvent::Detect { .. } => ("printed", 13),
         RunEvent::IterationEnd { inserted, .. } => ("printed", if inserted > 0 { 16 } else { 17 }),
-        // Only insertions are left.
+        // Of the events of a run as printed, only insertions are left.
         _ => ("gaps", 5),
     }
 }

@@ -143,7 +143,7 @@ pub fn arrive(
         }
     };
 
-    // The cursor behind the event.
+    // A run to an event ends with the cursor behind it.
     found.map(|index| index + 1)
 }
 

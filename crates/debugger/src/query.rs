@@ -211,7 +211,7 @@ impl Query {
     /// Returns the query of a text; an empty one accepts every event.
     pub fn parse(text: &str) -> Result<Self, QueryError> {
         let joined = joined(text);
-        // All words must hold anyway.
+        // All words of a query must hold, so that "and" between them adds nothing.
         let words = joined.split_whitespace().filter(|word| *word != "and");
         let terms: Result<_, _> = words.map(parse_word).collect();
         Ok(Self { terms: terms? })

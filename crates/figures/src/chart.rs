@@ -342,7 +342,7 @@ impl BlankChart {
             axis.checked_range()?;
             axis.check_ticks(&self.title)?;
         }
-        // No cells have no size.
+        // A chart without cells has no size.
         if self.cells.is_some_and(|cells| cells.contains(&0)) {
             return Err(ChartError::Empty(self.title.clone()));
         }

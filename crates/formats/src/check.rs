@@ -508,7 +508,7 @@ pub(crate) fn contradictions(stated: &Certificate, found: &Contents) -> Vec<Cert
 fn implied_verdict(stated: &Certificate) -> bool {
     let radius = stated.radius.least();
     let limit = (1.0 + stated.covering_tolerance) * radius;
-    // Subdivision only counts.
+    // Some verdicts follow from the counts alone: subdivision measures no covering radius.
     let is_counted = stated.is_counted();
     // A prefix covers within its factor, which only the judges' gaps are about.
     let is_within_limit = is_counted || stated.prefix.is_some();

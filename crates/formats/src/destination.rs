@@ -69,7 +69,7 @@ pub fn certificate_beside(path: &Path) -> PathBuf {
 /// Makes a file of this program's own: what an ended process left under its name is removed, and a link that somebody
 /// has put there since is not followed. It gets the mode of the file `like`, which it will replace, if there is one.
 pub(crate) fn create_own(path: &Path, like: &Path) -> io::Result<File> {
-    // If this fails, opening says why.
+    // If this fails, opening the file fails, too, with an error that says why.
     let _ = fs::remove_file(path);
     let mode = fs::metadata(like).map(|old| old.permissions());
 

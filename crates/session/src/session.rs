@@ -593,7 +593,7 @@ fn last_iteration(recording: &Recording) -> Option<Iteration> {
 
     Some(Iteration {
         detectors,
-        // An empty range: it inserted nothing.
+        // An iteration that inserted nothing has an empty range.
         inserted: all.end..all.end,
         ..Iteration::default()
     })

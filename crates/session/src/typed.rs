@@ -52,7 +52,7 @@ fn plain(text: &str) -> Option<String> {
             whole = whole.replace(',', ".");
         }
     } else if are_thousands(whole.split(',')) {
-        // "1,000": groups of three are thousands.
+        // Commas before groups of three digits separate thousands, as in "1,000".
         whole.retain(|c| c != ',');
     } else if whole.matches(',').count() == 1 && !rest.starts_with('.') {
         // "0,5": any other single comma is a decimal one, unless there is a point as well.

@@ -54,7 +54,7 @@ struct Wanted<'a> {
 
 impl Hash for Wanted<'_> {
     fn hash<H: Hasher>(&self, state: &mut H) {
-        // A language is there once.
+        // Each language is in memory once, so that its address identifies it.
         std::ptr::hash(self.language, state);
         self.english.hash(state);
     }

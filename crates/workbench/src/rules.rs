@@ -161,7 +161,7 @@ impl Command {
 
             // Opening a link closes the lesson first, so that it shows no answer to an open question.
             Self::Link(LinkCommand::Copy | LinkCommand::Open(_)) => VIEW,
-            // Either may bring back another run, whole.
+            // Undo and redo may bring back another run, and with it the answer to an open question.
             Self::Undo | Self::Redo => REVEALING,
             Self::DismissNotice | Self::OpenFolder(_) => VIEW,
         }
@@ -188,7 +188,7 @@ const fn form(command: &FormCommand) -> Rules {
 
     Rules {
         undo,
-        // Small runs follow the parameters at once.
+        // A small run is made again as soon as a parameter changes, and may answer an open question.
         reveals: true,
         ends_tour: true,
         ..VIEW

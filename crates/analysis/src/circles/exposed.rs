@@ -153,7 +153,7 @@ pub(crate) fn open_arcs(covered: &[(DVec2, f64)]) -> Vec<[f64; 2]> {
     arcs.sort_unstable_by(|a, b| a[0].total_cmp(&b[0]));
 
     let Some(first) = arcs.first() else {
-        // Nothing is covered.
+        // No arc covers a part of the circle: all of it is exposed.
         return vec![[0.0, TAU]];
     };
     let begin = first[0];

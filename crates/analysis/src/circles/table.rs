@@ -146,7 +146,7 @@ impl Table {
     /// The mask of a square.
     #[inline]
     pub fn mask(&self, square: Square) -> Mask {
-        // The remainder spares a check of the index.
+        // With the remainder the compiler sees that the index is in range, and leaves out the check.
         let stretch = self.0[square as usize % (SQUARES * SQUARES)];
         let turns = (square >> TURN_SHIFT) as Stretch;
         mask_of(stretch.wrapping_add(turns.wrapping_mul(QUARTER)))

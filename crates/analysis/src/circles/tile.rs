@@ -108,7 +108,7 @@ impl Unmarked {
     fn mark(&mut self, table: &Table, masks: &mut [Mask]) {
         while self.hits != 0 {
             let place = self.hits.trailing_zeros() as usize;
-            // The lowest bit goes out.
+            // This clears the lowest bit that is set.
             self.hits &= self.hits - 1;
 
             let (group, lane) = (&self.groups[place / LANES], place % LANES);
@@ -262,7 +262,7 @@ impl Tile {
             let at = |position: &DVec2| ((position[axis] - self.low[axis]) * per_unit) as f32;
             out.clear();
             out.extend(self.positions.iter().map(at));
-            // The last group of lanes reads beyond the end.
+            // The last group of lanes may read beyond the last position, so that there must be room.
             out.resize(self.positions.len() + LANES, 0.0);
         };
 
@@ -349,7 +349,7 @@ impl Tile {
             }
             unmarked.mark(table, masks);
 
-            // Later rows do not mark circles of this one.
+            // Later rows do not mark circles of this row: those that are not full now stay open.
             if self.own[1].contains(&row) {
                 let own = self.cell(self.own[0].clone(), row);
                 let open = own.filter(|&index| masks[index] != FULL);

@@ -154,7 +154,7 @@ impl Survey {
                 continue;
             }
             let circle = circumcircle(corners);
-            // A centre outside belongs to another tile.
+            // A circle counts in the tile that holds its centre, so that it counts once.
             if !inside(circle.center) {
                 continue;
             }

@@ -140,7 +140,7 @@ impl LiveCell {
                     };
                     HalfPlane {
                         normal,
-                        // A half plane compares twice the offset.
+                        // The bound is doubled, as a half plane compares it with twice the offset.
                         bound: 2 * depth,
                     }
                 }
@@ -242,7 +242,7 @@ impl LiveCell {
                     neighbour,
                     ..*vertex
                 }),
-                // The outline comes back to the old edge.
+                // Here the outline comes back from the cut to the old edge.
                 (Ordering::Greater, Ordering::Less) => kept.push(Vertex {
                     at: Meeting::place(cut, vertex.edge),
                     is_certain,
@@ -300,7 +300,7 @@ impl CellVertices<'_> {
     /// sample with the two beside it alone, however many samples are equally far.
     pub fn open(&self) -> impl Iterator<Item = usize> {
         let least = self.limit * (1.0 - 1e-6);
-        // Nearly all vertices are nearer.
+        // A quick test with a little to spare, as nearly all vertices are nearer than the limit.
         let is_near = move |index: usize| self.vertices[index].at.length_squared() < least * least;
         let is_open = move |&index: &usize| {
             !is_near(index) && self.is_beyond(index) && self.counts_for_its_cell(index)

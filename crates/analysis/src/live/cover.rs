@@ -438,7 +438,7 @@ impl LiveCover {
             return 0;
         }
 
-        // The buffer's own vertices wait here.
+        // `self.cell` is a buffer: its own vertices are kept in `taken` meanwhile.
         std::mem::swap(&mut self.cell.vertices, &mut taken.vertices);
         // All other samples have cut a kept cell before, so that its new vertices are certain.
         let is_certain = true;

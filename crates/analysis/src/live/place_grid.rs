@@ -296,7 +296,7 @@ impl PlaceGrid {
             ControlFlow::Continue(())
         };
 
-        // The steps count, whether `each` breaks or not.
+        // Whether `each` broke does not matter: only the steps are returned.
         let _: ControlFlow<()> = if is_inside {
             let mut ways = WAYS[..(2 * reach + 1) * (2 * reach + 1)].iter();
             ways.try_for_each(|[across, up]| {
@@ -381,7 +381,7 @@ impl PlaceGrid {
 
         while open != 0 {
             let bit = open.trailing_zeros() as usize;
-            // The lowest bit goes out.
+            // This clears the lowest bit that is set.
             open &= open - 1;
             let at = [
                 block[0] * BLOCK + bit % BLOCK,
@@ -452,7 +452,7 @@ impl DiskSearch {
 /// Returns the largest whole number that is not above a value, without a call of a function of the system.
 fn whole_below(value: f64) -> i64 {
     let whole = value as i64;
-    // Towards zero is upwards below it.
+    // The cast rounds towards zero, which is upwards for negative numbers.
     whole.saturating_sub(i64::from(whole as f64 > value))
 }
 

@@ -47,7 +47,7 @@ impl CoarsePower {
             return Err(MeasureError::EmptyWindow { window });
         }
 
-        // Every frequency of the window counts.
+        // With a step of 1 every frequency of the window is added.
         let step = 1;
         let mut sums = CoarseSums::new(reach, most, step);
         let [x, y] = reach;
@@ -162,7 +162,7 @@ impl CoarseSums {
         let power = (self.sums.iter().zip(counts))
             .enumerate()
             .map(|(part, (sum, count))| {
-                // The zero frequency counts for nothing.
+                // The middle part has the zero frequency, which is not counted.
                 let count = count - usize::from(part == middle);
                 sum / count as f64
             });

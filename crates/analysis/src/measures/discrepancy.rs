@@ -62,7 +62,7 @@ impl Discrepancy {
         let (of_singles, of_selves) = (sum(single), sum(|a| term(a, a)));
 
         points.par_sort_by(|a, b| a.x.total_cmp(&b.x));
-        // Halves are merged into it.
+        // A buffer, into which `pairs` merges sorted halves.
         let mut room = points.clone();
         let of_pairs = pairs(&mut points, &mut room, &monitor)?;
 

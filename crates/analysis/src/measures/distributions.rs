@@ -47,7 +47,7 @@ pub fn poisson_interval(count: usize, missed: f64) -> [f64; 2] {
 #[must_use]
 pub fn student_quantile(tail: f64, freedom: f64) -> f64 {
     if freedom.is_infinite() {
-        // The square of a normal variable.
+        // With infinitely many degrees of freedom the variable is normal, and its square is chi-square with one degree.
         return chi_square_quantile(tail, 1.0).sqrt();
     }
     let both_tails = |t: f64| beta_part(0.5 * freedom, 0.5, freedom / (freedom + t * t));

@@ -126,7 +126,7 @@ impl Neighbors<'_> {
         let start = own.start - whole.start + before;
         let width = self.grid.domain.extent.x;
 
-        // Each step says whether the walk goes on.
+        // Compares with one more sample, and returns whether a farther one along x may still be nearer.
         let mut step = |other: &Entry| {
             let direct = (other.position.x - x).abs();
             if other.id != entry.id {

@@ -66,7 +66,7 @@ impl TransformPlan {
     ) -> Result<Vec<ComplexParts>, MeasureError> {
         let ([x_axis, y_axis], rows) = (self.axes, self.rows());
         let fft = self.fft_along(1);
-        // The samples are sorted.
+        // The samples are sorted by now, which counts as work.
         monitor.advance(spread.count() as u64)?;
 
         let mut half = vec![ComplexParts::default(); x_axis.size * rows];

@@ -147,7 +147,7 @@ fn add_row(sums: &mut [AnnulusSums], periodogram: &Periodogram, ky: i64, most_x:
     let least_x = if ky == 0 { 1 } else { -most_x };
     for kx in least_x..=most_x {
         let (length, annulus) = places[kx.unsigned_abs() as usize];
-        // Frequencies beyond the last whole annulus count for nothing.
+        // Frequencies beyond the last whole annulus are left out.
         if let (Some(sums), Some(power)) = (sums.get_mut(annulus), periodogram.at([kx, ky])) {
             sums.add(length, power);
         }

@@ -77,7 +77,7 @@ impl SlicedTransform {
         let index = self.made;
         self.made += 1;
 
-        // The first slices are the bands of samples.
+        // The first slices spread the bands of samples, those that follow transform the lines.
         let bands = self.spread.bands();
         if index < bands {
             let count = self.spread.spread_band(index, &mut self.grid);

@@ -121,7 +121,7 @@ impl<'a> CellTile<'a> {
     /// torus.
     fn view(&self, margin: usize) -> Option<TileView> {
         let (domain, sides) = (&self.grid.domain, self.grid.cell_sides());
-        // The view begins as the whole domain.
+        // The view begins as the whole domain, and is narrowed axis by axis.
         let mut view = TileView {
             cells: [[0; 2]; 2],
             ends: [[false; 2]; 2],

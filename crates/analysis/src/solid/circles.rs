@@ -367,7 +367,7 @@ impl Sphere<'_> {
         }
 
         let mut arcs = Vec::new();
-        // A circle of two samples is looked at once.
+        // The circle of two samples is examined once, from the sample of the lower index.
         for other in self.near.iter().filter(|other| other.index > self.index) {
             let direction = other.offset.map(|value| value / other.distance);
             let circle = Circle::of_sphere(self.limit, direction, other.distance / 2.0);
@@ -474,7 +474,7 @@ fn add_bare_edges(
         corner[first] = size[first] * f64::from(side as u8 & 1);
         corner[second] = size[second] * f64::from(side as u8 >> 1);
 
-        // What a ball covers of the edge's line.
+        // Returns the interval of the edge's line that a ball covers.
         let interval = |point: &[f64; 3]| {
             let aside = [first, second].map(|axis| point[axis] - corner[axis]);
             let squared = limit * limit - aside[0] * aside[0] - aside[1] * aside[1];

@@ -89,7 +89,7 @@ pub(super) fn search(
     }
 
     if region.is_periodic() {
-        // A sample and its own image.
+        // A sample and its own image are the shortest period apart.
         found.min_distance = found.min_distance.min(region.shortest());
     }
     Ok(found)
@@ -265,7 +265,7 @@ impl<'a> Bins<'a> {
                     let (low, high) = (key(*x.start(), y, z), key(*x.end(), y, z));
                     let first = self.binned.partition_point(|sample| sample.key < low);
                     let row = &self.binned[first..];
-                    // Nearly always the row is short.
+                    // The end is searched one by one, as the row is nearly always short.
                     let beyond = row.iter().position(|sample| sample.key > high);
                     around.push(&row[..beyond.unwrap_or(row.len())]);
                 }

@@ -258,7 +258,7 @@ impl NodeCell {
         let pitch = 1 << self.bits;
         let (right, up) = (x - self.x, y - self.y);
         let along = |[left, end]: [i64; 2]| left * (pitch - right) + end * right;
-        // At most 2^21 times 2^40.
+        // The sum is at most 2^21 times 2^40, which fits 64 bits.
         (along(self.below) * (pitch - up) + along(self.above) * up) >> (2 * self.bits)
     }
 }

@@ -163,7 +163,7 @@ impl Bands {
 
     pub fn add(&mut self, entry: Entry) {
         if self.held.len() == self.held.capacity() {
-            // Doubling would take much more memory than needed.
+            // The buffer grows by a quarter, since doubling would take much more memory than needed.
             self.held.reserve_exact(PIECE + self.held.len() / 4);
         }
         self.held.push(entry);
@@ -343,7 +343,7 @@ impl Bands {
         let (held, seam) = (mem::take(&mut self.held), mem::take(&mut self.seam));
         let parts = [&held[..], &seam[..]];
         let grid = Grid::of_rows(search.domain, search.cells, Rows { first, count }, parts);
-        // The grid has copied the samples.
+        // The grid has copied the samples, so that their memory can be given back.
         drop((held, seam));
         check_crowd(&grid)?;
 

@@ -56,7 +56,7 @@ pub(super) fn add(list: &mut List, state: &State) {
     list.group();
     list.add("Copy link", Command::Link(LinkCommand::Copy))
         .on_keys(COMMAND | SHIFT, Key::L);
-    // A page is left by the browser.
+    // A page has no such action, as it is closed by the browser.
     if !state.files().in_browser() {
         list.group();
         list.add("Quit", Command::Window(WindowCommand::Quit))

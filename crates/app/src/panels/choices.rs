@@ -76,7 +76,7 @@ pub fn options(parameter: Parameter) -> Vec<Listed<&'static ParameterOption>> {
 /// Returns what a parameter means, in a sentence or two.
 pub fn meaning(parameter: Parameter) -> &'static str {
     match parameter {
-        // Terms, which the glossary defines.
+        // These names are terms that the glossary defines.
         Parameter::Radius => glossary::RADIUS.meaning,
         Parameter::Leaf => glossary::LEAF.meaning,
         other => other.row().meaning,

@@ -334,7 +334,7 @@ impl CurveFrame<'_> {
     fn y_of(&self, value: f64) -> f32 {
         let [low, high] = self.range;
         let part = ((value - low) / (high - low)) as f32;
-        // Room for the width of the line.
+        // Three points at the top and at the bottom leave room for the width of the line.
         self.rect.bottom() - 3.0 - part * (self.rect.height() - 6.0)
     }
 

@@ -178,7 +178,7 @@ impl Sheet<'_> {
                 .desired_width(
                     ui.available_width()
                         - if in_browser {
-                            // Room for the margins of the field.
+                            // The width leaves room for the margins of the field.
                             16.0
                         } else {
                             // Room for the margins of the field and the button that browses.

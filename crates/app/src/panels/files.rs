@@ -117,7 +117,7 @@ fn file(ui: &mut Ui, state: &State, form: &FileForm, own: &mut Vec<FileCommand>)
             .font(egui::TextStyle::Monospace)
             .margin(egui::Margin::symmetric(8, 6))
             .interactive(can_type)
-            // Room for the button that browses.
+            // The width leaves room for the button that browses.
             .desired_width(ui.available_width() - 110.0);
         let response = ui.add(edit).labelled_by(label.id);
         response.known_as("file.path");

@@ -107,7 +107,7 @@ impl InView {
                 }
                 for spot in rows.marks(row).iter().filter(|spot| row_painter.sees(spot)) {
                     if rest == 0 {
-                        // The remark tells how many are left out.
+                        // A remark below the picture says how many are left out.
                         view.left_out += 1;
                     } else {
                         rest -= 1;

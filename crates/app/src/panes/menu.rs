@@ -89,7 +89,7 @@ fn asked_at(ui: &Ui, response: &Response, subject: &Subject<'_>) -> Option<Pos2>
     let is_pressed =
         response.has_focus() && ui.input_mut(|input| input.consume_key(Modifiers::NONE, Key::Menu));
     is_pressed.then(|| {
-        // About the selection, if it is in view.
+        // The menu of the key is about the selection, if it is in view, and otherwise about the middle.
         let session = subject.shown.session;
         let sample = subject.selected.map(|id| session.position(id));
         let selected = sample.or(subject.place);

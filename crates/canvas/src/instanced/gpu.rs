@@ -274,7 +274,7 @@ impl CallbackTrait for Drawing {
         resources: &CallbackResources,
     ) {
         let residents = resources.get::<Residents>();
-        // As in `prepare`, the canvas may be gone.
+        // The canvas may have been dropped since the frame was laid out.
         let Some(resident) = residents.and_then(|all| all.0.get(&self.key)) else {
             return;
         };

@@ -230,7 +230,7 @@ impl QuestionTold {
             hint: question.hint.is_some(),
             practice: gate.practice.is_some(),
             key: open.told_answer(language),
-            // After the last event it stays at that.
+            // The number of the event that is asked for. Once all are traced, it stays at the last one.
             at: steps.map(|steps| (traced + 1).min(steps)),
             steps,
             controls: open.controls(language),

@@ -61,7 +61,7 @@ pub fn figure(analysis: &Analysis) -> (Figure, usize) {
 /// Returns the figures of a page: curves, differences, and all periodograms.
 pub fn figures(analysis: &Analysis) -> Vec<Figure> {
     let subjects = &analysis.subjects;
-    // Of two subjects one figure has all periodograms.
+    // One figure has room for the periodograms of two subjects.
     if subjects.len() <= 2 {
         return vec![figure(analysis).0];
     }

@@ -119,7 +119,7 @@ impl<'a> Request<'a> {
         };
         // A single set of unknown radius leaves all without a common one.
         let radii = stated.unwrap_or_default();
-        // Radii that differ by rounding alone are one.
+        // Radii that differ by rounding alone count as the same.
         let is_same = |first: &f64| (radii.iter()).all(|r| (r / first - 1.0).abs() <= 1e-9);
         Self {
             arguments,

@@ -49,7 +49,7 @@ pub fn text(verdict: &SolidVerdict) -> String {
     let limit = 1.0 + report.covering_tolerance;
     let (farthest, most) = compared(verdict.covering_radius / r, limit, 9);
     let covers = match verdict.covering_factor {
-        // Rounded up, as every place is within it.
+        // The factor is rounded up, so that the sentence is true of every place.
         Some(factor) => format!(
             "prefix         yes   every place is within {:.6} r",
             (factor * 1e6).ceil() / 1e6

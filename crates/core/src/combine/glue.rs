@@ -138,7 +138,7 @@ fn glue_within(
         let mut rects = pieces.iter().map(|piece| piece.rect);
         rects.find(|rect| rect.contains(*p)).map(|r| r.depth(*p))
     };
-    // Where nothing was inserted, nothing is deep.
+    // Without an inserted sample the depth is 0.
     let deepest = inserted.par_iter().filter_map(depth).max();
     Ok((glued, deepest.unwrap_or(0)))
 }

@@ -42,10 +42,11 @@ struct Beyond {
 impl fmt::Display for Beyond {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         let side = self.length.partial_cmp(&self.limit);
-        // Seventeen decimals tell any two numbers near 1 apart.
+        // As many decimals as needed for the text to be on the same side of the limit. Seventeen suffice for any two
+        // numbers near 1.
         let rounded = (2..=17)
             .filter_map(|decimals| format!("{:.decimals$}", self.length).parse::<f64>().ok())
-            // A short length is not nothing.
+            // A length above 0 is not shown as 0.
             .find(|rounded| *rounded != 0.0 && rounded.partial_cmp(&self.limit) == side);
         Number(rounded.unwrap_or(self.length)).fmt(f)
     }

@@ -211,7 +211,7 @@ impl LevelRegion {
         };
 
         let squares = around.across.iter().zip(&around.up).map(square);
-        // `f32::min` is not vectorized.
+        // A comparison, since the compiler does not vectorize `f32::min`.
         let nearest = squares.fold(f32::INFINITY, |a, b| if b < a { b } else { a });
 
         // One sample covers the whole square. Squared, a negative limit would look like a distance.
@@ -398,7 +398,7 @@ impl LevelRegion {
         for (_, _, at) in candidates {
             // A place that several triples made is inserted once: then its sample covers it.
             if !self.grid.covers(at) {
-                // An inserted sample is of no block's pattern.
+                // An inserted sample is not one of a block's pattern, so that it may be in conflict with that.
                 let foreign = true;
                 self.keep(at, foreign);
                 self.flags

@@ -174,7 +174,7 @@ impl Nested {
 
             // The next level keeps its distance from all of this one.
             for &point in &ordered[first..] {
-                // The grid is asked about distances alone.
+                // Only distances are read from this grid, so that ids do not matter.
                 let any_id = 0;
                 grid.insert(any_id, point);
             }

@@ -131,7 +131,7 @@ macro_rules! options {
         &[$(
             ParameterOption {
                 name: $name,
-                // The last of these two that there is.
+                // The word if there is one, otherwise the name: the last element of the list.
                 word: [$name $(, $word)?][[$name $(, $word)?].len() - 1],
                 help: $help,
                 label: $label,

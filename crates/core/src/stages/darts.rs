@@ -352,7 +352,7 @@ impl<G: DartGround> DartProcess<G> {
         self.level += 1;
         self.throw = 0;
         let mut next = Vec::with_capacity(self.active.len());
-        // It grows where more samples lie near a cell.
+        // A buffer with room for most cells; it grows where more samples lie near one.
         let mut near = Vec::with_capacity(32);
 
         for cell in &self.active {

@@ -259,7 +259,7 @@ impl RadiusField {
             let (from, to) = (i64::from(self.nodes[left]), i64::from(self.nodes[left + 1]));
             from * (pitch - right) + to * right
         };
-        // The sum is at most 2^21 times 2^40.
+        // The sum is at most 2^21 times 2^40, which fits 64 bits.
         ((along(first) * (pitch - up) + along(above) * up) >> (2 * bits)) as i32
     }
 

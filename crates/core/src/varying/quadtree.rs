@@ -34,7 +34,7 @@ pub(super) fn base_cells(field: &RadiusField, shape: &Shape) -> Vec<VaryingCell>
     let mut base = Vec::new();
     let mut stack = Vec::new();
 
-    // No base cell is wider than the largest radius.
+    // Base cells have the side of the octave of the largest radius, which is at most that radius.
     let top = octave_of(field.whole().greatest);
 
     let rect = field.domain().rect();

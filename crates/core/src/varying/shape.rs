@@ -138,7 +138,7 @@ struct Edge {
 impl Edge {
     /// Returns twice the area of the triangle of the edge and a place: above 0 to the left of the edge.
     fn area(&self, x: i64, y: i64) -> i128 {
-        // Differences have up to 33 bits.
+        // Differences have up to 33 bits, and their products more than 64.
         let [right, up] = [0, 1].map(|axis| i128::from(self.high[axis] - self.low[axis]));
         right * i128::from(y - self.low[1]) - up * i128::from(x - self.low[0])
     }
@@ -246,7 +246,7 @@ impl Polygon {
         if edges.any(|edge| edge.is_beside(min, max) && meets(edge)) {
             return Class::Mixed;
         }
-        // No edge parts the cell.
+        // No edge crosses the cell, so that all of it is where its corner is.
         Class::of(self.inside(min[0], min[1]))
     }
 }

@@ -43,7 +43,7 @@ impl Words<'_> {
                 )
             }
             RunEvent::Pairs { pivot, others } => {
-                // Each pair once: n (n - 1) / 2.
+                // n samples have n (n - 1) / 2 pairs.
                 let pairs = u64::from(others) * u64::from(others.saturating_sub(1)) / 2;
                 let (pairs, pivot) = (count(pairs, "pair"), self.sample(pivot));
                 format!("{pivot} is about to form triangles with {pairs} of its test buffer")

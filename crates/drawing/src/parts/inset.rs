@@ -99,7 +99,7 @@ impl Inset {
         let scale = side / radii.max_element();
         let extent = vec2(radii.x, radii.y) * scale;
 
-        // Over the block it would hide what it explains.
+        // The inset is not drawn over the block, which it would hide.
         let is_left = block.center().x > scene.rect.center().x;
         let left = if is_left {
             scene.rect.left() + MARGIN

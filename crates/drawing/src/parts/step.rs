@@ -194,7 +194,7 @@ fn beside(ends: [Pos2; 2], size: Vec2, gap: f32) -> Pos2 {
     let along = (ends[1] - ends[0]).normalized();
     // The side that lies above the line, or right of an upright one.
     let across = if along == Vec2::ZERO {
-        // Both ends are at one place.
+        // Both ends are at one place, and the text stands above it.
         Vec2::UP
     } else {
         along.rot90()

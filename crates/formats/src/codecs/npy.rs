@@ -257,7 +257,7 @@ pub(super) fn keep(bytes: &[u8], kept: &[bool]) -> Result<Vec<u8>, FormatError> 
     let data = bytes.get(offset as usize..).unwrap_or_default();
     let count = kept.iter().filter(|kept| **kept).count() as u64;
 
-    // The head says all else as it did.
+    // The rest of the head stays as it was.
     let mut out = head_of(&NpyHeader { count, ..header });
     // In Fortran order each column is an array by itself.
     let (width, arrays) = if header.fortran {

@@ -61,7 +61,7 @@ impl OutlinedElement {
                     Stored::Scalar(scalar) => cursor.take(scalar.bytes() as u64)?,
                     Stored::List { count, item } => {
                         let items = count.value(cursor.take(count.bytes() as u64)?, endian);
-                        // The cast makes 0 of a negative number.
+                        // A negative number of items becomes 0 by the cast.
                         cursor.records(items as u64, item.bytes() as u64)?
                     }
                 };

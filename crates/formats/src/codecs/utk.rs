@@ -269,7 +269,7 @@ pub(super) fn head(count: u64, precision: Precision) -> Result<Vec<u8>, FormatEr
     let mut out = Vec::with_capacity(HEADER_BYTES as usize);
     out.extend_from_slice(UTK_MAGIC);
     out.extend_from_slice(&[code, 0, 0, 0]);
-    // One set of so many points in two dimensions.
+    // The numbers of sets, of points and of dimensions.
     for word in [1, count, 2] {
         out.extend_from_slice(&word.to_le_bytes());
     }

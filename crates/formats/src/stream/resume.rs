@@ -315,7 +315,7 @@ pub fn finish_interrupted(path: &Path) -> Result<Option<u64>, ExportError> {
         return Ok(None);
     }
 
-    // Reading it all shows that it is whole.
+    // The file is read to its end, which shows that it is whole.
     let mut reader = StreamReader::open(file, Some(checkpoint.format))?;
     let mut count = 0;
     while let Some(points) = reader.next_stored()? {

@@ -79,16 +79,16 @@ pub(super) fn ask(
     // Guesses are drawn by seed and step, so that each check of a lesson finds the same.
     let draws = Key::from_seed(seed).derive(Stream::Throw, index as u32);
     let scores = [
-        // One who knows the right answers.
+        // A learner with the right answers.
         score(&mut learner, &question, &|traced, _| {
             Some(question.right_answer(traced))
         })?,
-        // One who guesses until an answer is right.
+        // A learner who guesses until an answer is right.
         score(&mut learner, &question, &|_, attempt| {
             let dice = Dice::new(draws, attempt);
             Some(question.interaction.guess(&dice))
         })?,
-        // One with the misconception, who gives one answer only.
+        // A learner with the misconception, who gives one answer only.
         score(&mut learner, &question, &|_, attempt| {
             let believed = (attempt == 0).then(|| misconception(gate, &question));
             believed.flatten()

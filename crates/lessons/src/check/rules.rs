@@ -157,7 +157,7 @@ fn moments(gate: &Gate, found: &Findings) -> Vec<LessonError> {
 
 /// Returns the counted things whose share is above a limit, each with its share.
 fn above(counts: &BTreeMap<usize, usize>, found: &Findings, limit: f64) -> Vec<(usize, f64)> {
-    // Shares of few seeds say little.
+    // Shares of few seeds are too uncertain to be judged.
     if found.fitting < MIN_SEEDS_FOR_SHARES {
         return Vec::new();
     }

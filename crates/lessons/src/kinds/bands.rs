@@ -189,7 +189,7 @@ impl Interaction for Bands {
     }
 
     fn controls(&self, view: &View<'_>) -> Vec<Control> {
-        // The spectrum after the change would tell the answer.
+        // The spectrum after the change would give the answer away.
         let shown = self.curves.iter().take(if view.is_open { 1 } else { 2 });
         let text = "For each band, choose how the power changes. Less than 15% either way counts as the same.";
         vec![

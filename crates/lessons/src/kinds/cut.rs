@@ -74,7 +74,7 @@ impl GateKind for CutGate {
             (other, low[across] + 0.4 * leaf),
         ]
         .map(|(axis, at)| Line { axis, at });
-        // The right one stands first so far.
+        // The right line is the first one until they are shuffled.
         shuffle(&mut candidates, asking.draws());
 
         Ok(Arc::new(Cut {
@@ -137,7 +137,7 @@ impl Interaction for Cut {
         let &Answer::Cut { axis, at } = given.answer else {
             return Err(given.of_other_kind());
         };
-        // The axis is half of the answer.
+        // The right axis alone is half of the answer.
         let is_legal = self.is_legal(Line { axis, at });
         Ok(0.5 * worth(axis == self.axis) + 0.5 * worth(is_legal))
     }

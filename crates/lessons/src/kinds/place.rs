@@ -65,7 +65,7 @@ impl GateKind for PlaceGate {
             candidates.push(asking.scene.place(candidate)?);
         }
 
-        // The right place is the first one so far.
+        // The right place is the first one until they are shuffled.
         shuffle(&mut candidates, asking.draws());
         Ok(Arc::new(Place {
             candidates,

@@ -128,7 +128,7 @@ impl Preset {
 
         match self {
             Self::First | Self::Nested => {}
-            // A field seldom goes around.
+            // A preset with a field is bounded, as fields are seldom periodic.
             Self::Ramp | Self::Star => p.boundary = Boundary::Bounded,
             Self::SmallBlocks => {
                 p.leaf = 20.0;

@@ -72,7 +72,7 @@ impl Grid {
         let [column, row] = [0, 1].map(|axis| {
             let along = (point[axis] - self.low[axis]) * self.inverse[axis];
             let last = self.cells[axis].saturating_sub(u32::from(self.is_periodic));
-            // The upper border belongs to a cell, too.
+            // A point on the upper border belongs to the last cell.
             (along.max(0.0) as u32).min(last)
         });
         Place { column, row }

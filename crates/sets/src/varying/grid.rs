@@ -74,7 +74,7 @@ impl RadiusGrid {
         pixels: &[f64],
         boundary: Boundary,
     ) -> Result<Self, VaryingError> {
-        // NaN fails both.
+        // NaN is refused, too: it is neither at least 0 nor finite.
         let is_density = |density: f64| density >= 0.0 && density.is_finite();
         if let Some(at) = pixels.iter().position(|&density| !is_density(density)) {
             let (density, place) = (pixels[at], [at % columns.max(1), at / columns.max(1)]);

@@ -120,7 +120,7 @@ impl RadiusSource {
         given: GivenRadius,
     ) -> Result<Self, VaryingError> {
         let parameters = &stated.parameters;
-        // A shape may stand alone.
+        // A certificate may state a shape without a field.
         if !stated.radius.is_field() {
             return Ok(Self::Constant(stated.radius.least()));
         }

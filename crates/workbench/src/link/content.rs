@@ -83,7 +83,7 @@ pub(crate) fn carries(ground: &GroundRequest) -> bool {
 pub(crate) fn normal(recipe: Recipe) -> Recipe {
     let exactly = recipe.nested.and_then(|nested| nested.exactly);
     let suited = exactly.and_then(|count| radius_estimate(&recipe.parameters, count as u64).ok());
-    // Four digits, as it is shown.
+    // The radius is rounded to four digits, as the window shows it.
     let rounded = suited.and_then(|radius| format!("{radius:.3e}").parse().ok());
     let radius = rounded.unwrap_or_else(|| linked_radius(&recipe));
     Recipe {

@@ -431,7 +431,7 @@ impl State {
 
     /// Ends the lesson or the tour, if one is open, and restores what it had replaced.
     pub(super) fn give_back(&mut self) {
-        // To close a lesson gives back what it replaced.
+        // Closing a lesson brings back what the lesson replaced.
         self.in_class(Classroom::close);
         self.end_tour();
     }

@@ -52,7 +52,7 @@ const fn typed_in(command: &Command) -> Option<Typed> {
         Command::Form(FormCommand::Type(field, _) | FormCommand::Nudge(field, _)) => {
             Typed::Parameter(*field)
         }
-        // The number of samples sets the radius.
+        // A number of samples that is typed sets the radius.
         Command::Form(FormCommand::Count(_)) => Typed::Parameter(Parameter::Radius),
         Command::Form(FormCommand::Exactly(_)) => Typed::Exactly,
         Command::Debug(DebugCommand::Condition(index, _)) => Typed::Condition(*index),

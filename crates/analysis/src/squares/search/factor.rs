@@ -126,7 +126,7 @@ impl TileSearch<'_> {
         if bound <= *largest {
             return;
         }
-        // The bound of a single place is its factor.
+        // The bound of a square with a single place is the factor of that place.
         if square.bits == 0 {
             *largest = bound;
             return;

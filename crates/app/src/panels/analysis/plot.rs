@@ -226,7 +226,7 @@ impl PlotFrame<'_> {
     fn at(&self, [x, y]: [f64; 2]) -> Pos2 {
         let part = |value: f64, [low, high]: [f64; 2]| ((value - low) / (high - low)) as f32;
         let (x, y) = (part(x, self.plot.x.range), part(y, self.plot.y.range));
-        // Clamped, so that lines stay finite.
+        // Values far outside of the plot are clamped, so that lines stay finite.
         let y = y.clamp(-3.0, 4.0);
         pos2(
             self.inner.left() + x * self.inner.width(),

@@ -115,7 +115,7 @@ impl Overlay {
     fn strips(&self, open: &OpenLesson) -> Option<(Pos2, f64)> {
         let (blocks, width) = open.strips()?;
         let drawn = blocks.into_iter().map(|[low, high]| {
-            // Both corners of the same copy.
+            // Both corners are moved by the same periods, so that they belong to one copy of the strip.
             let middle = 0.5 * (low + high);
             let by = self.screen(middle) - self.fixed(middle);
             Rect::from_two_pos(self.fixed(low), self.fixed(high)).translate(by)

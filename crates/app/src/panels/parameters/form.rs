@@ -68,7 +68,7 @@ impl Fields<'_> {
         let of_group = |parameter: &Parameter| parameter.row().group == group;
         for parameter in draft::numbers().filter(of_group) {
             match parameter {
-                // The sides share a line.
+                // Width and height share a line, which is shown at the width.
                 Parameter::Width => self.pair(ui, "Size", [Parameter::Width, Parameter::Height]),
                 Parameter::Height => {}
                 Parameter::Radius => self.radius(ui),

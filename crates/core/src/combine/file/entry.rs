@@ -111,7 +111,7 @@ impl PieceEntry {
                 size: [self.width, self.height],
                 boundary: self.boundary,
             }),
-            // The parameters have a boundary of their own.
+            // Given parameters state the boundary themselves, so that the entry must not state another one.
             (None, Some(_), None) if self.boundary.is_some() => Err(LayoutError::OfParameters),
             (None, Some(given), None) => Ok(PieceSource::Run {
                 parameters: Box::new(parameters(boundary, rect, given)?),

@@ -73,7 +73,7 @@ impl PlacedLayout {
 /// Returns groups of the indices of pieces that share a set, in the order of their first pieces.
 fn groups_by_set(pieces: &[PlacedPiece]) -> Vec<Vec<usize>> {
     let mut groups: Vec<Vec<usize>> = Vec::new();
-    // The groups whose set is read from a file.
+    // The pieces that are read from the same file form a group.
     let mut by_file: HashMap<&str, Vec<usize>> = HashMap::new();
 
     for (k, piece) in pieces.iter().enumerate() {

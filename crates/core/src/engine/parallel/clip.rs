@@ -300,7 +300,7 @@ impl Clipper {
         out.clear();
         let target = frame.tiled();
         let mut stack = self.stacks.take();
-        // A search that failed has left nodes behind.
+        // The stack may still have nodes of an earlier search that failed.
         stack.clear();
         stack.push((Node::root(&self.domain, self.key), 0, 0));
         let mut sequence = 0;
@@ -438,7 +438,7 @@ impl Images {
             } else if grown.min[axis] < high[axis] && low[axis] < grown.max[axis] {
                 [0, 0]
             } else {
-                // No image: the last shift is below the first.
+                // The last shift is below the first, which means that there is no image.
                 [1, 0]
             }
         });

@@ -24,7 +24,7 @@ pub struct WindowCounts {
 impl WindowCounts {
     /// Begins to count anew.
     pub(crate) fn clear(&mut self) {
-        // The list keeps its memory.
+        // The list is cleared and used again, so that its memory is kept.
         let mut inserted = std::mem::take(&mut self.inserted);
         inserted.clear();
         *self = Self {

@@ -188,7 +188,8 @@ impl Near {
         if nearest < limit_rounded - ROUNDED {
             return true;
         }
-        // Distances are hardly ever this near to the limit.
+        // Only if the nearest distance is as near to the limit as rounding can reach are exact distances compared,
+        // which is rare.
         nearest < limit_rounded + ROUNDED
             && self
                 .exact()

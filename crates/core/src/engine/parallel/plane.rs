@@ -193,7 +193,7 @@ impl Plane {
 #[must_use]
 pub fn lost_reach(pattern: &Pattern, domain: &Domain, insertion: Insertion) -> i32 {
     match insertion {
-        // Every uncovered place was covered by a lost sample.
+        // A place that is not covered was covered by a lost sample, which is within 1 r.
         _ if pattern.covers_lattice() => 1,
         // A place may also be one that the pattern itself missed, near a detector near a lost sample:
         // 4r, or 5.5r near closed borders, and a few units.
@@ -222,7 +222,7 @@ fn part_of(frame: &Frame, cells: &Rect, window: &Rect) -> Rect {
 }
 
 impl WindowMaker for Plane {
-    // Smaller ones have more halo.
+    // In cells. Smaller windows compute more halo for each sample.
     const MAX_SIDE: i32 = 320;
 
     fn domain(&self) -> &Domain {

@@ -120,7 +120,7 @@ fn kdrt(count: usize, seed: u64, index: u64) -> Result<Parameters> {
 
 /// Returns `count` places made from draws in the unit square.
 fn draws(count: u32, seed: u64, place: impl Fn(u32, [f64; 2]) -> [f64; 2] + Sync) -> Vec<[f64; 2]> {
-    // A key of its own: samplers use the seed's.
+    // The key differs from that of the seed, which samplers use.
     let key = Key::from_seed(seed).derive(Stream::Pattern, u32::MAX);
     let unit = |word: u32| f64::from(word) / (f64::from(u32::MAX) + 1.0);
     (0..count)

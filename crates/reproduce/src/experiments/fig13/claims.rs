@@ -65,7 +65,7 @@ pub fn claims(each: &[Against], rows: &[EngineRate]) -> Vec<Claim> {
 
 /// Whether tiling is several times as fast as sampling from scratch, and why the paper's own ratio cannot be compared.
 fn rates(rows: &[EngineRate]) -> [Claim; 2] {
-    // On one thread, as the reference sampler is.
+    // Rates on one thread are compared, since the reference sampler runs on one.
     let alone = |row: &&EngineRate| row.leaf.is_some() && row.engine.threads() == Some(1);
     let alone: Vec<&EngineRate> = rows.iter().filter(alone).collect();
     let holds = alone.iter().all(|row| row.ratio.quartiles[1] >= FASTER);
@@ -205,7 +205,7 @@ fn detectable(each: &[Against], apart: f64) -> String {
     } else {
         "fig13/detectable"
     };
-    // From decibels to a share of the variance.
+    // Decibels are turned into a share of the variance.
     let more = 10_f64.powf(0.1 * most) - 1.0;
     text(
         id,

@@ -36,7 +36,7 @@ pub fn columns(leaves: &[f64]) -> Vec<(Method, Method)> {
         .iter()
         .map(|leaf| (Method::kdrt(*leaf), Method::Reference));
     let first = (Method::Reference, Method::Again);
-    // With the smallest blocks: those have the most seams.
+    // Exact tiling is shown with the smallest leaf, with which it has the most seams.
     let exact = leaves
         .first()
         .map(|&leaf| (Method::Exact { leaf }, Method::Reference));

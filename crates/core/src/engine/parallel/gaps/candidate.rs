@@ -185,7 +185,7 @@ impl<const TAGS: bool> Region<TAGS> {
         // `DETECTOR_REACH`, 2 r and 4 units, ends at most three cells away.
         let reach = 3;
         let mut known = Known::No;
-        // Beyond the frame nothing is known.
+        // Near the frame's edge it is not known what lies beyond it.
         if left && column < reach
             || right && column >= columns - reach
             || bottom && row < reach

@@ -196,7 +196,7 @@ impl<const TAGS: bool> Region<TAGS> {
 fn may_make([a, b, c]: [DVec2; 3], pixel: u8) -> bool {
     let (b, c) = (b - a, c - a);
     let d = 2.0 * b.perp_dot(c);
-    // The centre, seen from a, times d.
+    // `place` is the offset of the circumcentre from a, times d: without a division.
     let place = (c.length_squared() * b - b.length_squared() * c).perp();
     let (x, y) = centre(pixel);
     let off = (place - (DVec2::new(x.into(), y.into()) - a) * d).abs();
