@@ -21,6 +21,7 @@ pub(crate) fn delaunay<V: HasPosition<Scalar = f64>>(
         return Ok(None);
     }
 
+    // By Euler's formula there are fewer than three edges and two triangles for each site.
     let count = sites.len();
     let mut found = DelaunayTriangulation::with_capacity(count, 3 * count, 2 * count);
     for site in sites {

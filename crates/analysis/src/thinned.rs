@@ -216,6 +216,7 @@ impl Bounds {
                 bounds.high[axis] = bounds.high[axis].max(point.place[axis]);
             }
         }
+        // Rounding is relative to the largest coordinate.
         let far = |most: f64, at: &f64| most.max(at.abs());
         bounds.rounding = bounds.low.iter().chain(&bounds.high).fold(0.0, far) * DOUBT;
         bounds
@@ -274,6 +275,7 @@ impl ThinnedSet<'_> {
 
     /// Returns whether two points are near.
     fn are_near(&self, a: u32, b: u32) -> bool {
+        // On a torus the shorter way counts.
         let (first, second) = (self.given[a as usize], self.given[b as usize]);
         let [dx, dy] = [0, 1].map(|axis| {
             let straight = (first[axis] - second[axis]).abs();
@@ -283,6 +285,8 @@ impl ThinnedSet<'_> {
         });
         let distance = mean(self.radii.of(a), self.radii.of(b));
 
+        // Rounding cannot decide where the squares differ by more than the doubt. Nearly equal ones are compared
+        // exactly.
         let (squared, limit) = (dx * dx + dy * dy, distance * distance);
         if (squared - limit).abs() > limit * DOUBT {
             return squared < limit;

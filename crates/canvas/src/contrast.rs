@@ -24,7 +24,7 @@ pub fn paint(painter: &Painter, scene: &Scene<'_>, crowded: bool) -> Option<Stri
     // by.
     let half = (0.42 * scene.scale()).clamp(1.5, 10.0);
     let view = scene.rect.expand(half);
-    // Each mark has a place, and whether it is a whole square.
+    // Each mark has a place on the canvas, and whether it is a whole square.
     let there = contrast
         .there
         .iter()

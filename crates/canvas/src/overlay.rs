@@ -40,11 +40,14 @@ pub fn waiting(painter: &Painter, rect: Rect, at_work: bool, palette: &Palette) 
 
 /// Draws a bar of a round number of r, about 80 screen points long.
 pub fn scale_bar(painter: &Painter, rect: Rect, subject: &Subject<'_>, palette: &Palette) {
+    // A low canvas has no room for the bar.
     if rect.height() < MIN_HEIGHT {
         return;
     }
 
     let (shown_length, length) = bar(subject);
+    // The bar stands in the lower left corner, on a rectangle that hides the picture a little. Sizes were chosen by
+    // eye.
     let from = rect.left_bottom() + vec2(INSET + 6.0, -INSET);
     let to = from + vec2(length, 0.0);
     let ground = Rect::from_two_pos(from + vec2(-9.0, -28.0), to + vec2(9.0, 9.0));

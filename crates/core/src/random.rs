@@ -127,6 +127,7 @@ const fn four_rounds(
     keys: [u32; 3],
     injection: u32,
 ) -> [u32; 2] {
+    // A round of Threefry adds the second word to the first, turns it, and mixes in the sum.
     x0 = x0.wrapping_add(x1);
     x1 = x1.rotate_left(a) ^ x0;
     x0 = x0.wrapping_add(x1);
@@ -136,6 +137,7 @@ const fn four_rounds(
     x0 = x0.wrapping_add(x1);
     x1 = x1.rotate_left(d) ^ x0;
 
+    // The three words of the key are taken in turn, and the number of the injection is added.
     let next = keys[(injection as usize + 1) % 3];
     [
         x0.wrapping_add(keys[injection as usize % 3]),

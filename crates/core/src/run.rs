@@ -284,6 +284,7 @@ impl Run {
             }
             Origin::Inserted { .. } => Standing::Absent,
             Origin::Tiled { .. } if stage < Stage::Tile => Standing::Absent,
+            // A sample is dropped when it is tiled, and its other fates are decided by elimination.
             Origin::Tiled { .. } => match self.samples.fates[id as usize] {
                 Fate::Dropped => Standing::Dropped,
                 _ if stage < Stage::Eliminate => Standing::Tiled,

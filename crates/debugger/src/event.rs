@@ -98,6 +98,8 @@ impl Event {
             | EventKind::Insert => [a, NONE, NONE, NONE],
             EventKind::Test | EventKind::Eliminate | EventKind::Mark => [a, b, NONE, NONE],
             EventKind::Pass | EventKind::Wake | EventKind::Dart => [c, NONE, NONE, NONE],
+            // The lowest three bits are the verdict: a candidate that is covered (3), or has a nearer sample (4), names
+            // that sample, too.
             EventKind::Candidate if matches!(self.tags & 7, 3 | 4) => [a, b, c, d],
             EventKind::Candidate => [a, b, c, NONE],
             _ => [NONE; 4],

@@ -171,6 +171,7 @@ impl Language {
                 .bytes()
                 .all(|byte| byte.is_ascii_digit() || b",.".contains(&byte));
 
+        // English has commas between thousands and a point before decimals.
         let translated = |c: char| match c {
             ',' => self.thousands,
             '.' => self.decimals,

@@ -223,6 +223,7 @@ impl PlaceGrid {
     /// Returns the offset of a sample from a place, the shorter way around a torus.
     pub fn offset(&self, from: [i32; 2], to: [i32; 2]) -> [i32; 2] {
         let along = |axis: usize| {
+            // More than half of a period away, the other way around is shorter.
             let (direct, size) = (to[axis] - from[axis], self.size[axis]);
             if !self.is_periodic {
                 direct

@@ -187,6 +187,7 @@ impl PowerCurve {
                 break;
             }
 
+            // The mean is over the area of the ring, by the trapezoidal rule. The factor pi is left out of both sums.
             let ring = nu[1] * nu[1] - nu[0] * nu[0];
             let squares = power.iter().map(|power| (power - 1.0).powi(2)).sum::<f64>();
             sum += 0.5 * squares * ring;

@@ -168,6 +168,7 @@ pub fn power_difference_band(
         check_range("the number of powers", count, [0.5, 1e8])?;
     }
 
+    // The sum of all values. A share of it is that of the first mean, and the rest that of the second one.
     let sum = powers[0] * values[0] + powers[1] * values[1];
     let tails = [0.5 - 0.5 * level, 0.5 + 0.5 * level];
     Ok(tails.map(|part| {

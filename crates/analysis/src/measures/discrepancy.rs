@@ -151,6 +151,7 @@ fn pairs(
     room: &mut [DVec2],
     monitor: &Monitor<'_>,
 ) -> Result<DVec2, VerifyError> {
+    // The pairs within each half, on two threads, and those between the halves, while these are merged.
     let count = points.len();
     let sum = if count > CHUNK {
         let (left, right) = points.split_at_mut(count / 2);

@@ -72,14 +72,15 @@ pub(super) fn beta_quantile(part: f64, a: f64, b: f64) -> f64 {
 /// Returns where a falling function of positive numbers changes sign, to the last bits.
 fn falling_root(f: impl Fn(f64) -> f64) -> f64 {
     let (mut low, mut high) = (0.0, 1.0);
+    // The upper end is doubled until the sign has changed. The limit ends this for a function that stays positive.
     while f(high) > 0.0 && high < 1e300 {
         low = high;
         high *= 2.0;
     }
 
+    // Bisection halves the interval in each round. After about 60 rounds no number lies between its ends any more.
     for _ in 0..200 {
         let middle = 0.5 * (low + high);
-        // No number lies between the two any more, which is so after about 60 rounds.
         if middle <= low || middle >= high {
             break;
         }

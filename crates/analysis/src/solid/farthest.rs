@@ -148,16 +148,20 @@ impl FarthestSearch {
     /// Looks at the centre of the sphere through the four samples that are nearest to the middle of a cube. Only within the cube
     /// is the nearest sample to it known to be in the list.
     fn look_at_centre(&mut self, cube: &Cube, near: &Range<usize>) {
+        // Four samples make a sphere.
         let samples = &mut self.lists[near.clone()];
         if samples.len() < 4 {
             return;
         }
+
+        // This puts the four nearest samples first.
         let from_middle = |sample: &[f64; 3]| cube.distances(*sample).middle;
         samples.select_nth_unstable_by(3, |a, b| from_middle(a).total_cmp(&from_middle(b)));
-
         let Some(centre) = sphere_centre([samples[0], samples[1], samples[2], samples[3]]) else {
             return;
         };
+
+        // A cube without extent is a place: the distances from its middle are those from the centre.
         let place = Cube {
             middle: centre,
             half: [0.0; 3],

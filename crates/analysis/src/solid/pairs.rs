@@ -162,6 +162,7 @@ impl<'a> Bins<'a> {
     fn new(points: &[[f64; 3]], region: &'a SolidRegion, reach: f64) -> Self {
         let size = region.size();
         let counts = size.map(|extent| (SPARE * extent / reach).clamp(1.0, MAX_BINS) as u64);
+        // A place on an upper side belongs to the last bin.
         let binned = points.par_iter().enumerate().map(|(index, &place)| {
             let [x, y, z] = [0, 1, 2].map(|axis| {
                 let bin = (place[axis] / size[axis] * counts[axis] as f64) as u64;
@@ -172,6 +173,7 @@ impl<'a> Bins<'a> {
             Binned { key, place, index }
         });
 
+        // Indices differ, so that the order does not depend on threads.
         let mut binned: Vec<Binned> = binned.collect();
         binned.par_sort_unstable_by_key(|sample| (sample.key, sample.index));
         Self {

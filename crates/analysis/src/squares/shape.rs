@@ -153,9 +153,11 @@ impl EdgeRows {
             }
         }
 
-        let wanted = (edges.len() as i64).clamp(1, MAX_BANDS);
-        // Bands are as low as they can be with no more of them than edges.
-        let bits = (0..32).find(|bits| height >> bits < wanted).unwrap_or(32);
+        // Low bands have few edges to look through. More bands than edges would take memory without need.
+        let most_bands = (edges.len() as i64).clamp(1, MAX_BANDS);
+        let bits = (0..32)
+            .find(|bits| height >> bits < most_bands)
+            .unwrap_or(32);
         let mut bands = vec![Vec::new(); (height >> bits) as usize + 1];
 
         for (index, edge) in edges.iter().enumerate() {

@@ -81,7 +81,8 @@ fn steps(list: &mut List, state: &State, direction: Direction, refusal: Option<&
     let way = if is_back { " backwards" } else { "" };
     let shifted = if is_back { SHIFT } else { NONE };
     let with_alt = if is_back { Modifiers::ALT } else { NONE };
-    // Browsers reload on F5 and go full screen on F11: a page uses other keys.
+    // Shift means backwards, except with F11: Shift+F11 is stepping out in most debuggers, so that Alt means backwards
+    // there. Browsers reload on F5 and go full screen on F11: a page uses other keys.
     let [go_on, into, out] = if state.files().in_browser() {
         [(shifted, Key::F8), (shifted, Key::N), (shifted, Key::U)]
     } else {

@@ -374,6 +374,7 @@ impl LessonPanel<'_> {
         let Some(feedback) = &self.open.feedback else {
             return;
         };
+        // The colours of insertions, candidates and conflicts stand for right, right in part, and wrong.
         let color = match feedback.score {
             score if score > FULL_MARKS => self.palette.inserted,
             score if score > 0.0 => self.palette.candidate,

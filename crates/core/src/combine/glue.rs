@@ -64,11 +64,11 @@ impl Glued {
                 },
                 Fate::Eliminated { .. },
             ) => {
-                let (piece, index) = (block, pattern);
+                // A piece is tiled as the block of its number, from its own set in place of a pattern.
                 Some(EliminatedSample {
                     point,
-                    piece,
-                    index,
+                    piece: block,
+                    index: pattern,
                     own,
                 })
             }

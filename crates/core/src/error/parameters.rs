@@ -14,6 +14,7 @@ struct Number(f64);
 
 impl fmt::Display for Number {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        // Very small and very large numbers would have long rows of zeros: they are written with an exponent.
         let size = self.0.abs();
         let is_short = (1e-5..1e16).contains(&size) || size == 0.0;
         if !is_short {
@@ -25,6 +26,7 @@ impl fmt::Display for Number {
             return write!(f, "{sign}{}", grouped(size.round() as u64));
         }
 
+        // Only the digits before the point are grouped by thousands.
         let text = size.to_string();
         let (whole, decimals) = text.split_at(text.find('.').unwrap_or(text.len()));
         let whole = whole.parse().map_or_else(|_| whole.to_owned(), grouped);

@@ -178,6 +178,8 @@ impl LevelRegion {
         around.across.clear();
         around.up.clear();
 
+        // The samples that may cover a place of the cell, as offsets from its lowest corner. The search is around the
+        // middle, from which it has to reach half a side farther.
         let middle = Point::new(cell.min.x + side / 2, cell.min.y + side / 2);
         self.grid
             .any_near(middle, gathered(radius) + side / 2, |offset| {

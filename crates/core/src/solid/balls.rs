@@ -72,6 +72,7 @@ impl BallGrid {
             let slots = self.cells[cell].0.iter();
             let mut held = slots.take_while(|&&slot| slot != EMPTY);
             held.any(|slot| {
+                // A slot has 15 bits for each coordinate within the cell.
                 let at = |shift: u32| (slot >> shift) as i32 & (R - 1);
                 visit([x + at(0), y + at(15), z + at(30)])
             })

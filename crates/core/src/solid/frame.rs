@@ -181,12 +181,17 @@ const FIRST_BLOCK: [usize; 2] = [0, 1];
 /// Returns for each block the cells that come within R of it, nearest first.
 fn orders(around: &[Neighbour; 27]) -> Vec<Vec<u8>> {
     let mut orders = Vec::new();
+    // Blocks of all sizes, from the whole cell down, are listed one after the other.
     for bits in 0..=FINEST_BLOCKS {
         let side = R >> bits;
         for number in 0..1 << (3 * bits) {
+            // The number of a block has `bits` bits for each axis; this is where the block begins in its cell.
             let mask = (1 << bits) - 1;
             let inside =
                 [number, number >> bits, number >> (2 * bits)].map(|at| (at & mask) * side);
+
+            // The square of the shortest distance between places of the block and of a cell. On an axis the cell lies
+            // below the block's own cell, beside it, or above it.
             let gap = |cell: &u8| {
                 let at = around[usize::from(*cell)].at;
                 let squared = |axis: usize| {
@@ -195,6 +200,8 @@ fn orders(around: &[Neighbour; 27]) -> Vec<Vec<u8>> {
                 };
                 squared(0) + squared(1) + squared(2)
             };
+
+            // Samples farther than R cover nothing of the block.
             let mut order: Vec<u8> = (0..27).filter(|cell| gap(cell) <= R_SQUARED).collect();
             order.sort_by_key(gap);
             orders.push(order);

@@ -274,11 +274,12 @@ impl ClassBlocks {
         class.copied().unwrap_or(Class::Outside)
     }
 
-    /// Returns the blocks of 2 x 2 of these.
+    /// Returns the level above: the class of each block of 2 x 2 parts of this level.
     fn joined(&self) -> Self {
         let columns = self.columns.div_ceil(2);
         let rows = (self.classes.len() / self.columns).div_ceil(2);
         let join = |index: usize| {
+            // A block is all inside or all outside only if its four parts are.
             let (row, column) = (2 * (index / columns), 2 * (index % columns));
             let first = self.class(row, column);
             let others = [(row, column + 1), (row + 1, column), (row + 1, column + 1)];

@@ -55,13 +55,13 @@ impl Findings {
         match asked {
             Ok(Some(Asked {
                 question,
-                scores: [_, _, misconceived],
+                scores: [_perfect, _guessing, misconceived],
                 chance,
                 unseen,
             })) => {
                 let run = (is_practised, seed);
-                // A run of practice with a part out of sight counts as one that lacks the moment, so that only the step's own
-                // run can have it here.
+                // Only the step's own run can have a part out of sight here: a run of practice with one counts as a run
+                // that lacks the moment.
                 self.unseen = self.unseen.take().or(unseen);
                 self.keys.insert(run, question.key());
                 self.cursors.insert(run, question.cursor);

@@ -209,6 +209,7 @@ fn label(table: &BufferTable, number: usize) -> String {
 fn fields(ui: &mut Ui, table: &BufferTable, palette: &Palette) {
     let (rect, _) = ui.allocate_exact_size(vec2(ui.available_width(), ROW), Sense::hover());
     let painter = ui.painter();
+    // The heads stand at the same places as the texts of `field`.
     let ends = field_ends(rect);
     let small = FontId::monospace(11.5);
     let head = |x, align, text| {

@@ -195,12 +195,15 @@ fn time(ui: &Ui, rect: Rect, pass: &PassEntry, longest: f64, palette: &Palette) 
     };
     let painter = ui.painter();
     let right = rect.right() - 8.0;
+    // The longest bar is about as wide as the text above it. Where all times are 0, there are no bars.
     if longest > 0.0 {
         let length = 62.0 * (seconds / longest) as f32;
         let min = Pos2::new(right - length, rect.bottom() - 4.0);
         let bar = Rect::from_min_max(min, Pos2::new(right, rect.bottom() - 2.0));
         painter.rect_filled(bar, 1.0, palette.accent.gamma_multiply(0.8));
     }
+
+    // The text is moved up a little, to make room for the bar.
     let at = Pos2::new(right, rect.center().y - 1.0);
     let font = FontId::monospace(11.0);
     let text = duration_text(seconds);

@@ -148,6 +148,9 @@ impl Near {
     #[inline(always)]
     fn square<S: Simd>(&mut self, simd: S, x: f32, y: f32) -> (f32, f32) {
         const HALF: f32 = (PIXEL_SIDE / 2) as f32;
+        // Eight samples are taken at a time. The corner of the pixel that is farthest from a sample is half a side
+        // farther on both axes: (dx + h)^2 + (dy + h)^2 = dx^2 + dy^2 + 2 h (dx + dy) + 2 h^2, whose last term is added
+        // at the end.
         let (x, y) = (f32x8::splat(simd, x), f32x8::splat(simd, y));
         let mut nearest = f32x8::splat(simd, FAR * FAR);
         let mut corner = f32x8::splat(simd, FAR * FAR);

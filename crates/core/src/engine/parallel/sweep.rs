@@ -214,12 +214,14 @@ impl<P: WindowMaker> Sweep<P> {
         &mut self,
         observer: &mut dyn Observer,
     ) -> Result<Option<Vec<Vec<WindowSamples>>>, SampleError> {
+        // At the end the progress is reported once more, as complete.
         if self.done == self.rows {
             let rows = self.rows as u64;
             Meter::resume(observer, Stage::Regions, rows, rows)?;
             return Ok(None);
         }
 
+        // The bands end with the last row of cells that the windows reach, and go on by one row at least.
         let windows = self.next_windows();
         let last = windows.iter().flatten().map(|w| w.max.y).max().unwrap_or(0);
         let end = ((last - 1) / R + 1).max(self.done + 1);

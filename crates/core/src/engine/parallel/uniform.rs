@@ -267,6 +267,7 @@ impl<const TAGS: bool> Region<TAGS> {
 
     /// Returns whether one survivor covers every point of a cell that lies in the domain.
     fn is_covered(&self, cell: &Active, side: i32) -> bool {
+        // The last point of the cell in the domain, from its first one. A bounded domain includes its upper borders.
         let [width, height] = self.frame.sides;
         let closed = i32::from(!self.frame.periodic);
         let right = side.min(width + closed - cell.domain_x) - 1;
@@ -276,8 +277,10 @@ impl<const TAGS: bool> Region<TAGS> {
         let rows = (cell.y - R) >> CELL_BITS..=(cell.y + top + R) >> CELL_BITS;
         rows.into_iter().any(|row| {
             columns.clone().any(|column| {
+                // The last slot has the number of samples in the other three, inverted.
                 let slots = &self.slots[self.frame.cell(column, row)];
                 slots[..!slots[3] as usize & 3].iter().any(|&packed| {
+                    // A sample covers all points if it covers the farthest one, which is a corner.
                     let p = unpack(packed, column, row);
                     let across = i64::from((cell.x - p.x).abs().max((cell.x + right - p.x).abs()));
                     let up = i64::from((cell.y - p.y).abs().max((cell.y + top - p.y).abs()));
