@@ -116,8 +116,10 @@ impl Mapping {
         };
 
         let extent = extent(region);
+        // The upper corner of the region, as a file stores it.
         let limit = extent / self.scale + self.origin;
-        // A stored position within the region must not leave it because the product is rounded.
+        // A stored position within the region must not leave it because the product is rounded. On a torus such a
+        // position moves to 0, which is the same place; in a bounded region it moves to the border.
         let (moves, to) = match region.boundary {
             Boundary::Periodic => (point.cmpge(extent) & stored.cmplt(limit), DVec2::ZERO),
             Boundary::Bounded => (point.cmpgt(extent) & stored.cmple(limit), extent),

@@ -320,7 +320,8 @@ impl Geometry {
         }
 
         let Some(net) = self.net.of(key_of(shown)) else {
-            // A question asks for one frame: until the answer is there, each frame asks again.
+            // The first call in a frame wakes the window, so that there is a next frame, in which this is called again
+            // until the gaps are known.
             let was_asked = self.is_asked.swap(true, Ordering::Relaxed);
             if let Some(wake) = self.wake.as_ref().filter(|_| !was_asked) {
                 wake();

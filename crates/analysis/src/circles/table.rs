@@ -134,8 +134,10 @@ impl Table {
                 // `common`).
                 let corners = [(x, y), (x + 1, y), (x, y + 1), (x + 1, y + 1)];
                 let (first, count) = common(corners.map(|(x, y)| arcs[y * side + x]));
-                let first = first.rem_euclid(BINS as i32);
-                stretches[y * SQUARES + x] = (first | (first + count) << 8) as Stretch;
+                // The first bin is in the lower byte, and the bin after the last one in the higher byte (see
+                // `Stretch`).
+                let begin = first.rem_euclid(BINS as i32);
+                stretches[y * SQUARES + x] = (begin | (begin + count) << 8) as Stretch;
             }
         }
 

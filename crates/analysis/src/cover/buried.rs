@@ -26,15 +26,17 @@ impl Buried {
     /// Returns which samples of a grid are buried.
     pub fn new(grid: &Grid) -> Self {
         let sides = grid.cell_sides();
+        // A little more than the diagonal, since rounding may put a sample into the next cell.
         let diagonal = sides.x.hypot(sides.y) * (1.0 + 4.0 * Grid::ROUNDING);
-        // Of two or more cells along an axis none is longer than twice another side, so that the reach is 3 at most. A region
-        // that is fewer cells wide is seen whole.
+        // Where there are two or more cells along an axis, one side of a cell is at most twice the other, so that the
+        // reach is at most 3. In a region with fewer cells than that, all of them are within reach.
         let reach = [0, 1].map(|axis| {
             let cells = (diagonal / sides[axis]).ceil() as usize;
             cells.min(grid.cells[axis])
         });
 
-        // Cells are eroded along rows, then across them: a cell stays if the whole rectangle around it is occupied.
+        // A cell stays if all cells of the rectangle around it are occupied: first those along its row, then those
+        // across.
         let along_rows = eroded(grid, &occupied(grid), 0, reach[0]);
         let cells = eroded(grid, &along_rows, 1, reach[1]);
         let columns = grid.cells[0];
@@ -59,6 +61,7 @@ impl Buried {
     }
 }
 
+/// Returns which cells hold samples.
 fn occupied(grid: &Grid) -> Vec<bool> {
     let columns = grid.cells[0];
     (0..grid.cell_count())

@@ -191,9 +191,12 @@ impl EdgeRows {
             if side == 0 && edge.is_beside(&place) {
                 return true;
             }
-            // An edge's lower end counts and its upper one does not, so that a corner between two edges counts once.
+            // The ray goes to the right. It meets an edge whose ends are on both sides of its line, if the place lies
+            // to the left of the edge: that is to the left of its direction if it goes up, and to the right if it goes
+            // down. An end on the line counts as below, so that a corner between two edges counts once.
             let (starts_above, ends_above) = (edge.from[1] > y, edge.to[1] > y);
-            if starts_above != ends_above && (side > 0) == ends_above {
+            let goes_up = ends_above;
+            if starts_above != ends_above && (side > 0) == goes_up {
                 odd = !odd;
             }
         }
@@ -210,7 +213,7 @@ impl EdgeRows {
         if edges.any(|edge| edge.meets(&span)) {
             return Share::Some;
         }
-        // No edge parts its places, so that all of them are where one is.
+        // No edge crosses the square, so that all of its places are inside or outside, as its corner is.
         all_or_nothing(self.inside(min[0], min[1]))
     }
 }

@@ -227,20 +227,22 @@ impl<'a> Runs<'a> {
 
     /// Returns the runs that make one gap with the first one, each with the periods by which it is moved.
     fn connected(&self, first: usize, seen: &mut [bool]) -> Vec<(usize, IVec2)> {
+        // Runs are added behind those that are gone through: in the end all that can be reached from the first are
+        // there.
         let mut members = vec![(first, IVec2::ZERO)];
         seen[first] = true;
         let mut next = 0;
         while let Some(&(run, shift)) = members.get(next) {
             next += 1;
             for &part in &self.list[run].parts {
-                let Some((other, by)) = self.across(part) else {
+                let Some((part_beyond, by)) = self.across(part) else {
                     continue;
                 };
-                let other = self.run_of[other];
+                let run_beyond = self.run_of[part_beyond];
                 // A gap around the torus meets its runs again, a period on: the first copy stays.
-                if !seen[other] {
-                    seen[other] = true;
-                    members.push((other, shift + by));
+                if !seen[run_beyond] {
+                    seen[run_beyond] = true;
+                    members.push((run_beyond, shift + by));
                 }
             }
         }

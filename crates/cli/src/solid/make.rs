@@ -203,7 +203,7 @@ impl SolidOutcome {
         let region = verdict::box_text(&made.region());
         let radius = Number(made.domain.radius());
         let count = made.points.len();
-        // Only the beginning of a set has another number of samples than were made.
+        // `made.made` is there only if more samples were made than the set has: those that came first were taken.
         let beginning = made.made.map_or_else(String::new, |made| {
             format!("   the first {count} of {made} samples by their arrival\n")
         });

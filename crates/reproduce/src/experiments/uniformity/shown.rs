@@ -139,6 +139,7 @@ pub fn mean_curves(against: &[AgainstReference]) -> Result<Picture> {
         let series = against.iter().map(|one| {
             let of = pick(one);
             let [name, _] = one.way.words();
+            // The numbers of curves are those of `pictures`, so that each way looks the same in all charts.
             let (number, band) = match one.way {
                 // One band of chance, about zero, serves all curves, as they are of the same number of sets.
                 AveragedWay::Reference | AveragedWay::Again => (1, of.bands.clone()),
