@@ -78,7 +78,7 @@ impl Report {
         );
 
         let min_distance = found.min_distance / scale;
-        // The smallest distance of so many samples in the densest packing, the hexagonal one.
+        // The smallest distance in the densest packing of this number of samples, the hexagonal one.
         let r_max = (2.0 * region.area() / (3f64.sqrt() * count as f64)).sqrt();
 
         Self {

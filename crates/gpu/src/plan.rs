@@ -351,7 +351,7 @@ fn expected(setup: &Setup, frame: &Frame, images: &[Image]) -> Room {
     let rim = 2 * (frame.columns + frame.rows) as u32;
 
     Room {
-        // A hundredth more than the density implies, and a sample for each cell at the rim.
+        // There is room for a hundredth more than the density implies, and for a sample for each cell at the rim.
         tiled: (clipped * setup.density * 1.01) as u32 + rim + 1024,
         // Uniform insertion does not list open cells.
         open: if uniform { 1 } else { share(0.8, 7.0) },

@@ -182,7 +182,7 @@ impl Scene {
     pub(crate) fn filter(&self, text: &Text, items: &[u32]) -> Result<Vec<u32>, LessonError> {
         let wrong =
             |error: &dyn std::fmt::Display| text.wrong(without_position(&error.to_string()));
-        // Parsed once for all items.
+        // The expression is parsed once for all items.
         let parsed = self
             .evaluator
             .parse(&text.text)

@@ -641,7 +641,7 @@ fn tiled_conflicts(run: &Run) -> Vec<[u32; 2]> {
     let mut conflicts = Vec::new();
     for id in tiled() {
         grid.any_near(points[id as usize], R, |near| {
-            // Each pair once, as seen from the lower id.
+            // Each pair is listed once, from the sample with the lower id.
             if near.id > id && covers_offset(near.offset) {
                 conflicts.push([id, near.id]);
             }

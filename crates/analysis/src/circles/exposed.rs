@@ -63,7 +63,7 @@ pub fn exposed_arcs(
     };
 
     let mut arcs = of_open_circles(points, region, radius, control, arcs_of)?.concat();
-    // Found tile by tile; listed by sample and by angle.
+    // Arcs are found tile by tile, on any thread. Sorted by sample and angle they have one order.
     arcs.sort_unstable_by(|a, b| a.sample.cmp(&b.sample).then(a.from.total_cmp(&b.from)));
     Ok(arcs)
 }

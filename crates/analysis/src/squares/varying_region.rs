@@ -156,7 +156,7 @@ impl VaryingRegion {
             }
         });
 
-        // The smallest distance of so many samples in the densest packing, the hexagonal one.
+        // The smallest distance in the densest packing of this number of samples, the hexagonal one.
         let (count, area) = (points.len(), self.region.area());
         let r_max = (2.0 * area / (3f64.sqrt() * count as f64)).sqrt();
         Report {

@@ -264,7 +264,7 @@ fn range_of_many(all: &[Anisotropy], levels: impl Iterator<Item = f64>) -> Axis 
         .filter(|one| one.frequencies >= FEW)
         .map(|one| one.decibels)
         .fold(nothing, wider);
-    // Without an annulus of so many frequencies the curves determine the range.
+    // If no annulus has that many frequencies, the curves determine the range.
     if many[0] > many[1] {
         return Axis::new(label);
     }

@@ -126,11 +126,11 @@ impl SolidRequest {
         fits: impl Fn(u64) -> bool,
         observer: &mut dyn Observer,
     ) -> Result<SolidSample, SampleError> {
-        // Asked about the number that is wanted first, which a refusal names.
+        // The wanted number is checked first, so that an error names it and not the aim.
         self.radius_estimate(count)?;
         let [shortest, longest] = self.radius_limits();
         let mut radius = self.radius_estimate(aim)?;
-        // Before the first try: farther from any wanted number than a set's.
+        // No set is made yet: any number of samples is nearer to the wanted one than this.
         let mut nearest = u64::MAX;
 
         for number in 0..MAX_TRIES {

@@ -210,6 +210,8 @@ impl Draft {
         if let Some(samples) = at_one {
             let radius = (samples / SAMPLES_OF_IMAGE).sqrt();
             self.set_text(Parameter::Radius, short(radius));
+            // Where the image gives the radius itself, white begins with four times the radius of black. Chosen, not
+            // measured.
             self.ground.white = short(4.0 * radius);
         }
     }

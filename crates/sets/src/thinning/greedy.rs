@@ -77,7 +77,8 @@ pub(super) fn choose(
     };
     choice.report(0);
 
-    // Bands side by side first. Points that wait for those of another band are left, and so are those that wait for these.
+    // First each thread settles bands of rows. A point that waits for one of another band is left, and so are all that
+    // wait for it.
     let all = (rayon::current_num_threads() * BANDS_A_THREAD) as u32;
     (0..all)
         .into_par_iter()

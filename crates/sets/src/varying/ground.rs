@@ -147,7 +147,7 @@ impl VaryingRecipe {
         self.radius.check()?;
         let frame = self.frame(&self.radius)?;
         let Some(squares) = frame.squares else {
-            // One radius in a rectangle or a polygon.
+            // Without pixels and functions there is one radius, in a rectangle or a polygon.
             let radius = self.radius.constant().unwrap_or(1.0);
             Domain::from_size(frame.size, radius, self.boundary)?;
             return Ok(samples_in(frame.size[0] * frame.size[1], radius));

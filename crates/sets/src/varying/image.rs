@@ -141,7 +141,7 @@ impl GrayImage {
                     *sum += values.iter().map(|&grey| u64::from(grey)).sum::<u64>();
                 }
             }
-            // Rounded to the nearest.
+            // Half of the area is added, so that means are rounded to the nearest value.
             let area = (block * block) as u64;
             grey.extend(sums.iter().map(|sum| ((sum + area / 2) / area) as u16));
         }

@@ -105,12 +105,12 @@ fn linked_radius(recipe: &Recipe) -> f64 {
     } = recipe.parameters;
     let of_ground = recipe.ground.as_ref().and_then(|it| it.radius.as_ref());
     let is_used = of_ground.is_none();
-    // From 50 radii to the shorter side up to about 70,000 samples, every link may ask for it.
+    // Every link may ask for a radius from 50 radii to the shorter side up to about 70,000 samples.
     let suits = width.min(height) >= 50.0 * radius && width * height <= 1e5 * radius * radius;
     if is_used || suits {
         return radius;
     }
-    // A hundred radii to the shorter side, with four digits.
+    // Otherwise the radius is a hundredth of the shorter side, with four digits.
     let suited = format!("{:.3e}", width.min(height) / 100.0).parse();
     suited.unwrap_or(radius)
 }
