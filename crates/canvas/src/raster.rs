@@ -88,6 +88,8 @@ impl Coverage {
 
         let domain = session.size_radii();
         let margin = drawn_around(session);
+        // Rows of pixels go down and the domain's ordinates up, so that its upper left corner has the least column and
+        // row.
         let low = frame.pixel_from_domain(DVec2::new(-margin, domain.y + margin));
         let high = frame.pixel_from_domain(DVec2::new(domain.x + margin, -margin));
 

@@ -107,6 +107,7 @@ impl CircleBands {
         }
 
         let mut all = vec![[0.0; 2]; self.len()];
+        // No row was dropped yet, so that none went to the seam.
         let parts = [
             (&self.open.points, &self.open.ids),
             (&self.rows.points, &self.rows.ids),

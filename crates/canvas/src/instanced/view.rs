@@ -182,6 +182,7 @@ impl PlaneView {
         let whole = center.floor().clamp(DVec2::splat(-1e9), DVec2::splat(1e9));
 
         let middle = self.rect.center();
+        // Disks share one radius, and no kind of symbol is drawn with them.
         let (kinds, radii) = match options.marks {
             Marks::Disks => (0, [(self.scale() * options.disk_radius) as f32; 4]),
             Marks::Symbols(symbols) => (symbols.0, options.radii.map(|radius| radius * pixels)),

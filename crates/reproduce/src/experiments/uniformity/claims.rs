@@ -82,8 +82,9 @@ pub fn claims(found: &UniformityResults) -> Vec<Claim> {
     ]
 }
 
-/// Whether exact tiling pays the price that section 5.1 names. KDRT must fail the same limit: otherwise too few samples were
-/// counted to see its bias.
+/// Returns the verdict on whether exact tiling is free of the bias at the borders of blocks, which section 5.1 names as
+/// the price of tiling: its density within 1 r of them must be that of the reference. KDRT must fail the same limit:
+/// otherwise too few samples were counted to see its bias.
 fn seams(
     reference: &SamplerUniformity,
     kdrt: &SamplerUniformity,
@@ -95,10 +96,11 @@ fn seams(
     let is_seen = near(kdrt).relative.abs() > limit && near(reference).relative.abs() <= limit;
 
     let verdict = Verdict::if_known(is_seen, near(exact).relative.abs() <= limit);
-    let (name, far) = worst(exact);
+    let (worst_place, worst_offset) = worst(exact);
     let values = json!({
         "near": offset(&near(exact)), "kdrt": near(kdrt).relative, "limit": limit,
-        "reference": near(reference).relative, "sets": exact.sets, "name": name, "worst": far,
+        "reference": near(reference).relative, "sets": exact.sets,
+        "name": worst_place, "worst": worst_offset,
     });
     claim("uniformity/seams", verdict, &values)
 }
@@ -138,7 +140,7 @@ fn even(ours: &SamplerUniformity) -> Verdict {
     Verdict::of_all(places.map(|(_, off)| within(&off, EVEN)).chain([cells]))
 }
 
-/// Returns the band or strip that is furthest from the sets' mean, in words.
+/// Returns the name of the band or strip whose density is furthest from the sets' mean, and its deviation in words.
 fn worst(ours: &SamplerUniformity) -> (&'static str, String) {
     let far = |(_, off): &(&str, DensityOffset)| off.relative.abs();
     let places = ours.places().into_iter();
