@@ -201,8 +201,8 @@ enum TextShape {
     Counted(usize),
     /// Numbers between other separators, names of coordinates, or a line that states the separator.
     Table,
-    /// Words that are neither numbers nor names of coordinates; true if there are several.
-    Words(bool),
+    /// Words that are neither numbers nor names of coordinates.
+    Words { are_several: bool },
 }
 
 /// The format of a text whose name is `path`.
@@ -213,13 +213,13 @@ fn text_format(bytes: &[u8], path: &Path) -> Option<Format> {
         (NamedText::Cloud, _) => Format::Xyz,
         (NamedText::Table, _)
         | (_, TextShape::Table)
-        | (NamedText::Any, TextShape::Words(true)) => Format::Csv,
+        | (NamedText::Any, TextShape::Words { are_several: true }) => Format::Csv,
         (_, TextShape::Numbers(1) | TextShape::Counted(..=2)) => Format::PsaText,
         (_, TextShape::Numbers(2)) => Format::UtkText,
         (_, TextShape::Counted(_) | TextShape::Numbers(3))
         | (NamedText::Any, TextShape::Numbers(_)) => Format::Xyz,
         // Without a name, many numbers in a line may be anything.
-        (NamedText::Unknown, TextShape::Numbers(_)) | (_, TextShape::Words(_)) => return None,
+        (NamedText::Unknown, TextShape::Numbers(_)) | (_, TextShape::Words { .. }) => return None,
     })
 }
 
@@ -256,15 +256,18 @@ fn text_shape(bytes: &[u8]) -> Option<TextShape> {
         let text = |field: &&[u8]| String::from_utf8_lossy(unquoted(field)).into_owned();
         fields.iter().map(text).collect()
     };
+    // Names of coordinates, a line that states the separator, or commas make a table whatever its fields are.
     let is_names = names::is_header(&strings(&fields));
     if is_names || Separator::stated(first).is_some() || separator == Separator::Comma {
         return Some(TextShape::Table);
     }
 
     if !fields.iter().all(|field| looks_numeric(field)) {
-        return Some(TextShape::Words(fields.len() > 1));
+        let are_several = fields.len() > 1;
+        return Some(TextShape::Words { are_several });
     }
 
+    // A semicolon makes a table only of numbers.
     if separator == Separator::Semicolon {
         return Some(TextShape::Table);
     }

@@ -95,7 +95,7 @@ impl State {
         if self.stage.is_none() {
             return Ok(run);
         }
-        // If the device began with an iteration, everything before it is the CPU's.
+        // If the device began with an iteration, the stages before it are those that the CPU computed.
         if let Some((Stage::Iterate(_) | Stage::Finish, base)) = &work.base {
             run = base.clone();
             self.iterations(work, &mut run);
@@ -103,6 +103,7 @@ impl State {
         }
 
         run.blocks = split(&setup.domain, setup.parameters.leaf_units()?, setup.key);
+        // Starts are read back once the device has tiled.
         if !self.starts.is_empty() {
             self.tile(work, &mut run);
         }

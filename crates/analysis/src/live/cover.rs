@@ -383,7 +383,8 @@ impl LiveCover {
         let is_certain = false;
         let mut widest_square = f64::INFINITY;
         let mut steps = self.grid.around(place, REACH, |other, offset| {
-            // A sample more than twice as far as the farthest vertex cuts nothing off.
+            // A sample more than twice as far as the farthest vertex cuts nothing off. The bound is a little larger, as
+            // squares of vertices are rounded.
             if other.slot != slot
                 && square(offset) as f64 <= widest_square
                 && cell.clip(offset.map(i64::from), other.slot, is_certain)
@@ -393,7 +394,8 @@ impl LiveCover {
             ControlFlow::Continue(())
         });
 
-        // All samples within the certain distance were seen: no other one cuts off a vertex that is at most half as far.
+        // All samples within the certain distance were seen: no other one cuts off a vertex that is at most half as
+        // far. Each other vertex is certain once no sample is nearer to it than the cell's own.
         cell.trust(0.5 * self.grid.certain_with_copies(REACH));
         while let Some(index) = self.cell.uncertain() {
             let (more, nearer) = self.nearer(place, index);

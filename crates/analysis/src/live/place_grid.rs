@@ -83,23 +83,24 @@ impl PlaceGrid {
     /// Returns the empty grid of a plane, with cells whose sides are at least `side` units where the plane is so large.
     pub fn new(plane: Plane, side: f64) -> Self {
         let extent = DVec2::from(plane.size.map(f64::from));
-        let side = side.max((extent.element_product() / MAX_CELLS).sqrt());
-        // A thin plane has as many cells along its length as that, at most.
-        let counts = (extent / side)
+        let least_side = side.max((extent.element_product() / MAX_CELLS).sqrt());
+        // A plane that is thinner than a cell has one row of them, which must not have more than `MAX_CELLS` either.
+        let counts = (extent / least_side)
             .floor()
             .clamp(DVec2::ONE, DVec2::splat(MAX_CELLS));
-        let counts_of = counts.to_array().map(|count| count as usize);
+        let whole_counts = counts.to_array().map(|count| count as usize);
 
         Self {
             size: plane.size.map(|side| side as i32),
             is_periodic: plane.boundary == Boundary::Periodic,
-            counts: counts_of,
+            counts: whole_counts,
             sides: extent / counts,
             per_unit: counts / extent,
-            buckets: vec![Bucket::default(); counts_of[0] * counts_of[1]],
+            buckets: vec![Bucket::default(); whole_counts[0] * whole_counts[1]],
             pool: Vec::new(),
+            // Rooms are powers of two, and places in the pool have 32 bits.
             free: vec![Vec::new(); 32],
-            layers: layers(counts_of),
+            layers: layers(whole_counts),
         }
     }
 

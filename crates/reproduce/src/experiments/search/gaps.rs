@@ -181,33 +181,56 @@ fn leaves(found: &[GapStatistics]) -> Vec<f64> {
     distinct(found.iter().map(|one| one.leaf))
 }
 
-type Kind = (&'static str, bool, fn(&GapStatistics) -> &GapCounts);
+/// A bar of each leaf: the radius of the search for gaps, and the variant of the method.
+struct BarKind {
+    name: &'static str,
+    is_printed: bool,
+    counts: fn(&GapStatistics) -> &GapCounts,
+}
 
-const KINDS: [Kind; 4] = [
-    ("2 r, as printed", true, |one| &one.two),
-    ("4 r, as printed", true, |one| &one.four),
-    ("2 r, in stages", false, |one| &one.two),
-    ("4 r, in stages", false, |one| &one.four),
+const KINDS: [BarKind; 4] = [
+    BarKind {
+        name: "2 r, as printed",
+        is_printed: true,
+        counts: |one| &one.two,
+    },
+    BarKind {
+        name: "4 r, as printed",
+        is_printed: true,
+        counts: |one| &one.four,
+    },
+    BarKind {
+        name: "2 r, in stages",
+        is_printed: false,
+        counts: |one| &one.two,
+    },
+    BarKind {
+        name: "4 r, in stages",
+        is_printed: false,
+        counts: |one| &one.four,
+    },
 ];
 
 /// Returns bars of the gaps in a million samples, by leaf.
 pub fn bars(found: &[GapStatistics]) -> Result<Picture> {
     let group = |leaf: &f64| {
-        let bar = |(kind, (name, printed, pick)): (usize, &Kind)| {
-            let sets = of(found, *leaf, *printed);
-            let holes: usize = sets.iter().map(|one| pick(one).holes).sum();
-            let samples: usize = sets.iter().map(|one| pick(one).count).sum();
+        let bar = |(index, kind): (usize, &BarKind)| {
+            let sets = of(found, *leaf, kind.is_printed);
+            let counts: Vec<&GapCounts> = sets.iter().map(|one| (kind.counts)(one)).collect();
+            let holes: usize = counts.iter().map(|one| one.holes).sum();
+            let samples: usize = counts.iter().map(|one| one.count).sum();
 
+            // The whisker spans the means of which this number of holes is still probable.
             let ends = poisson_interval(holes, MISSED).map(|gaps| a_million(gaps, samples));
             let values = json!({ "holes": holes, "samples": samples, "ends": ends });
 
             Bar {
-                name: (*name).to_owned(),
+                name: kind.name.to_owned(),
                 value: a_million(holes as f64, samples),
                 whisker: Some(ends),
                 // Fonts of pictures lack some of the characters of reports.
                 text: drawn(&text("search/bar", &values)),
-                color: kind,
+                color: index,
             }
         };
         BarGroup {
