@@ -320,7 +320,8 @@ struct Intake {
 impl Intake {
     /// Checks samples and counts them.
     fn take(&mut self, points: &[[f64; 2]], search: &StreamSearch) -> Result<(), VerifyError> {
-        // Most pieces lie within a row, where their order does not matter.
+        // Most pieces lie within a row, where their order does not matter, and are checked as a whole. A number that is
+        // none compares with nothing here; `all_are_in` finds it.
         let (mut low, mut high) = (f64::INFINITY, self.highest);
         for point in points {
             let y = search.domain.scale_point(*point).y;
@@ -331,6 +332,7 @@ impl Intake {
         let in_a_row = low >= search.complete(high);
         let fits = self.count + points.len() <= Grid::MAX_SAMPLES;
         if !(in_a_row && fits && all_are_in(points, search.region)) {
+            // One by one, the samples before the first at fault are counted, and the error names that one.
             let mut each = points.iter();
             return each.try_for_each(|&point| self.take_one(point, search));
         }

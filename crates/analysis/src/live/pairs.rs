@@ -280,6 +280,8 @@ impl LivePairs {
 
     /// Searches the nearest sample to that of a slot again. Returns the counted steps.
     fn find_nearest(&mut self, slot: u32) -> u64 {
+        // `nearest` holds complements of squared distances: the largest one belongs to the nearest sample, and 0 means
+        // that none was found.
         let mut largest_complement = 0;
         let place = self.samples[slot as usize].1;
         let steps = self.grid.around(place, REACH, |other, offset| {

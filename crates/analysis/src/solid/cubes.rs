@@ -199,14 +199,14 @@ impl Cube {
 
     /// Returns its octants; of a long box its halves or quarters.
     pub fn parts(&self) -> impl Iterator<Item = Self> + use<> {
-        let Self { middle, half } = *self;
+        let whole = *self;
         let longest = self.longest_half();
-        let is_cut = half.map(|half| half > CUT_SHARE * longest);
-        let halved = [0, 1, 2].map(|axis| {
+        let is_cut = whole.half.map(|half| half > CUT_SHARE * longest);
+        let half = [0, 1, 2].map(|axis| {
             if is_cut[axis] {
-                half[axis] / 2.0
+                whole.half[axis] / 2.0
             } else {
-                half[axis]
+                whole.half[axis]
             }
         });
 
@@ -218,13 +218,12 @@ impl Cube {
             }
             let middle = [0, 1, 2].map(|axis| {
                 let step = if is_upper[axis] {
-                    halved[axis]
+                    half[axis]
                 } else {
-                    -halved[axis]
+                    -half[axis]
                 };
-                middle[axis] + if is_cut[axis] { step } else { 0.0 }
+                whole.middle[axis] + if is_cut[axis] { step } else { 0.0 }
             });
-            let half = halved;
             Some(Self { middle, half })
         })
     }

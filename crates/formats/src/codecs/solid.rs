@@ -53,12 +53,15 @@ pub(crate) fn decode(bytes: &[u8], hint: &Hint<'_>) -> Result<SolidRaw, FormatEr
         Format::UtkText => (utk::text_of(bytes, hint.set)?.0, Precision::Double),
         // These have z in a column of its own, which other commands read by itself, too.
         Format::Csv | Format::Xyz => {
-            let planar = table::read(bytes, format, None, true)?;
+            let (columns, any_z) = (None, true);
+            let planar = table::read(bytes, format, columns, any_z)?;
             let heights = table::heights(bytes, format)?;
             (in_space(&planar.set.points, &heights), planar.precision)
         }
+        // `check_format` leaves only PLY.
         _ => {
-            let planar = ply::read(bytes, format, true)?;
+            let any_z = true;
+            let planar = ply::read(bytes, format, any_z)?;
             let heights = ply::column(bytes, format, "z")?;
             (in_space(&planar.set.points, &heights), planar.precision)
         }

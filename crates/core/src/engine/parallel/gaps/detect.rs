@@ -13,7 +13,7 @@ use super::super::near::{HALF_DIAGONAL, SITE_SLACK};
 use super::super::region::{Region, flag, pack};
 use super::super::stamp::Stamps;
 use super::candidate::site_key;
-use super::pixel::{Pixel, centre, each_bit, pixels_of};
+use super::pixel::{Pixel, PlacedPixel, centre, each_bit, pixels_of};
 use super::search::Detectors;
 use super::{GapBuffers, Inserted, Rules, USUAL, reach_cells};
 
@@ -56,14 +56,8 @@ impl<const TAGS: bool> Region<TAGS> {
             let first = self.keep_open(simd, gaps, cell, open);
             for k in first..gaps.pixels.len() {
                 let pixel = gaps.pixels[k];
-                self.search_measured(
-                    simd,
-                    gaps,
-                    rules,
-                    (cell, pixel),
-                    Detectors::First,
-                    &mut unsure,
-                );
+                let at = PlacedPixel { cell, pixel };
+                self.search_measured(simd, gaps, rules, at, Detectors::First, &mut unsure);
             }
         }
 
@@ -115,15 +109,17 @@ impl<const TAGS: bool> Region<TAGS> {
         simd: S,
         gaps: &mut GapBuffers,
         rules: &Rules,
-        (cell, pixel): (usize, Pixel),
+        at: PlacedPixel,
         detectors: Detectors,
         unsure: &mut Vec<usize>,
     ) {
+        let pixel = at.pixel;
+        // Sites may be that far from the pixel's centre, and thus outside the gathered cells.
         if pixel.nearest + 2.0 * HALF_DIAGONAL + SITE_SLACK >= GATHERED {
-            let at = (cell, pixel.number);
             self.search_wide(simd, gaps, rules, at, detectors, unsure);
+        // Three sites make a candidate; on a closed border two do, or one.
         } else if pixel.sites.count_ones() >= 3 || !self.frame.periodic {
-            self.search_pixel(simd, gaps, rules, (cell, pixel), detectors, unsure);
+            self.search_pixel(simd, gaps, rules, at, detectors, unsure);
         }
     }
 
@@ -168,7 +164,8 @@ impl<const TAGS: bool> Region<TAGS> {
             let (x, y) = centre(number);
             let measured = gaps.near.measure(simd, x, y);
             if !measured.covered {
-                let at = (cell, Pixel::new(number, &measured));
+                let pixel = Pixel::new(number, &measured);
+                let at = PlacedPixel { cell, pixel };
                 self.search_measured(simd, gaps, rules, at, Detectors::Inserted, &mut unsure);
             }
         }

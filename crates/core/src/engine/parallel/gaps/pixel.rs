@@ -14,6 +14,13 @@ pub(super) struct Pixel {
     pub number: u8,
 }
 
+/// A pixel with the number of its cell.
+#[derive(Clone, Copy)]
+pub(super) struct PlacedPixel {
+    pub cell: usize,
+    pub pixel: Pixel,
+}
+
 impl Pixel {
     pub(super) fn new(number: u8, measured: &MeasuredPixel) -> Self {
         Self {

@@ -9,7 +9,7 @@ use crate::lattice::{Point, R, R_SQUARED, Rect};
 use super::super::frame::CELL_BITS;
 use super::super::region::{MAX_REACH, Region};
 use super::super::stamp::PIXEL_SIDE;
-use super::pixel::{Pixel, centre, each_bit};
+use super::pixel::{PlacedPixel, centre, each_bit};
 use super::{GapBuffers, Rules, corner};
 
 /// Which samples are detectors.
@@ -42,7 +42,7 @@ impl<const TAGS: bool> Region<TAGS> {
         simd: S,
         gaps: &mut GapBuffers,
         rules: &Rules,
-        (cell, pixel): (usize, Pixel),
+        PlacedPixel { cell, pixel }: PlacedPixel,
         detectors: Detectors,
         unsure: &mut Vec<usize>,
     ) {
@@ -69,17 +69,17 @@ impl<const TAGS: bool> Region<TAGS> {
         simd: S,
         gaps: &mut GapBuffers,
         rules: &Rules,
-        (cell, number): (usize, u8),
+        PlacedPixel { cell, pixel }: PlacedPixel,
         detectors: Detectors,
         unsure: &mut Vec<usize>,
     ) {
-        let (x, y) = centre(number);
+        let (x, y) = centre(pixel.number);
         gaps.wide
             .gather(&self.slots, self.frame.stride(), cell, MAX_REACH);
         let site_count = gaps.wide.list_sites(simd, x, y, &mut gaps.sites);
         let searched = SearchedPixel {
             cell,
-            number,
+            number: pixel.number,
             detectors,
             wide: true,
             site_count,
