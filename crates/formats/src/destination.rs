@@ -71,6 +71,7 @@ pub fn certificate_beside(path: &Path) -> PathBuf {
 pub(crate) fn create_own(path: &Path, like: &Path) -> io::Result<File> {
     // If this fails, opening the file fails, too, with an error that says why.
     let _ = fs::remove_file(path);
+    // Without a file to be replaced, the new one gets the usual mode.
     let mode = fs::metadata(like).map(|old| old.permissions());
 
     let mut options = OpenOptions::new();

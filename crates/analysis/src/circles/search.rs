@@ -50,11 +50,11 @@ pub(crate) fn search(
         return Ok(Err(declined));
     }
 
-    let found = match search.tiles(&tiles, monitor)? {
+    let found_in_tiles = match search.tiles(&tiles, monitor)? {
         Ok(found) => found,
         Err(declined) => return Ok(Err(declined)),
     };
-    let found = search.holes(found, &HALOS, monitor)?;
+    let found = search.holes(found_in_tiles, &HALOS, monitor)?;
     Ok(found.and_then(|found| search.finish(found, points.len())))
 }
 

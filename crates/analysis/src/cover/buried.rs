@@ -74,6 +74,7 @@ fn occupied(grid: &Grid) -> Vec<bool> {
 /// as kept, since no place of the region lies there.
 fn eroded(grid: &Grid, kept: &[bool], axis: usize, reach: usize) -> Vec<bool> {
     let columns = grid.cells[0];
+    // Cells are numbered row by row, so that the next one along x is one number on, and along y a row of numbers.
     let (cells, stride) = (grid.cells[axis], [1, columns][axis]);
     let mut eroded = kept.to_vec();
 
@@ -87,8 +88,8 @@ fn eroded(grid: &Grid, kept: &[bool], axis: usize, reach: usize) -> Vec<bool> {
             beyond || kept[line + wrapped * stride]
         };
 
-        let (at, reach) = (at as i64, reach as i64);
-        *keep = *keep && (at - reach..=at + reach).all(holds);
+        let (middle, wide) = (at as i64, reach as i64);
+        *keep = *keep && (middle - wide..=middle + wide).all(holds);
     }
     eroded
 }

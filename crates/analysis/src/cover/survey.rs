@@ -163,12 +163,12 @@ impl Survey {
                 continue;
             }
 
-            let circle = Gap {
+            let gap = Gap {
                 center: circle.center.to_array(),
                 distance: circle.square.sqrt(),
                 kind: GapKind::VoronoiVertex,
             };
-            self.claim(task, circle, || {
+            self.claim(task, gap, || {
                 let sites = corners.map(|corner| original(task.grid, corner));
                 circle_exceeds(sites, domain.extent, task.limit)
             });

@@ -338,11 +338,12 @@ impl LivePairs {
     /// It is kept from change to change. Where no two samples are within 5 r, however, all samples are searched.
     #[must_use]
     pub fn smallest_distance_in_radii(&self) -> f64 {
-        let least = match self.nearest.largest() {
+        // The largest complement is that of the smallest square; it is 0 if no pair is so near that it is kept.
+        let among_samples = match self.nearest.largest() {
             0 => self.closest_of_sparse().map(|(square, _)| square),
             kept => Some(!kept),
         };
-        let least = least.into_iter().chain(self.period_square()).min();
+        let least = among_samples.into_iter().chain(self.period_square()).min();
         least.map_or(f64::INFINITY, |square| self.in_radii(square))
     }
 

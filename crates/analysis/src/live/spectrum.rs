@@ -381,8 +381,8 @@ impl LiveSpectrum {
         let (shown, stride) = (self.shown(), i64::from(self.stride));
         let [columns, rows] = counts(shown, self.stride);
         let table = self.annuli.get_or_init(|| self.annuli_of(shown));
-        let mut profile = table.sums();
-        let mut picture = CoarseSums::new(shown, Spectrum::PICTURE_CELLS, stride);
+        let mut sums_of_annuli = table.sums();
+        let mut sums_of_cells = CoarseSums::new(shown, Spectrum::PICTURE_CELLS, stride);
 
         let mut reader = RowReader::new(self);
         for row in 0..rows {
@@ -390,18 +390,18 @@ impl LiveSpectrum {
             let middle = all.len() / 2;
             // More frequencies may be kept than are shown for this number of samples.
             let powers = &mut all[middle + 1 - columns..middle + columns];
-            profile.add_row(row, powers);
-            picture.add_row(rows - 1 + row, powers);
+            sums_of_annuli.add_row(row, powers);
+            sums_of_cells.add_row(rows - 1 + row, powers);
             // The picture copies the parts below the middle ones from those above them, turned around. Only the middle parts
             // need the rows below zero.
-            if row > 0 && picture.is_in_middle(rows - 1 + row) {
+            if row > 0 && sums_of_cells.is_in_middle(rows - 1 + row) {
                 powers.reverse();
-                picture.add_row(rows - 1 - row, powers);
+                sums_of_cells.add_row(rows - 1 - row, powers);
             }
         }
 
-        let profile = profile.profile(self.count as f64);
-        let picture = picture.symmetric_picture();
+        let profile = sums_of_annuli.profile(self.count as f64);
+        let picture = sums_of_cells.symmetric_picture();
         Ok(Spectrum::without_bands(profile, picture, self.region))
     }
 

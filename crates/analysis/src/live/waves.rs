@@ -229,8 +229,9 @@ fn write_in_vectors<S: Simd>(simd: S, sums: &[ProductSums], scale: f64, powers: 
         let (im, opposite_im) = (along_x + along_y, along_x - along_y);
 
         let up = scale * (re * re + im * im);
-        let down = scale * (opposite_re * opposite_re + opposite_im * opposite_im);
-        let down = simd.reverse_f64x8(down);
+        // Opposite frequencies lie in the opposite sequence.
+        let opposite = scale * (opposite_re * opposite_re + opposite_im * opposite_im);
+        let down = simd.reverse_f64x8(opposite);
 
         // The last block may have more columns than there are.
         let first = block * LANES;

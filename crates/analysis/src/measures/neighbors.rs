@@ -93,14 +93,14 @@ impl Neighbors<'_> {
             } else {
                 home.checked_sub(step)
             };
-            let above = if domain.periodic {
+            let row_above = if domain.periodic {
                 Some((home + step) % rows)
             } else {
                 Some(home + step).filter(|&row| row < rows)
             };
 
             // Below and above are one row at step 0 and, of an even number of rows on a torus, at the last step.
-            let above = above.filter(|_| above != below);
+            let above = row_above.filter(|_| row_above != below);
             for row in [below, above].into_iter().flatten() {
                 least_square = self.nearest_in_row(entry, [column, row], least_square);
             }

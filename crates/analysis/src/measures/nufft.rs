@@ -236,14 +236,14 @@ impl TransformPlan {
         // Each block of transformed rows gives the rows of the window at its frequencies along y and at their opposites.
         let mut numbers = vec![0.0; window.columns() * window.rows()];
         let rows = window.y.clone().zip(numbers.chunks_mut(window.columns()));
-        let mut blocks: Vec<Vec<(i64, &mut [f64])>> = Vec::new();
-        blocks.resize_with(self.rows().div_ceil(TOGETHER), Vec::new);
+        let mut rows_of_blocks: Vec<Vec<(i64, &mut [f64])>> = Vec::new();
+        rows_of_blocks.resize_with(self.rows().div_ceil(TOGETHER), Vec::new);
         for (ky, row) in rows {
-            blocks[self.row_of(ky) / TOGETHER].push((ky, row));
+            rows_of_blocks[self.row_of(ky) / TOGETHER].push((ky, row));
         }
 
         let rooms = Idle::default();
-        let blocks = blocks.into_par_iter().enumerate();
+        let blocks = rows_of_blocks.into_par_iter().enumerate();
         blocks.try_for_each(|(block, rows)| {
             let room = || {
                 let values = vec![Complex::default(); TOGETHER * columns];

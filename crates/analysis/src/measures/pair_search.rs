@@ -248,8 +248,9 @@ impl<'a> PairSearch<'a> {
                 domain.periodic,
             );
 
-            let bins = ((x * x + y * y).sqrt() * bins_per_length).min(beyond);
-            let bins = (bins.trunc() + f64x8::splat(simd, WHOLE)).bitcast::<u64x8<S>>();
+            let in_bins = ((x * x + y * y).sqrt() * bins_per_length).min(beyond);
+            // The lowest bits of these words are the bins.
+            let bins = (in_bins.trunc() + f64x8::splat(simd, WHOLE)).bitcast::<u64x8<S>>();
             // Pairs of a torus all weigh the same.
             let mut weights = (width - x) * (height - y);
             if !domain.periodic {

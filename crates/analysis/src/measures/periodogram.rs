@@ -161,8 +161,8 @@ impl Periodogram {
 
         let set = Weighed::new(points, region, taper);
         // The sum is without the mean density, which reaches beyond the zero frequency in a tapered set.
-        let power = |k, transform| set.sum(k, transform).norm_sqr() * set.scale;
-        let power = plan.run_to_numbers(&set.samples, window, power, &monitor)?;
+        let power_at = |k, transform| set.sum(k, transform).norm_sqr() * set.scale;
+        let power = plan.run_to_numbers(&set.samples, window, power_at, &monitor)?;
 
         Ok(Self {
             window: window.clone(),

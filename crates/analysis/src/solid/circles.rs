@@ -161,15 +161,15 @@ impl<'a> Neighbours<'a> {
     /// Returns `None` if there are far more cells than samples.
     fn new(points: &'a [[f64; 3]], region: &'a SolidRegion, reach: f64) -> Option<Self> {
         // A hair wider, so that rounding moves no sample two cells away.
-        let counts = region
+        let fitting = region
             .size()
             .map(|extent| (0.999 * extent / reach).max(1.0));
         // A cell of a set that covers holds at least five samples: its volume is that of nearly two balls.
-        if counts.iter().product::<f64>() > 64.0 + points.len() as f64 {
+        if fitting.iter().product::<f64>() > 64.0 + points.len() as f64 {
             return None;
         }
 
-        let counts = counts.map(|count| count as usize);
+        let counts = fitting.map(|count| count as usize);
         let mut found = Self {
             points,
             region,
@@ -283,9 +283,9 @@ impl Circle {
         } else {
             [0.0, 1.0, 0.0]
         };
-        let along = cross(direction, axis);
-        let length = dot(along, along).sqrt();
-        let along = along.map(|value| value / length);
+        let product = cross(direction, axis);
+        let length = dot(product, product).sqrt();
+        let along = product.map(|value| value / length);
         Self {
             middle: direction.map(|value| value * distance),
             radius: (limit * limit - distance * distance).sqrt(),
@@ -371,11 +371,11 @@ impl Sphere<'_> {
         for other in self.near.iter().filter(|other| other.index > self.index) {
             let direction = other.offset.map(|value| value / other.distance);
             let circle = Circle::of_sphere(self.limit, direction, other.distance / 2.0);
-            let balls = self
+            let thirds = self
                 .near
                 .iter()
                 .filter(|third| third.offset != other.offset);
-            let balls = balls.map(|third| circle.share_of_ball(third.offset, self.limit));
+            let balls = thirds.map(|third| circle.share_of_ball(third.offset, self.limit));
             let beyond = faces
                 .iter()
                 .map(|face| circle.share_beyond(face, self.limit));
@@ -386,8 +386,8 @@ impl Sphere<'_> {
         // On a face the sphere's circle is bare unless balls or the half-spaces beyond other faces cover it.
         for face in met() {
             let circle = Circle::of_sphere(self.limit, face.normal, face.distance);
-            let balls = self.near.iter();
-            let balls = balls.map(|third| circle.share_of_ball(third.offset, self.limit));
+            let near = self.near.iter();
+            let balls = near.map(|other| circle.share_of_ball(other.offset, self.limit));
             let others = faces.iter().filter(|other| other.normal != face.normal);
             let beyond = others.map(|other| circle.share_beyond(other, self.limit));
             if let Some(angle) = bare_angle(balls.chain(beyond), &mut arcs) {

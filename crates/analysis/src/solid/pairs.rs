@@ -190,8 +190,8 @@ impl<'a> Bins<'a> {
 
     /// Returns the longest edge of a bin.
     fn widest(&self) -> f64 {
-        let edges = self.region.size().into_iter().zip(self.counts);
-        let edges = edges.map(|(extent, count)| extent / count as f64);
+        let axes = self.region.size().into_iter().zip(self.counts);
+        let edges = axes.map(|(extent, count)| extent / count as f64);
         edges.fold(0.0, f64::max)
     }
 

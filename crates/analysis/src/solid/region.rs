@@ -78,11 +78,11 @@ impl SolidRegion {
     pub(super) fn distance(&self, a: [f64; 3], b: [f64; 3]) -> f64 {
         let size = self.size();
         let squared = |axis: usize| {
-            let apart = (a[axis] - b[axis]).abs();
+            let inside = (a[axis] - b[axis]).abs();
             let apart = if self.is_periodic() {
-                apart.min(size[axis] - apart)
+                inside.min(size[axis] - inside)
             } else {
-                apart
+                inside
             };
             apart * apart
         };

@@ -56,14 +56,14 @@ pub(crate) fn voronoi_cells_of(
     let domain = Domain::new(region)?;
     check_points(points, region)?;
     let wanted: Vec<usize> = wanted.into_iter().collect();
-    let mut is_wanted = vec![false; points.len()];
+    let mut flags = vec![false; points.len()];
     for index in &wanted {
-        is_wanted[*index] = true;
+        flags[*index] = true;
     }
 
     // Cells need no triangles, and neither twins of their sides nor what disks leave uncovered of them.
     let (spacing, has_triangles) = (domain.spacing(points.len()), false);
-    let is_wanted = |index: usize| is_wanted[index];
+    let is_wanted = |index: usize| flags[index];
     let window = Window::of_some(points, domain, spacing, has_triangles, is_wanted)?;
     let same = domain.same_place(spacing);
     let cells = Cells::alone(&window, &domain, spacing, same);

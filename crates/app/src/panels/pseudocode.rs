@@ -162,7 +162,14 @@ pub fn show(ui: &mut Ui, context: &PanelContext<'_>, commands: &mut Vec<Command>
             for number in listing.lines.clone() {
                 let id = LineId(number);
                 if let Some(line) = Listings::shipped().line(id) {
-                    let rect = show_line(ui, context, debugger, (id, line), now, commands);
+                    let rect = show_line(
+                        ui,
+                        context,
+                        debugger,
+                        NumberedLine { id, line },
+                        now,
+                        commands,
+                    );
                     lines.push((id, Rangef::new(rect.top() - top, rect.bottom() - top)));
                 }
             }
@@ -198,17 +205,25 @@ fn title(ui: &mut Ui, listing: &Listing) {
     ui.add_space(2.0);
 }
 
+/// A line of a listing, and the number by which breakpoints and moments name it.
+#[derive(Clone, Copy)]
+struct NumberedLine<'a> {
+    id: LineId,
+    line: &'a ListingLine,
+}
+
 /// Shows a line of a listing with its breakpoint and its remark, and returns its rectangle.
 fn show_line(
     ui: &mut Ui,
     context: &PanelContext<'_>,
     debugger: &Debugger,
-    (id, line): (LineId, &ListingLine),
+    NumberedLine { id, line }: NumberedLine<'_>,
     now: Now,
     commands: &mut Vec<Command>,
 ) -> Rect {
     let palette = context.palette;
     let tag = now.tag(id);
+
     let gutter_width = if is_for_fingers(ui.ctx()) {
         FINGER - 4.0
     } else {
@@ -217,6 +232,7 @@ fn show_line(
     let indent = gutter_width + 10.0 * line.indentation as f32;
     // Each line keeps the room for a remark, so that its text does not wrap anew when it has one.
     let width = (ui.available_width() - indent - 8.0 - TAG).max(40.0);
+    // Lines that neither ran last nor run next are a little paler.
     let color = if tag.is_some() {
         palette.text
     } else {
@@ -233,6 +249,7 @@ fn show_line(
     let top = rect.center().y - galley.size().y / 2.0;
     let gutter = Rect::from_min_size(rect.min, vec2(gutter_width, rect.height()));
     let body = Rect::from_min_max(pos2(gutter.right(), rect.top()), rect.max);
+
     let scope = ui.scope_id();
     let response = ui.interact(body, scope.with(("line", id.0)), Sense::click());
     let said = match tag {
@@ -255,7 +272,15 @@ fn show_line(
         remark(ui, rect, tag, palette);
     }
 
-    breakpoint(ui, debugger, (id, line), gutter, palette, commands);
+    breakpoint(
+        ui,
+        debugger,
+        NumberedLine { id, line },
+        gutter,
+        palette,
+        commands,
+    );
+
     let response = response
         .on_hover_cursor(CursorIcon::PointingHand)
         .on_hover_ui(|ui| {
@@ -299,7 +324,7 @@ fn highlight(ui: &Ui, rect: Rect, is_current: bool, palette: &Palette) {
 fn breakpoint(
     ui: &mut Ui,
     debugger: &Debugger,
-    (id, line): (LineId, &ListingLine),
+    NumberedLine { id, line }: NumberedLine<'_>,
     gutter: Rect,
     palette: &Palette,
     commands: &mut Vec<Command>,

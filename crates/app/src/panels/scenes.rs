@@ -52,12 +52,16 @@ pub fn show(
         .shown
         .filter(|shown| shown.list == SceneList::Own);
     for (index, scene) in debugger.scenes.iter().enumerate() {
-        let is_shown = own.is_some_and(|shown| shown.index == index);
+        let listed = ListedScene {
+            index,
+            scene,
+            is_shown: own.is_some_and(|shown| shown.index == index),
+        };
         ui.horizontal_top(|ui| {
-            picture(ui, state, (index, scene), is_shown, commands);
-            ui.vertical(|ui| row(ui, debugger, (index, scene), is_shown, palette, commands));
+            picture(ui, state, listed, commands);
+            ui.vertical(|ui| row(ui, debugger, listed, palette, commands));
         });
-        caption_field(ui, (index, scene), commands);
+        caption_field(ui, listed, commands);
     }
 
     ui.add_space(10.0);
@@ -79,12 +83,23 @@ pub fn show(
     }
 }
 
+/// A scene with its place in the list.
+#[derive(Clone, Copy)]
+struct ListedScene<'a> {
+    index: usize,
+    scene: &'a SavedScene,
+    is_shown: bool,
+}
+
 /// Shows the small picture of a scene, framed if the scene is current; a click goes to the scene.
 fn picture(
     ui: &mut Ui,
     state: &State,
-    (index, scene): (usize, &SavedScene),
-    is_shown: bool,
+    ListedScene {
+        index,
+        scene,
+        is_shown,
+    }: ListedScene<'_>,
     commands: &mut Vec<Command>,
 ) {
     let palette = Palette::of(state.appearance().look);
@@ -123,14 +138,14 @@ fn picture(
 fn row(
     ui: &mut Ui,
     debugger: &Debugger,
-    (index, scene): (usize, &SavedScene),
-    is_shown: bool,
+    listed: ListedScene<'_>,
     palette: &Palette,
     commands: &mut Vec<Command>,
 ) {
+    let index = listed.index;
     let number = index + 1;
     let mut issue = |command| commands.push(Command::Scene(command));
-    if moment(ui, debugger, (index, scene), is_shown, palette).clicked() {
+    if moment(ui, debugger, listed, palette).clicked() {
         issue(SceneCommand::Show(index));
     }
 
@@ -169,7 +184,11 @@ fn row(
 }
 
 /// Shows the caption of a scene, to be edited.
-fn caption_field(ui: &mut Ui, (index, scene): (usize, &SavedScene), commands: &mut Vec<Command>) {
+fn caption_field(
+    ui: &mut Ui,
+    ListedScene { index, scene, .. }: ListedScene<'_>,
+    commands: &mut Vec<Command>,
+) {
     let number = index + 1;
     let mut caption = scene.caption.clone();
     let field = TextEdit::multiline(&mut caption)
@@ -195,8 +214,11 @@ fn caption_field(ui: &mut Ui, (index, scene): (usize, &SavedScene), commands: &m
 fn moment(
     ui: &mut Ui,
     debugger: &Debugger,
-    (index, scene): (usize, &SavedScene),
-    is_shown: bool,
+    ListedScene {
+        index,
+        scene,
+        is_shown,
+    }: ListedScene<'_>,
     palette: &Palette,
 ) -> egui::Response {
     let marked = debugger.marked(scene);

@@ -76,9 +76,9 @@ fn quoted(name: &str) -> String {
 
 /// Returns the whole analysis as one object; `saved` is the path of the report.
 pub fn json(analysis: &Analysis, saved: Option<&str>) -> Value {
-    let compared = analysis.compared().iter().enumerate();
+    let subjects = analysis.compared().iter().enumerate();
     let mut compared =
-        compared.map(|(index, subject)| subject_json(subject, analysis.differences.get(index)));
+        subjects.map(|(index, subject)| subject_json(subject, analysis.differences.get(index)));
 
     // An average is the only subject that is compared; its files have numbers of their own.
     let (average, files) = if analysis.averaged {

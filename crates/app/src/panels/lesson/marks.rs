@@ -150,10 +150,11 @@ impl Overlay {
     fn marks(&self, marks: &[Mark], taken: &[Rect]) -> Vec<Rect> {
         // A mark reaches up to 13 points around its place, so that a part of one beyond the border may be in view.
         let near = self.viewport.expand(20.0);
-        let marks = marks
+        let drawn: Vec<(&Mark, Pos2)> = marks
             .iter()
-            .filter(|mark| near.contains(self.screen(mark.at)));
-        let drawn: Vec<(&Mark, Pos2)> = marks.map(|mark| (mark, self.screen(mark.at))).collect();
+            .map(|mark| (mark, self.screen(mark.at)))
+            .filter(|(_, at)| near.contains(*at))
+            .collect();
         let labelled: Vec<Labelled> = drawn
             .iter()
             .map(|&(mark, at)| {
@@ -162,9 +163,9 @@ impl Overlay {
                 Labelled { at, radius, size }
             })
             .collect();
-        let places = places(&labelled, taken, self.viewport);
+        let label_places = places(&labelled, taken, self.viewport);
 
-        for (&(mark, at), place) in drawn.iter().zip(&places) {
+        for (&(mark, at), place) in drawn.iter().zip(&label_places) {
             let (stroke, radius) = self.stroke(mark.kind);
             self.painter.circle_stroke(at, radius, stroke);
             if mark.label.is_empty() {
@@ -180,7 +181,8 @@ impl Overlay {
                 );
             }
         }
-        labelled.iter().map(Labelled::ring).chain(places).collect()
+        let rings = labelled.iter().map(Labelled::ring);
+        rings.chain(label_places).collect()
     }
 
     /// Returns the stroke and the radius of a mark.
