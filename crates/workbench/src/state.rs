@@ -197,8 +197,8 @@ impl State {
             self.messages.drop_brief();
         }
 
-        // `Some` if the camera may follow the event after this command. Within is the cursor before the command; with `None` within,
-        // the camera goes to the event even if the cursor did not move.
+        // After these commands the camera may follow the event, if the cursor is no longer where it is now.
+        // `Some(None)` is no cursor at all, so that the camera goes to the event in any case.
         let before = match command {
             Command::Time(_) | Command::Debug(_) => Some(self.runs.first.cursor()),
             Command::Appearance(AppearanceCommand::ToggleFollow) => Some(None),
@@ -224,7 +224,8 @@ impl State {
         }
 
         match before {
-            // The camera comes near to a conflict, say, that was looked for: at the scale of the whole domain it would be a speck.
+            // An event that was looked for, such as a conflict, is shown from near: at the scale of the whole domain it
+            // would be too small to be seen.
             Some(before) if looks_for_place && self.runs.first.cursor() != before => {
                 self.on(Which::First, |run, context| run.lead_to_event(context));
             }

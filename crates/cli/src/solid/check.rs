@@ -85,7 +85,10 @@ pub fn convert(
     let (points, mut context) = match checked(input, set, judge)? {
         // Without a certificate the smallest distance may have to serve as the radius.
         Err(CheckError::NoRadius) => uncertified(input, set)?,
-        check => certified(check.map_err(hinted).in_file(input)?, input)?,
+        read => {
+            let (points, check) = read.map_err(hinted).in_file(input)?;
+            (points, certified(check, input)?)
+        }
     };
     context.planar.format = to;
     context.planar.verify = judge.options();
@@ -106,10 +109,7 @@ pub fn convert(
 }
 
 /// Carries the certificate of a checked set over, if it has one.
-fn certified(
-    (points, check): (Vec<[f64; 3]>, SolidCheck),
-    file: &Path,
-) -> Result<(Vec<[f64; 3]>, SolidContext)> {
+fn certified(check: SolidCheck, file: &Path) -> Result<SolidContext> {
     // The new file's certificate repeats these statements, so that they have to be true.
     if let Some(differs) = check.differences.first() {
         let file = named(file);
@@ -127,7 +127,7 @@ fn certified(
         planar.precision = stated.precision;
         planar.made = stated.prefix.map(|prefix| prefix.made);
     }
-    Ok((points, context))
+    Ok(context)
 }
 
 /// Reads a set of unknown radius: its smallest distance becomes the radius.

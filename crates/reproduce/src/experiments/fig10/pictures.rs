@@ -56,11 +56,16 @@ pub fn pictures(
     let lower = true;
     Ok(vec![
         comparison(all, corners)?,
-        sheet("fig10/zone-plate", &of_plates, (&exact, lower), plates)?,
+        sheet(
+            "fig10/zone-plate",
+            &of_plates,
+            exact_tile(&exact, lower)?,
+            plates,
+        )?,
         sheet(
             "fig10/zone-plate-error",
             &of_errors,
-            (&exact, lower),
+            exact_tile(&exact, lower)?,
             errors,
         )?,
         horizons(all, horizon::amounts(settings).0)?,
@@ -177,21 +182,15 @@ fn spectrum(spectrum: &MeanSpectrum, shown: f64) -> Result<TileChart> {
     Ok(tile(Some(TILE), "", note, shades(&image, TILE, lower)?))
 }
 
-/// Returns the picture of large tiles, two in a row, the exact image first.
-fn sheet(
-    id: &str,
-    values: &Value,
-    (exact, lower): (&[f64], bool),
-    others: Vec<TileChart>,
-) -> Result<Picture> {
-    let exact: Vec<u8> = exact.iter().map(|value| shade(*value)).collect();
-    let exact = tile(
-        Some(LARGE),
-        "exact",
-        String::new(),
-        shades(&exact, LARGE, lower)?,
-    );
+/// Returns the large tile of an exact image.
+fn exact_tile(values: &[f64], lower: bool) -> Result<TileChart> {
+    let image: Vec<u8> = values.iter().map(|value| shade(*value)).collect();
+    let shown = shades(&image, LARGE, lower)?;
+    Ok(tile(Some(LARGE), "exact", String::new(), shown))
+}
 
+/// Returns the picture of large tiles, two in a row, the exact image first.
+fn sheet(id: &str, values: &Value, exact: TileChart, others: Vec<TileChart>) -> Result<Picture> {
     let tiles: Vec<Panel> = [exact].into_iter().chain(others).map(Panel::Tile).collect();
     picture(id, values, tiles.chunks(2).map(<[Panel]>::to_vec).collect())
 }
@@ -219,7 +218,8 @@ fn horizons(all: &[SamplerResults], horizon: Horizon) -> Result<Picture> {
     }
     let values = json!({ "side": horizon.side, "shown": SHOWN });
     let lower = false;
-    sheet("fig10/horizon", &values, (&horizon.exact(), lower), tiles)
+    let exact = exact_tile(&horizon.exact(), lower)?;
+    sheet("fig10/horizon", &values, exact, tiles)
 }
 
 #[cfg(test)]
