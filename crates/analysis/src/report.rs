@@ -52,14 +52,25 @@ pub struct Report {
     pub relative_radius: f64,
 }
 
+/// The set that a report is about: the number of its samples, and what they are judged against.
+#[derive(Clone, Copy)]
+pub(crate) struct JudgedSet {
+    pub count: usize,
+    pub region: Region,
+    pub radius: f64,
+    pub covering_tolerance: f64,
+}
+
 impl Report {
-    /// Returns the report on `count` samples judged against a region, a radius and a tolerance. The lengths in `found` are in
-    /// the domain's unit: they were multiplied by `scale`.
-    pub(crate) fn new(
-        (count, region, radius, covering_tolerance): (usize, Region, f64, f64),
-        scale: f64,
-        found: Findings,
-    ) -> Self {
+    /// Returns the report on a set. The lengths in `found` are in the domain's unit: they were multiplied by `scale`.
+    pub(crate) fn new(set: JudgedSet, scale: f64, found: Findings) -> Self {
+        let JudgedSet {
+            count,
+            region,
+            radius,
+            covering_tolerance,
+        } = set;
+
         // The scale is a power of two, so that lengths come back without rounding.
         let conflict = |conflict: Conflict| Conflict {
             distance: conflict.distance / scale,

@@ -30,7 +30,7 @@ use crate::input::{all_are_in, check_judge, check_point, check_tolerance};
 use crate::judge::JudgeChoice;
 use crate::monitor::{Control, Monitor};
 use crate::region::Region;
-use crate::report::Report;
+use crate::report::{JudgedSet, Report};
 use crate::verify::{VerifyOptions, verify};
 use bands::{Bands, StreamSearch};
 
@@ -269,9 +269,13 @@ impl StreamVerifier {
         }
 
         let monitor = self.monitor(control);
-        let count = self.intake.count;
-        let asked = (count, region, radius, options.covering_tolerance);
-        let report_on = |found| Report::new(asked, search.domain.scale, found);
+        let set = JudgedSet {
+            count: self.intake.count,
+            region,
+            radius,
+            covering_tolerance: options.covering_tolerance,
+        };
+        let report_on = |found| Report::new(set, search.domain.scale, found);
 
         let bands = self.bands.as_mut();
         let delaunay = bands

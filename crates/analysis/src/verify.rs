@@ -15,7 +15,7 @@ use crate::judge::{Judge, JudgeChoice};
 use crate::monitor::{Control, Monitor};
 use crate::pairs::{self, Pairs};
 use crate::region::Region;
-use crate::report::Report;
+use crate::report::{JudgedSet, Report};
 
 /// Default relative tolerance of maximality: a covering radius of `(1 + 2^-15) r` passes. That is
 /// one unit of the sampler's lattice, whose radius is 2^15 units.
@@ -88,8 +88,13 @@ pub fn verify(
     let total = options.judges.passes(points.len()) * points.len() as u64;
     let monitor = Monitor::begin(control, total)?;
 
-    let asked = (points.len(), region, radius, options.covering_tolerance);
-    let report = |found: Findings| Report::new(asked, domain.scale, found);
+    let set = JudgedSet {
+        count: points.len(),
+        region,
+        radius,
+        covering_tolerance: options.covering_tolerance,
+    };
+    let report = |found: Findings| Report::new(set, domain.scale, found);
 
     let judged = if by_circles {
         // The second judge declines sets that would take it too long. The first one then judges, asked or not.

@@ -108,7 +108,10 @@ fn read(arguments: &ConvertArguments) -> Result<(PointSet, ExportContext)> {
     let (set, mut context) = match checked {
         // Without a certificate the smallest distance may have to serve as the radius.
         Err(CheckError::NoRadius | CheckError::NoRegion(_)) => uncertified(arguments)?,
-        check => certified(check.map_err(hinted).in_file(path)?, path)?,
+        read => {
+            let (set, check) = read.map_err(hinted).in_file(path)?;
+            (set, certified(check, path)?)
+        }
     };
 
     // An origin that is given takes the place of the stated one.
@@ -142,7 +145,7 @@ fn leave_out_origin(arguments: &ConvertArguments, context: &mut ExportContext) -
 }
 
 /// Carries the certificate of a checked set over, if it has one.
-fn certified((set, check): (PointSet, Check), path: &Path) -> Result<(PointSet, ExportContext)> {
+fn certified(check: Check, path: &Path) -> Result<ExportContext> {
     // The new file's certificate repeats these statements, so that they have to be true.
     if let Some(differs) = check.differences.first() {
         let path = named(path);
@@ -160,7 +163,7 @@ fn certified((set, check): (PointSet, Check), path: &Path) -> Result<(PointSet, 
         context.precision = certificate.precision;
         context.made = certificate.prefix.map(|prefix| prefix.made);
     }
-    Ok((set, context))
+    Ok(context)
 }
 
 /// Reads a set of unknown radius: its smallest distance becomes the radius.

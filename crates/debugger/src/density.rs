@@ -17,26 +17,37 @@ pub fn density(recording: &Recording, range: Range<usize>, buckets: usize) -> Ve
     let mut all = Vec::with_capacity(buckets);
 
     // Each bucket is the difference of two counts from the start, of which the earlier one is known.
-    let mut before = (start, up_to(recording, start, (0, Density::default())));
+    let mut before = CountsUpTo::default().on_to(recording, start);
     for k in 1..=buckets {
-        let at = bound(k);
-        let counts = up_to(recording, at, before);
-        all.push(counts.minus(before.1));
-        before = (at, counts);
+        let after = before.on_to(recording, bound(k));
+        all.push(after.counts.minus(before.counts));
+        before = after;
     }
     all
 }
 
-/// Returns the counts of the events before `end`, from those before an earlier one.
-fn up_to(recording: &Recording, end: usize, (known, counts): (usize, Density)) -> Density {
-    let key = end / STRIDE;
-    // The nearer of the last stored count and the one that is known already.
-    let (from, mut counts) = match recording.tallies.get(key) {
-        Some(&tally) if key * STRIDE > known => (key * STRIDE, tally),
-        _ => (known, counts),
-    };
-    for (_, event) in recording.tape().from(from).take(end - from) {
-        counts.add(event);
+/// The counts of the events before `end`.
+#[derive(Clone, Copy, Default)]
+struct CountsUpTo {
+    end: usize,
+    counts: Density,
+}
+
+impl CountsUpTo {
+    /// Returns the counts of the events before a later end.
+    fn on_to(self, recording: &Recording, end: usize) -> Self {
+        let key = end / STRIDE;
+        // The nearer of the last stored count and the one that is known already.
+        let mut known = match recording.tallies.get(key) {
+            Some(&counts) if key * STRIDE > self.end => Self {
+                end: key * STRIDE,
+                counts,
+            },
+            _ => self,
+        };
+        for (_, event) in recording.tape().from(known.end).take(end - known.end) {
+            known.counts.add(event);
+        }
+        Self { end, ..known }
     }
-    counts
 }

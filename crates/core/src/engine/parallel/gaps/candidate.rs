@@ -36,6 +36,13 @@ enum Known {
     Unknown,
 }
 
+/// A place that may be a candidate, with the samples that make it.
+#[derive(Clone, Copy)]
+pub(super) struct MadePlace<'a> {
+    pub place: I64Vec2,
+    pub sites: &'a [I64Vec2],
+}
+
 impl<const TAGS: bool> Region<TAGS> {
     /// Adds a place, which the samples `sites` make, to the candidates if it satisfies the definition. Where that
     /// depends on the plane beyond the frame, adds the cell to `unsure`.
@@ -45,7 +52,7 @@ impl<const TAGS: bool> Region<TAGS> {
         gaps: &mut GapBuffers,
         rules: &Rules,
         searched: SearchedPixel,
-        (place, sites): (I64Vec2, &[I64Vec2]),
+        MadePlace { place, sites }: MadePlace<'_>,
         unsure: &mut Vec<usize>,
     ) {
         let (left, bottom) = corner(searched.number);

@@ -9,6 +9,7 @@ use crate::lattice::{Point, R, R_SQUARED, Rect};
 use super::super::frame::CELL_BITS;
 use super::super::region::{MAX_REACH, Region};
 use super::super::stamp::PIXEL_SIDE;
+use super::candidate::MadePlace;
 use super::pixel::{PlacedPixel, centre, each_bit};
 use super::{GapBuffers, Rules, corner};
 
@@ -115,8 +116,11 @@ impl<const TAGS: bool> Region<TAGS> {
                         let sites = three.map(DVec2::as_i64vec2);
                         let [a, b, c] = sites;
                         if let Some(centre) = circumcentre(b - a, c - a) {
-                            let found = (centre + a, &sites[..]);
-                            self.try_place(simd, gaps, rules, searched, found, unsure);
+                            let made = MadePlace {
+                                place: centre + a,
+                                sites: &sites,
+                            };
+                            self.try_place(simd, gaps, rules, searched, made, unsure);
                         }
                     }
                 }
@@ -174,7 +178,11 @@ impl<const TAGS: bool> Region<TAGS> {
                     Some(&m) => &[a, m][..],
                     None => &[a],
                 };
-                self.try_place(simd, gaps, rules, searched, (place, made_by), unsure);
+                let made = MadePlace {
+                    place,
+                    sites: made_by,
+                };
+                self.try_place(simd, gaps, rules, searched, made, unsure);
             }
         }
     }
