@@ -55,10 +55,10 @@ pub(crate) fn marker_outline(marker: Marker, center: DVec2, size: f64) -> Vec<DV
 /// Returns the part of the segment in the rectangle `frame`, if there is any, after Liang & Barsky (1984).
 pub(crate) fn clip_segment([a, b]: [DVec2; 2], frame: Rect) -> Option<[DVec2; 2]> {
     let (mut enter, mut leave) = (0.0_f64, 1.0_f64);
-    let (step, low, high) = (b - a, frame.min - a, frame.max - a);
+    let (way, lowest, highest) = (b - a, frame.min - a, frame.max - a);
 
     for axis in [0, 1] {
-        let (step, low, high) = (step[axis], low[axis], high[axis]);
+        let (step, low, high) = (way[axis], lowest[axis], highest[axis]);
         // Parallel to these two sides, it is between them or out of sight, and there is no crossing to compute.
         if step == 0.0 {
             if low > 0.0 || high < 0.0 {
@@ -73,8 +73,8 @@ pub(crate) fn clip_segment([a, b]: [DVec2; 2], frame: Rect) -> Option<[DVec2; 2]
     }
 
     // Ends at infinity, or too far apart for their difference, have no places between them.
-    let is_seen = enter <= leave && step.is_finite();
-    is_seen.then(|| [enter, leave].map(|t| a + t * step))
+    let is_seen = enter <= leave && way.is_finite();
+    is_seen.then(|| [enter, leave].map(|t| a + t * way))
 }
 
 /// Returns the polygon cut to a rectangle, by one side of it after the other, after Sutherland & Hodgman (1974).

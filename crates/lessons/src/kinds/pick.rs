@@ -159,6 +159,8 @@ impl Interaction for Pick {
         })
     }
 
+    /// Returns an answer of someone who guesses: each candidate is chosen or not with equal chance, or one of them
+    /// where only one is asked for.
     fn guess(&self, dice: &Dice) -> Answer {
         let one = |index| self.candidates[dice.draw(index, self.candidates.len())];
         if !self.several {
@@ -171,7 +173,7 @@ impl Interaction for Pick {
             .map(|(_, sample)| *sample)
             .collect();
 
-        // An answer has a sample; the number of its draw is beyond those of the candidates.
+        // An answer has at least one sample. Its draw has a number of its own, beyond those of the candidates.
         if some.is_empty() {
             some.push(one(60));
         }

@@ -90,7 +90,7 @@ impl GrayImage {
             return Err(file.fault(other_kind(bytes)));
         };
 
-        // The image as it is, until another tone is asked for.
+        // The image as it is, until another tone or larger blocks are asked for.
         let tone = Tone::default();
         Ok(Self {
             name: name.to_owned(),
