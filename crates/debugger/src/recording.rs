@@ -66,7 +66,7 @@ pub struct MomentNumbers {
 struct ExpectedDart {
     point: Point,
     /// The event that made it expected.
-    said: u32,
+    announced: u32,
     /// The event of its arrival; `NONE` if it never arrives.
     arrival: u32,
 }
@@ -233,7 +233,7 @@ impl Recording {
                     },
                 ) => self.expected.push(ExpectedDart {
                     point,
-                    said: index,
+                    announced: index,
                     arrival: NONE,
                 }),
                 Some(RunEvent::Dart {
@@ -248,7 +248,7 @@ impl Recording {
         // `expected_at` searches by place and then by event. Of several darts at one place, an arrival belongs to the one
         // that became expected last before it.
         self.expected
-            .sort_unstable_by_key(|dart| (dart.point.row_major(), dart.said));
+            .sort_unstable_by_key(|dart| (dart.point.row_major(), dart.announced));
         for (point, index) in arrived {
             if let Some(expected) = self.expected_at(point, index as usize) {
                 self.expected[expected].arrival = index;
@@ -259,7 +259,7 @@ impl Recording {
     /// Returns the index of the last expected dart at a place, of those that an event before `end` made expected.
     fn expected_at(&self, point: Point, end: usize) -> Option<usize> {
         let key = (point.row_major(), end as u32);
-        let is_before = |dart: &ExpectedDart| (dart.point.row_major(), dart.said) < key;
+        let is_before = |dart: &ExpectedDart| (dart.point.row_major(), dart.announced) < key;
         let last = self.expected.partition_point(is_before).checked_sub(1)?;
         (self.expected[last].point == point).then_some(last)
     }
@@ -299,13 +299,13 @@ impl Recording {
     /// woken, or thrown at a place that nothing covered.
     pub(crate) fn expected(&self, point: Point, end: usize) -> Option<u32> {
         let dart = self.expected_at(point, end)?;
-        Some(self.expected[dart].said)
+        Some(self.expected[dart].announced)
     }
 
     /// Returns the places of the darts of an exact tiling that have been woken or thrown before a cursor, and arrive later.
     pub fn waiting(&self, cursor: usize) -> impl Iterator<Item = Point> {
         let waits = move |dart: &&ExpectedDart| {
-            (dart.said as usize) < cursor && dart.arrival as usize >= cursor
+            (dart.announced as usize) < cursor && dart.arrival as usize >= cursor
         };
         self.expected.iter().filter(waits).map(|dart| dart.point)
     }

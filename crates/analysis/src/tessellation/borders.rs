@@ -5,7 +5,7 @@ use std::f64::consts::TAU;
 
 use glam::{DVec2, IVec2};
 
-use super::gap_regions::{Edge, Part, Runs};
+use super::gap_regions::{Edge, Part, Runs, side_of};
 
 /// A piece of a border: the arc of a run, or a part of a side on the domain's border.
 #[derive(Clone, Copy)]
@@ -74,7 +74,7 @@ impl Drawn {
 
 impl Runs<'_> {
     fn is_border(&self, part: Part) -> bool {
-        self.cells.sides[part / 2].beyond.is_none()
+        self.cells.sides[side_of(part)].beyond.is_none()
     }
 
     fn edge(&self, piece: Piece, shift: IVec2) -> Edge {
@@ -129,8 +129,7 @@ impl Runs<'_> {
     /// The border line that begins where another ends: around a corner, or in the next cell along.
     fn after_corner(&self, part: Part, shift: IVec2) -> Option<(Piece, IVec2)> {
         let cells = self.cells;
-        // The half of a part's number is its side (see `Part`).
-        let mut side = cells.next(part / 2);
+        let mut side = cells.next(side_of(part));
         let mut total_shift = shift;
         // From cell to cell around the place, up to the next side on the border. Rarely more than two cells meet there,
         // and never all: the bound only keeps the loop from being endless.

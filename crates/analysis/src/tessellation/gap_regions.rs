@@ -97,6 +97,21 @@ impl GapRegion {
 /// A part of a side: twice the side's index, and one more for the part at its end.
 pub(super) type Part = usize;
 
+/// Returns the index of the side that a part belongs to.
+pub(super) const fn side_of(part: Part) -> usize {
+    part / 2
+}
+
+/// Returns the part at the start of a side.
+const fn head_of(side: usize) -> Part {
+    2 * side
+}
+
+/// Returns the part at the end of a side.
+const fn tail_of(side: usize) -> Part {
+    2 * side + 1
+}
+
 /// Whether a part lies at the start of its side, or is the whole of it.
 fn is_head(part: Part) -> bool {
     part.is_multiple_of(2)
@@ -152,14 +167,14 @@ impl<'a> Runs<'a> {
     fn add_cell(&mut self, cell: usize) {
         let sides = &self.cells.sides;
         let has = |part: &Part| {
-            let side = &sides[part / 2];
+            let side = &sides[side_of(*part)];
             if is_head(*part) { side.head } else { side.tail }.is_some()
         };
         // The head of each side comes before its tail.
         let mut parts: Vec<Part> = self
             .cells
             .of(cell)
-            .flat_map(|s| [2 * s, 2 * s + 1])
+            .flat_map(|side| [head_of(side), tail_of(side)])
             .filter(has)
             .collect();
 
@@ -196,31 +211,31 @@ impl<'a> Runs<'a> {
 
     /// Whether a part goes on to the end of its side; otherwise it ends on the circle.
     pub fn ends_at_corner(&self, part: Part) -> bool {
-        !is_head(part) || self.cells.sides[part / 2].head == Some(1.0)
+        !is_head(part) || self.cells.sides[side_of(part)].head == Some(1.0)
     }
 
     pub fn places(&self, part: Part) -> [DVec2; 2] {
-        let side = &self.cells.sides[part / 2];
+        let side = &self.cells.sides[side_of(part)];
         let [from, to] = if is_head(part) {
             [0.0, side.head.unwrap_or(0.0)]
         } else {
             [side.tail.unwrap_or(1.0), 1.0]
         };
         [
-            self.cells.place(part / 2, from),
-            self.cells.place(part / 2, to),
+            self.cells.place(side_of(part), from),
+            self.cells.place(side_of(part), to),
         ]
     }
 
     /// The same part in the cell beyond and how many periods on that is.
     pub fn across(&self, part: Part) -> Option<(Part, IVec2)> {
-        let side = &self.cells.sides[part / 2];
+        let side = &self.cells.sides[side_of(part)];
         let (twin, beyond) = (side.twin?, side.beyond?);
         let whole = self.cells.sides[twin].head == Some(1.0);
         let other = if whole || !is_head(part) {
-            2 * twin
+            head_of(twin)
         } else {
-            2 * twin + 1
+            tail_of(twin)
         };
         (self.run_of[other] != NO_RUN).then_some((other, beyond.shift))
     }
@@ -249,8 +264,9 @@ impl<'a> Runs<'a> {
         members
     }
 
+    /// Returns the cell whose sides the parts of a run lie on.
     pub fn cell(&self, run: usize) -> usize {
-        self.cells.sides[self.list[run].parts[0] / 2].cell
+        self.cells.sides[side_of(self.list[run].parts[0])].cell
     }
 
     /// Returns the gap of some runs, each with the periods by which it is moved.
@@ -279,9 +295,9 @@ impl<'a> Runs<'a> {
                 // The deepest place is a corner, as the distance is convex on every side. A head begins at a corner, and a tail
                 // ends at the corner where the next side begins.
                 let side = if is_head(part) {
-                    part / 2
+                    side_of(part)
                 } else {
-                    cells.next(part / 2)
+                    cells.next(side_of(part))
                 };
                 let reach = cells.sides[side].reach;
                 if reach > gap.deepest.1 {

@@ -468,20 +468,21 @@ impl Candidates<'_> {
 #[inline]
 fn circumcentre(sites: [IVec2; 3]) -> Option<I64Vec2> {
     let [a, b, c] = sites.map(IVec2::as_i64vec2);
-    let (b, c) = (b - a, c - a);
-    let d = 2 * b.perp_dot(c);
+    let (from_a_to_b, from_a_to_c) = (b - a, c - a);
+    let d = 2 * from_a_to_b.perp_dot(from_a_to_c);
     if d == 0 {
         return None;
     }
 
-    // Components are below 2^24, squares below 2^49, numerators below 2^74.
-    let (b2, c2) = (b.length_squared(), c.length_squared());
+    // The centre lies at these numerators over d from a. Components are below 2^24, squares below 2^49, numerators
+    // below 2^74.
+    let (b2, c2) = (from_a_to_b.length_squared(), from_a_to_c.length_squared());
     let times = |square: i64, length: i64| i128::from(square) * i128::from(length);
-    let x = times(b2, c.y) - times(c2, b.y);
-    let y = times(c2, b.x) - times(b2, c.x);
-    let [x, y] = [x, y].map(|n| i64::try_from(round_half_up(n, d.into())).ok());
+    let x = times(b2, from_a_to_c.y) - times(c2, from_a_to_b.y);
+    let y = times(c2, from_a_to_b.x) - times(b2, from_a_to_c.x);
+    let [right, up] = [x, y].map(|n| i64::try_from(round_half_up(n, d.into())).ok());
 
-    Some(a + I64Vec2::new(x?, y?))
+    Some(a + I64Vec2::new(right?, up?))
 }
 
 /// Returns whether the circumcentre of three places of a conflict-free set may lie in a square of `side` units at (0, 0).
