@@ -142,21 +142,21 @@ impl TileWindow {
 fn everything(grid: &Grid, count: usize, [columns, rows]: [&Range<i64>; 2]) -> Vec<Point2<f64>> {
     // Room for the tile's own samples and, as a guess, for those around it.
     let mut points = Vec::with_capacity(count + count / 8 + 64);
-    for row in rows.clone() {
-        let (row, y) = wrap(grid, 1, row);
+    for at_row in rows.clone() {
+        let (row, y) = wrap(grid, 1, at_row);
 
         // Each stretch between two seams is one run of the row.
-        let mut column = columns.start;
-        while column < columns.end {
-            let (first, x) = wrap(grid, 0, column);
-            let seam = column + (grid.cells[0] - first) as i64;
+        let mut at_column = columns.start;
+        while at_column < columns.end {
+            let (first, x) = wrap(grid, 0, at_column);
+            let seam = at_column + (grid.cells[0] - first) as i64;
             let end = seam.min(columns.end);
-            let run = grid.run(row, &(first..first + (end - column) as usize));
+            let run = grid.run(row, &(first..first + (end - at_column) as usize));
             points.extend(
                 run.iter()
                     .map(|entry| site(entry.position + DVec2::new(x, y))),
             );
-            column = end;
+            at_column = end;
         }
     }
     points

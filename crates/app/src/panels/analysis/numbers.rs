@@ -143,9 +143,9 @@ fn difference(number: &SetNumber, sets: &Sets<'_>) -> Option<String> {
     };
     let difference = value(sets.second?)? - value(sets.first)?;
     let decimals = if number.decimals == 0 { 0 } else { 4 };
-    let text = format!("{:.decimals$}", difference.abs());
+    let rounded = format!("{:.decimals$}", difference.abs());
     // A difference that is 0 with these decimals has no sign.
-    let is_zero = text.chars().all(|c| matches!(c, '0' | '.'));
+    let is_zero = rounded.chars().all(|c| matches!(c, '0' | '.'));
     let sign = match difference {
         _ if is_zero => "",
         below if below < 0.0 => "\u{2212}",
@@ -155,7 +155,7 @@ fn difference(number: &SetNumber, sets: &Sets<'_>) -> Option<String> {
     let text = if decimals == 0 {
         grouped(difference.abs() as usize)
     } else {
-        text
+        rounded
     };
     Some(format!("{sign}{text}"))
 }

@@ -71,15 +71,15 @@ fn clearly(ratios: &[Option<Ratio>]) -> Verdict {
 
 /// Returns why there is no verdict; empty if there is one.
 fn undecided(verdict: Verdict, ratios: &[Option<Ratio>]) -> String {
-    let known = |ratio: &Option<Ratio>| ratio.is_some_and(|ratio| ratio.interval.is_some());
+    let has_interval = |ratio: &Option<Ratio>| ratio.is_some_and(|ratio| ratio.interval.is_some());
     if verdict != Verdict::NotComparable {
         return String::new();
     }
 
     // An interval without a verdict holds a limit; without an interval there was a single set.
-    let known = ratios.iter().all(known);
+    let all_have = ratios.iter().all(has_interval);
     text(
-        if known {
+        if all_have {
             "fig10/holds-limit"
         } else {
             "fig10/single"
