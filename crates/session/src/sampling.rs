@@ -170,8 +170,9 @@ async fn run_on(
     }
 
     let mut stepper = Stepper::new(gpu, parameters, pattern, FIRST_GPU_STAGE).await?;
-    while let Some(stage) = stepper.step().await? {
-        if let Some(stage) = observer.report(stage, 1.0) {
+    while let Some(completed) = stepper.step().await? {
+        // An observer that stops the run names the stage at which it does.
+        if let Some(stage) = observer.report(completed, 1.0) {
             return Err(SampleError::Cancelled { stage }.into());
         }
     }

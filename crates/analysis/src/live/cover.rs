@@ -648,7 +648,7 @@ impl Renew for LiveCover {
             return Some(STEPS_OF_TEST);
         }
 
-        // All samples are in. Now each circle is looked at, and then the threshold.
+        // All samples are in. Now each slot's circle is looked at, and after the last one the threshold.
         let slot = index - samples.len();
         match slot.cmp(&self.taken.len()) {
             Ordering::Less => Some(self.examine(slot as u32).0),

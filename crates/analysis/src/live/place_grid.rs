@@ -126,6 +126,7 @@ impl PlaceGrid {
         let [column, row] = self.cell_of(occupant.place);
         let index = row * self.counts[0] + column;
         let bucket = self.buckets[index];
+        // A bucket has room for two to the power of `room`, and at 0 for none.
         let is_full = bucket.room == 0 || bucket.len == 1 << bucket.room;
         if is_full {
             self.buckets[index] = self.moved(bucket);

@@ -184,6 +184,7 @@ impl MeanPeriodogram {
                     return Err(MeasureError::Differs { name: "the region" });
                 }
 
+                // With the second set the average begins, and takes the powers of the first.
                 let powers = self.powers.get_or_insert_with(|| {
                     let mut powers = Average::new(first.power.len());
                     powers.push(std::mem::take(&mut first.power));

@@ -5,7 +5,7 @@ use std::f64::consts::TAU;
 
 use glam::{DVec2, IVec2};
 
-use super::gap_regions::{Edge, Part, Runs, side_of};
+use super::gap_regions::{Edge, Part, Runs, head_of, side_of};
 
 /// A piece of a border: the arc of a run, or a part of a side on the domain's border.
 #[derive(Clone, Copy)]
@@ -135,10 +135,10 @@ impl Runs<'_> {
         // and never all: the bound only keeps the loop from being endless.
         for _ in 0..cells.sides.len() {
             let Some(beyond) = cells.sides[side].beyond else {
-                // Twice the side is the number of its head, the part at which the line goes on.
+                // The line goes on at the side's head, if it has one.
                 return cells.sides[side]
                     .head
-                    .map(|_| (Piece::Line(2 * side), total_shift));
+                    .map(|_| (Piece::Line(head_of(side)), total_shift));
             };
             total_shift += beyond.shift;
             side = cells.next(cells.sides[side].twin?);

@@ -103,7 +103,7 @@ pub(super) const fn side_of(part: Part) -> usize {
 }
 
 /// Returns the part at the start of a side.
-const fn head_of(side: usize) -> Part {
+pub(super) const fn head_of(side: usize) -> Part {
     2 * side
 }
 
