@@ -269,8 +269,8 @@ impl InstancedCanvas {
         };
 
         let levels = self.levels_within(all_levels, &copies, limit, options.cull);
-        let parts = self.parts(&copies, levels, options.cull);
-        let drawn = count(&parts);
+        let ranges_by_copy = self.parts(&copies, levels, options.cull);
+        let drawn = count(&ranges_by_copy);
         // The picture of a layer is worth keeping only while the camera rests.
         let still = (!moving && drawn >= self.limits.still).then_some(layer);
 
@@ -279,7 +279,7 @@ impl InstancedCanvas {
         let share = (drawn as f32 / seen.max(1) as f32).min(1.0) * shown_share.min(1.0) as f32;
         let opacity = self.point_opacity(view.scale(), share);
 
-        let parts = copies.iter().zip(parts).map(|(copy, ranges)| {
+        let parts = copies.iter().zip(ranges_by_copy).map(|(copy, ranges)| {
             let mut uniforms = view.frame(copy.shift, options);
             // The last number of the scale is the opacity of points.
             uniforms.scale[3] = opacity;

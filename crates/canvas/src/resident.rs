@@ -119,13 +119,13 @@ fn changed<'a>(
     now: LooksKey,
 ) -> Option<impl Iterator<Item = u32> + use<'a>> {
     let recording = scene.session.recording()?;
-    let events = before.span(now)?;
-    if events.len() > MAX_EVENTS {
+    let indices = before.span(now)?;
+    if indices.len() > MAX_EVENTS {
         return None;
     }
     // An event names `NONE` in the places that it does not need.
     let count = scene.session.run().samples.len() as u32;
-    let events = events.filter_map(|index| recording.event(index));
+    let events = indices.filter_map(|index| recording.event(index));
     let ids = events.flat_map(tilescope_debugger::Event::samples);
     Some(ids.filter(move |&id| id < count))
 }

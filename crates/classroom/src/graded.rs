@@ -98,8 +98,8 @@ impl Lessons {
             return None;
         }
 
-        let translation = next.translation(&self.language);
-        let translation = translation.and_then(|text| Translation::read(text).ok());
+        let translated = next.translation(&self.language);
+        let translation = translated.and_then(|text| Translation::read(text).ok());
         let title = translation.unwrap_or_default().of(&lesson.title).to_owned();
         Some((next.name.to_string(), title))
     }

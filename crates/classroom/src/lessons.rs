@@ -448,13 +448,13 @@ impl OpenLesson {
         let width = question.strip?;
 
         let leaves = self.run.as_ref()?.run().blocks.leaves.iter();
-        let inner = leaves.map(|leaf| {
+        let interiors = leaves.map(|leaf| {
             let [low, high] = [leaf.rect.min, leaf.rect.max].map(position);
             [low + width, high - width]
         });
 
         // Of a block that is narrower than two strips nothing remains.
-        let inner = inner.filter(|[low, high]| low.cmplt(*high).all());
+        let inner = interiors.filter(|[low, high]| low.cmplt(*high).all());
         Some((inner.collect(), width))
     }
 

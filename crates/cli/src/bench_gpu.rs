@@ -77,10 +77,10 @@ fn passes_text(run: &GpuRun, copy_rate: f64) -> String {
         // Of passes that visit a part of the elements the bytes are not known, and on some devices the seconds are not.
         let bytes = pass.bytes.map(|bytes| bytes as f64);
         let share = pass.seconds.zip(total).map(|(s, all)| s / all * 100.0);
-        let rate = pass.seconds.zip(bytes).map(|(s, bytes)| bytes / 1e9 / s);
+        let gigabytes_per_second = pass.seconds.zip(bytes).map(|(s, bytes)| bytes / 1e9 / s);
         let (took, share) = (milliseconds(pass.seconds), or_dash(share, 1, "%"));
         let megabytes = or_dash(bytes.map(|bytes| bytes / 1e6), 1, "");
-        let rate = or_dash(rate, 1, "");
+        let rate = or_dash(gigabytes_per_second, 1, "");
         let _ = writeln!(
             out,
             "{stage:<10} {name:<14} {times:>5} {took:>10} {share:>6} {megabytes:>9} {rate:>8}"

@@ -677,8 +677,8 @@ fn merge(arguments: &ResultsArguments) -> Result<()> {
         0 => String::new(),
         count => format!("; {count} entries that were given twice count once"),
     };
-    let paths: Vec<String> = made.iter().map(|(file, _)| named(file)).collect();
-    let paths = paths.join(", ");
+    let names: Vec<String> = made.iter().map(|(file, _)| named(file)).collect();
+    let paths = names.join(", ");
     output::emit(&format!(
         "{paths}: {entries} entries of {learners} learners{repeated}\n"
     ))

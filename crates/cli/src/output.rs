@@ -235,8 +235,8 @@ pub fn certificate_text(
         return "certificate    none\n".to_owned();
     };
     if differences.is_empty() {
-        let unchecked = stated.unchecked().join(", ");
-        let unchecked = shown_in_line(&unchecked);
+        let keys = stated.unchecked().join(", ");
+        let unchecked = shown_in_line(&keys);
         return format!("certificate    true\n  stated only: {unchecked}\n");
     }
 

@@ -187,8 +187,8 @@ impl SampleArguments {
                 makes_bands,
                 "--resume needs the parallel engine or a GPU, which make sets band by band"
             );
-            let streams = Format::ALL.into_iter().filter(|format| format.streams());
-            let streams: Vec<_> = streams.map(Format::extension).collect();
+            let formats = Format::ALL.into_iter().filter(|format| format.streams());
+            let streams: Vec<_> = formats.map(Format::extension).collect();
             ensure!(
                 takes_bands,
                 "--resume needs a format that is written band by band ({}), and no --shuffle",

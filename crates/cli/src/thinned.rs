@@ -246,8 +246,8 @@ impl Verdict {
         out += &judged;
 
         if self.differences.is_empty() {
-            let unchecked = stated.unchecked();
-            let unchecked = shown_in_line(&unchecked.join(", ")).into_owned();
+            let keys = stated.unchecked();
+            let unchecked = shown_in_line(&keys.join(", ")).into_owned();
             // These fields of the certificate are about the source.
             let of_source = if self.has_source {
                 ""

@@ -84,11 +84,11 @@ fn recipe(arguments: &SampleArguments) -> Result<VaryingRecipe> {
     let radius = if let Some(text) = &ground.radius_expression {
         formula(text)?
     } else if let Some(path) = &ground.radius_image {
-        let radii = black.zip(run.greatest);
-        let (black, white) = radii
+        let (least, greatest) = black
+            .zip(run.greatest)
             .context("--radius-image needs --radius MIN..MAX, the radii of black and of white")?;
         let image = image(path, "--radius-image")?;
-        let radii = [black, white];
+        let radii = [least, greatest];
         RadiusSource::Image { image, radii }
     } else if let Some(path) = &ground.density_image {
         let image = image(path, "--density-image")?;

@@ -165,12 +165,12 @@ pub fn folder(asked: Option<&Path>) -> Result<PathBuf> {
         return Ok(folder.to_owned());
     }
     // web/build makes the first, in a checkout; an installed program has its page beside it.
-    let mut folders = vec![PathBuf::from("web/dist")];
-    folders.extend(std::env::current_exe().map(|program| program.with_file_name("web")));
-    if let Some(folder) = folders.iter().find(|folder| has_page(folder)) {
+    let mut tried = vec![PathBuf::from("web/dist")];
+    tried.extend(std::env::current_exe().map(|program| program.with_file_name("web")));
+    if let Some(folder) = tried.iter().find(|folder| has_page(folder)) {
         return Ok(folder.clone());
     }
-    let folders: Vec<_> = folders.iter().map(|p| p.to_string_lossy()).collect();
+    let folders: Vec<_> = tried.iter().map(|p| p.to_string_lossy()).collect();
     bail!(
         "there is no page in {}; run web/build, or name its folder by --folder",
         folders.join(" or ")

@@ -178,7 +178,7 @@ fn degrees(names: &[String]) -> Option<[&String; 2]> {
 /// The words of a name in lower case, without units in brackets and without general words.
 fn specific_words(name: &str) -> Vec<String> {
     let mut depth = 0_u32;
-    let outside = name.chars().map(|letter| {
+    let without_units = name.chars().map(|letter| {
         // A closing bracket still belongs to what it closes, and one that closes nothing to the name.
         let opens = matches!(letter, '[' | '(' | '{');
         let closes = matches!(letter, ']' | ')' | '}');
@@ -188,8 +188,8 @@ fn specific_words(name: &str) -> Vec<String> {
         if inside { ' ' } else { letter }
     });
 
-    let outside: String = outside.flat_map(char::to_lowercase).collect();
-    let words = outside.split(|c: char| !c.is_alphanumeric());
+    let lower: String = without_units.flat_map(char::to_lowercase).collect();
+    let words = lower.split(|c: char| !c.is_alphanumeric());
     let is_specific = |word: &&str| !word.is_empty() && !GENERAL.contains(word);
     words.filter(is_specific).map(str::to_owned).collect()
 }

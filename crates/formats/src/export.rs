@@ -579,8 +579,8 @@ pub(crate) fn warnings(
 
 /// The warnings that follow from the format: that it cannot store the provenance, and how its readers take positions.
 pub(crate) fn notes(has_provenance: bool, format: Format) -> Vec<Warning> {
-    let left_out = has_provenance && !format.carries_provenance();
-    let left_out = left_out.then_some(Warning::ProvenanceLeftOut { format });
+    let is_left_out = has_provenance && !format.carries_provenance();
+    let left_out = is_left_out.then_some(Warning::ProvenanceLeftOut { format });
     let planar = (format == Format::GeoJson).then_some(Warning::Planar { format });
     left_out.into_iter().chain(planar).collect()
 }

@@ -44,8 +44,8 @@ pub fn read_bytes(
     hint: &Hint<'_>,
     certificate: Option<(&str, &[u8])>,
 ) -> Result<ReadSet, FormatError> {
-    let beside = certificate.filter(|_| hint.certificate != CertificateUse::LeftOut);
-    let beside = match beside {
+    let used = certificate.filter(|_| hint.certificate != CertificateUse::LeftOut);
+    let beside = match used {
         Some((name, bytes)) => Some((name, Certificate::from_bytes(bytes, name)?)),
         None => None,
     };

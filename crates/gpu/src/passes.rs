@@ -99,8 +99,8 @@ pub const ALL: &[&Pass] = &[
 pub fn meaning(name: &str) -> Option<String> {
     let pass = ALL.iter().find(|pass| pass.name == name)?;
     let (_, source) = FILES.iter().find(|(file, _)| *file == pass.shader)?;
-    let head = source.lines().map_while(|line| line.strip_prefix("// "));
-    let head = head.take_while(|line| !line.starts_with("import:"));
+    let remarks = source.lines().map_while(|line| line.strip_prefix("// "));
+    let head = remarks.take_while(|line| !line.starts_with("import:"));
     Some(head.collect::<Vec<_>>().join(" "))
 }
 

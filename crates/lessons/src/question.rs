@@ -97,7 +97,7 @@ impl Question {
         let marked = mark.map(|mark| scene.places(mark)).transpose()?;
 
         let hint = gate.hint.as_ref().map(fill).transpose()?;
-        let decided = decided(gate, scene)?;
+        let decided_of_gate = decided(gate, scene)?;
         let otherwise = gate.otherwise.as_ref().map(fill).transpose()?;
 
         let interaction = gate.kind.ask(&Asking {
@@ -109,7 +109,7 @@ impl Question {
         })?;
         // A trace is decided by its last event, and the moment shown afterwards is the one behind it.
         let last = interaction.events().last();
-        let decided = last.map_or(decided, |last| last.cursor + 1);
+        let decided = last.map_or(decided_of_gate, |last| last.cursor + 1);
 
         Ok(Self {
             ask,

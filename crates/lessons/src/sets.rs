@@ -53,15 +53,15 @@ fn share(word: u32) -> f64 {
 impl PointSet {
     /// Returns the samples that are valid at a cursor.
     pub fn at(recording: &Recording, cursor: usize) -> Self {
-        let points = &recording.run().samples.points;
-        let all = 0..points.len() as u32;
+        let samples = &recording.run().samples.points;
+        let all = 0..samples.len() as u32;
         let ids: Vec<u32> = all
             .filter(|&id| recording.status(id, cursor).is_valid())
             .collect();
 
         let points = ids
             .iter()
-            .map(|&id| position(points[id as usize]))
+            .map(|&id| position(samples[id as usize]))
             .collect();
 
         let region = region_in_radii(recording.domain());

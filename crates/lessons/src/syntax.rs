@@ -47,8 +47,8 @@ pub(crate) fn check(text: &str, line: usize, more: &[&str]) -> Result<(), Lesson
         .collect();
 
     // The list of functions has them with their arguments, such as `seam(x, y)`.
-    let functions = names::functions().map(|(form, _)| form.split('(').next().unwrap_or(form));
-    let functions: Vec<&str> = functions.chain(BUILT_IN).chain(OF_DEBUGGER).collect();
+    let listed = names::functions().map(|(form, _)| form.split('(').next().unwrap_or(form));
+    let functions: Vec<&str> = listed.chain(BUILT_IN).chain(OF_DEBUGGER).collect();
 
     // The engine notices a misspelt name only when it evaluates the expression, in some run; here it is found with its line.
     for (before, word, after) in words(text) {

@@ -68,8 +68,8 @@ static ADAPTERS: LazyLock<Vec<AdapterReport>> =
 
 /// The adapters that are GPUs, one of each name.
 pub static GPUS: LazyLock<Vec<AdapterReport>> = LazyLock::new(|| {
-    let found = ADAPTERS.iter().filter(|one| !one.is_software);
-    let mut found: Vec<AdapterReport> = found.cloned().collect();
+    let hardware = ADAPTERS.iter().filter(|one| !one.is_software);
+    let mut found: Vec<AdapterReport> = hardware.cloned().collect();
     found.dedup_by(|a, b| a.name == b.name);
     found
 });

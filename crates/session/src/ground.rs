@@ -77,8 +77,8 @@ impl GroundRequest {
         match &self.shape {
             None => radius,
             Some(ShapeSource::Polygon(_)) => {
-                let corners = self.rings().iter().map(Vec::len).sum();
-                let corners = counted(corners, "corner", "corners");
+                let corner_count = self.rings().iter().map(Vec::len).sum();
+                let corners = counted(corner_count, "corner", "corners");
                 format!("{radius}, in a polygon of {corners}")
             }
             Some(ShapeSource::Mask(image) | ShapeSource::Dark { image, .. }) => {

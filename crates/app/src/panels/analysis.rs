@@ -221,14 +221,14 @@ fn status(
         Some(_) => context.palette.muted,
         None => context.palette.text,
     };
-    let text = status_text(context.run, shown, &sets.first);
+    let status = status_text(context.run, shown, &sets.first);
     let second = context.second.and_then(|run| Some((run, run.shown()?)));
     // The sentence below the canvas already announces the event to screen readers: no text here is announced again.
     let (Some((run, other)), Some(measures)) = (second, &sets.second) else {
-        lines(ui, RichText::new(text).color(color)).known_as("analysis.status");
+        lines(ui, RichText::new(status).color(color)).known_as("analysis.status");
         return;
     };
-    let text = RichText::new(format!("A: {text}")).color(color);
+    let text = RichText::new(format!("A: {status}")).color(color);
     lines(ui, text).known_as("analysis.status");
     let text = format!("B: {}", status_text(run, &other, measures));
     lines(ui, RichText::new(text).color(context.palette.text)).known_as("analysis.status-b");

@@ -49,16 +49,16 @@ pub fn progress(
     // An activity may be a sentence. Its stop and dots are cut, since a number follows.
     let activity = capital(activity.trim_matches(['.', ' ']));
     let percent = fraction * 100.0;
-    let mut text = match activity.as_str() {
+    let mut words = match activity.as_str() {
         "" => format!("{percent:.0}%"),
         activity => format!("{activity}: {percent:.0}%"),
     };
 
     if let Some(left) = time_left(ui, name, fraction) {
-        text = format!("{text}, {left}");
+        words = format!("{words}, {left}");
     }
 
-    let text = RichText::new(text).small().color(palette.text);
+    let text = RichText::new(words).small().color(palette.text);
     let bar = ProgressBar::new(fraction)
         .desired_height(height)
         // The text lies on the bar, and has to be read on its filled part and on its empty part.

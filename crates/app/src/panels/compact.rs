@@ -87,7 +87,7 @@ impl PartRects {
     /// Divides `room` into the parts.
     fn of(ctx: &Context, room: Rect, state: &State) -> Self {
         let drawer = &state.window().drawer;
-        let bar = if state.window().bare { 0.0 } else { BAR };
+        let bar_height = if state.window().bare { 0.0 } else { BAR };
         let (column, controls) = (column(room, state), controls(ctx, room, state));
 
         let mut canvas = room;
@@ -97,7 +97,7 @@ impl PartRects {
         } else {
             // An open panel leaves half of the height to the canvas, unless the user made it tall. Panel and canvas keep their
             // least heights.
-            let rest = room.height() - bar - controls - tabs_height(state);
+            let rest = room.height() - bar_height - controls - tabs_height(state);
             let half = CANVAS * room.height();
             let panel = match (drawer.open, drawer.is_tall) {
                 _ if caption::is_below(state) => {
@@ -112,7 +112,7 @@ impl PartRects {
                 }
             };
             // In so low a room that nothing is left for a panel, the canvas gives up none of its height.
-            canvas.min.y = room.top() + bar;
+            canvas.min.y = room.top() + bar_height;
             canvas.max.y = (canvas.top() + rest - panel.max(0.0)).round();
         }
 
@@ -122,7 +122,7 @@ impl PartRects {
             Rect::from_min_max(pos2(column.left(), top), pos2(column.right(), bottom))
         };
 
-        let bar = slice(column.top(), bar);
+        let bar = slice(column.top(), bar_height);
         let top = if is_landscape {
             bar.bottom()
         } else {

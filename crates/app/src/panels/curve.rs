@@ -46,17 +46,17 @@ pub fn show(
         return;
     };
 
-    let chart = Rect::from_x_y_ranges(track.x_range(), room.top()..=room.bottom() - APART);
+    let bordered = Rect::from_x_y_ranges(track.x_range(), room.top()..=room.bottom() - APART);
     // The chooser ends 14 points before the chart, as the controls below it do before the track.
-    let beside = Rect::from_x_y_ranges(room.left()..=chart.left() - 14.0, chart.y_range());
+    let beside = Rect::from_x_y_ranges(room.left()..=bordered.left() - 14.0, bordered.y_range());
     // Where the chooser does not fit, the actions of the View menu choose the number.
     if beside.width() >= MIN_BESIDE {
         let mut side = ui.new_child(UiBuilder::new().max_rect(beside));
         chooser(&mut side, context, commands);
     }
 
-    border(ui, context, chart, commands);
-    let chart = chart.with_min_y(chart.top() + BORDER);
+    border(ui, context, bordered, commands);
+    let chart = bordered.with_min_y(bordered.top() + BORDER);
     // The events of the curve stand above those of the track.
     let segments = track::segments_within(session, track);
     chart_of(ui, context, session, number, &segments, chart, commands);
@@ -189,11 +189,11 @@ fn border(ui: &Ui, context: &TimeContext<'_>, chart: Rect, commands: &mut Vec<Co
 fn unknown(ui: &mut Ui, context: &TimeContext<'_>, chart: Rect) {
     let curve = &context.run.curve;
     let percent = 100.0 * curve.progress().unwrap_or_default();
-    let text = match curve.failure() {
+    let words = match curve.failure() {
         Some(why) => why.to_owned(),
         None => format!("The curve is being made: {percent:.0}%"),
     };
-    let text = RichText::new(ui.words(text)).color(context.palette.muted);
+    let text = RichText::new(ui.words(words)).color(context.palette.muted);
     ui.put(chart, egui::Label::new(text).wrap())
         .known_as("curve.status");
 }

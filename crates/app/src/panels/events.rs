@@ -325,7 +325,7 @@ fn arrow(
     response.known_as(format_args!("event-{event}.expand"));
 
     // The arrow points down at the events that follow, and right where they are folded away.
-    let corners = if is_expanded {
+    let offsets = if is_expanded {
         [vec2(-4.0, -2.0), vec2(4.0, -2.0), vec2(0.0, 3.0)]
     } else {
         [vec2(-2.0, -4.0), vec2(3.0, 0.0), vec2(-2.0, 4.0)]
@@ -336,7 +336,7 @@ fn arrow(
         palette.muted
     };
 
-    let corners = corners.map(|offset| at + offset).to_vec();
+    let corners = offsets.map(|offset| at + offset).to_vec();
     ui.painter().add(egui::Shape::convex_polygon(
         corners,
         color,

@@ -83,14 +83,14 @@ fn room_beside(ctx: &Context, context: &TimeContext<'_>, width: f32) -> f32 {
         None => "stage 9 of 9".to_owned(),
     };
     // The numbers of stages and iterations are taken to have one digit.
-    let text = match context.run.prefix() {
+    let texts = match context.run.prefix() {
         Some(_) => vec![
             format!("{most} of {most} samples"),
             "radius 32.00 r".to_owned(),
         ],
         None => vec![format!("{most} samples"), moment, "iteration 9".to_owned()],
     };
-    let text = joined(ctx, text);
+    let text = joined(ctx, texts);
     let font = TextStyle::Monospace.resolve(&ctx.style_of(ctx.theme()));
     let job = LayoutJob::simple_singleline(text, font, Color32::WHITE);
     ctx.fonts_mut(|fonts| fonts.layout_job(job)).size().x + BESIDE

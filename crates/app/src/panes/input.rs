@@ -189,11 +189,11 @@ fn pick(
         return false;
     }
 
-    let selection = response.interact_pointer_pos().map(|pos| {
+    let picked = response.interact_pointer_pos().map(|pos| {
         let sample = nearest(response, subject, pos, reach).map(Selection::Sample);
         sample.unwrap_or_else(|| selection_at(response, subject, pos))
     });
-    let selection = selection.unwrap_or(Selection::Nothing);
+    let selection = picked.unwrap_or(Selection::Nothing);
     commands.push(ViewCommand::Pick(selection));
     true
 }

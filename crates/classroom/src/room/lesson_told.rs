@@ -95,9 +95,10 @@ impl Lessons {
         let entries = self.shelf.iter().filter_map(|shipped| {
             // A lesson that cannot be read would be left out; tests read all that come with the program.
             let lesson = Lesson::read(&shipped.name, &shipped.text).ok()?;
-            let translation = shipped.translation(&self.language);
-            let translation = translation.and_then(|text| Translation::read(text).ok());
-            let translation = translation.unwrap_or_default();
+            let translated = shipped.translation(&self.language);
+            let translation = translated
+                .and_then(|text| Translation::read(text).ok())
+                .unwrap_or_default();
 
             // A question counts as done once it has an answer, right or wrong.
             let gates: Vec<_> = lesson.gates().map(|(_, gate)| &gate.name).collect();

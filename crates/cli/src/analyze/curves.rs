@@ -129,11 +129,11 @@ fn curve_rows(analysis: &Analysis) -> (Vec<Panel>, Panel) {
 
 /// Returns the differences of all subjects from the reference, if there is one.
 fn difference_row(analysis: &Analysis) -> Vec<Panel> {
-    let charts = [
+    let texts = [
         ("radial mean power", FREQUENCY, "P(\u{3bd})"),
         ("pair correlation", DISTANCE, "g(r)"),
     ];
-    let charts = charts.iter().enumerate().map(|(curve, (what, x, y))| {
+    let charts = texts.iter().enumerate().map(|(curve, (what, x, y))| {
         let each = analysis.compared().iter().zip(&analysis.differences);
         // Colours are those of the curves above, which count without the reference as well.
         let lines = each.enumerate().map(|(index, (subject, differences))| {

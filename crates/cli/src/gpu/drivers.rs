@@ -91,10 +91,10 @@ impl Drivers {
 
         // If a variable names the drivers, no directory was looked into.
         if self.files.is_empty() && self.variable.is_none() {
-            let directories: Vec<String> = (self.looked_in.iter())
+            let paths: Vec<String> = (self.looked_in.iter())
                 .map(|path| path.display().to_string())
                 .collect();
-            let directories = directories.join(", ");
+            let directories = paths.join(", ");
             lines.push(format!("No driver announces itself in {directories}."));
         }
 

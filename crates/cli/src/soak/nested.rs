@@ -38,12 +38,12 @@ pub fn add(
     let (plane, levels) = plane(&parameters, dice.pick(21, &[2, 3, 4, 5, 7]))?;
     let nested = plane.whole(&mut Unobserved)?;
     let domain = nested.domain();
-    let made = |window: &Window| Ok(plane.window(window, &mut Unobserved)?.points().to_vec());
-    let differ = !windows_agree(domain, nested.points(), dice, made)?;
+    let samples_in = |window: &Window| Ok(plane.window(window, &mut Unobserved)?.points().to_vec());
+    let differ = !windows_agree(domain, nested.points(), dice, samples_in)?;
 
     // The end of each level is the end of a set that is maximal for the level's own radius.
     let positions = nested.positions();
-    let mut invalid = 0;
+    let mut invalid_count = 0;
     let control = |_| interrupt::flow();
     for (&count, level) in nested.ends().iter().zip(0..) {
         let claim = PrefixClaim::maximal(count, nested.radius(level));
@@ -51,13 +51,14 @@ pub fn add(
         round.samples += count as u64;
         round.conflicts += found.report.conflicts;
         round.gaps += found.report.gaps;
-        invalid += u32::from(!found.valid());
+        invalid_count += u32::from(!found.valid());
     }
 
     round.unequal += u64::from(differ);
     let made = format!("{} --levels {levels}", command(&parameters));
     let differs = differ.then(|| format!("a window differs from the set: {made}"));
-    let invalid = (invalid > 0).then(|| format!("{invalid} levels are not valid: {made}"));
+    let invalid =
+        (invalid_count > 0).then(|| format!("{invalid_count} levels are not valid: {made}"));
     round.commands.extend(differs.into_iter().chain(invalid));
     Ok(())
 }

@@ -152,12 +152,12 @@ fn check_set(piece: usize, placed: &Piece) -> Result<(), CombineError> {
 fn covers_beyond(placed: &Piece, short: [i32; 2]) -> bool {
     let (start, max) = (placed.start, placed.set.domain().rect().max);
     let points = placed.set.samples().iter();
-    let columns = points.clone().map(|p| (p.y, p.x));
-    let rows = points.map(|p| (p.x, p.y));
-    let mut lines = (0..short[0]).map(|k| max.x + k);
-    let columns = lines.all(|x| covers_line(columns.clone(), x, start.y, placed.rect.height()));
-    let mut lines = (0..short[1]).map(|k| max.y + k);
-    columns && lines.all(|y| covers_line(rows.clone(), y, start.x, placed.rect.width()))
+    let for_columns = points.clone().map(|p| (p.y, p.x));
+    let for_rows = points.map(|p| (p.x, p.y));
+    let mut columns = (0..short[0]).map(|k| max.x + k);
+    let mut rows = (0..short[1]).map(|k| max.y + k);
+    columns.all(|x| covers_line(for_columns.clone(), x, start.y, placed.rect.height()))
+        && rows.all(|y| covers_line(for_rows.clone(), y, start.x, placed.rect.width()))
 }
 
 /// Returns whether samples, each with its coordinates along and across a line, cover `length` lattice points of it from `start`
@@ -214,10 +214,10 @@ pub(super) fn seams(domain: &Domain, pieces: &[Piece]) -> Vec<Seam> {
 
         let side = across(axis, Point::new(domain.width(), domain.height()));
         for left in 0..pieces.len() as u32 {
-            let edge = across(axis, pieces[left as usize].rect.max);
+            let end = across(axis, pieces[left as usize].rect.max);
             // In a periodic domain pieces at the upper border meet those at the lower one.
-            let wraps = domain.is_periodic() && edge == side;
-            let edge = if wraps { 0 } else { edge };
+            let wraps = domain.is_periodic() && end == side;
+            let edge = if wraps { 0 } else { end };
 
             let first = by_edge.partition_point(|&(min, _)| min < edge);
             let beyond = by_edge[first..].iter().take_while(|&&(min, _)| min == edge);

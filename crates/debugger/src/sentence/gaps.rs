@@ -74,9 +74,9 @@ impl Words<'_> {
     ) -> String {
         // The detector is one of the sites: the sentence names it first, and then the others.
         let own = self.sample(detector);
-        let others = sites.ids().iter().filter(|&&id| id != detector);
-        let others: Vec<String> = others.map(|&id| self.sample(id)).collect();
-        let others = others.join(" and ");
+        let other_ids = sites.ids().iter().filter(|&&id| id != detector);
+        let named: Vec<String> = other_ids.map(|&id| self.sample(id)).collect();
+        let others = named.join(" and ");
 
         let what = match sites {
             Sites::Three(_) => format!("the circumcentre of {own} with {others}"),

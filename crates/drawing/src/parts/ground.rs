@@ -132,10 +132,10 @@ pub fn outline(scene: &Scene<'_>, surface: &mut impl Surface) {
     );
     let stroke = Stroke::new(1.4, scene.palette.border);
     for ring in request.rings() {
-        let corners = ring
+        let in_radii = ring
             .iter()
             .map(|&corner| (DVec2::from(corner) - origin) / radius);
-        let corners: Vec<_> = corners.map(|corner| scene.at(corner)).collect();
+        let corners: Vec<_> = in_radii.map(|corner| scene.at(corner)).collect();
         surface.outline(&corners, stroke);
     }
 }

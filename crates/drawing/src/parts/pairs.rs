@@ -34,12 +34,12 @@ pub fn in_view(scene: &Scene<'_>) -> (Vec<[Pos2; 2]>, usize) {
         return (Vec::new(), 0);
     };
 
-    let ends = pairs.iter().map(|pair| {
+    let all_ends = pairs.iter().map(|pair| {
         let from = scene.session.position(pair.ids[0]);
         [scene.at(from), scene.at(from + pair.offset)]
     });
     let seen = |ends: &[Pos2; 2]| scene.rect.intersects(Rect::from_two_pos(ends[0], ends[1]));
-    let mut ends: Vec<[Pos2; 2]> = ends.filter(seen).collect();
+    let mut ends: Vec<[Pos2; 2]> = all_ends.filter(seen).collect();
 
     let count = ends.len();
     if count > MAX_PAIRS {

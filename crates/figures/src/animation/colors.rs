@@ -47,12 +47,12 @@ impl Indexed {
         }
         note(&mut counts, last);
 
-        let mut palette: Vec<(Rgb, u32)> = counts.into_iter().collect();
+        let mut counted: Vec<(Rgb, u32)> = counts.into_iter().collect();
         // Colours of one count follow each other by their values, so that the same frame always has the same palette.
-        palette.sort_by_key(|&(color, count)| (std::cmp::Reverse(count), color));
-        let kept: Vec<Rgb> = palette.iter().take(room).map(|(color, _)| *color).collect();
+        counted.sort_by_key(|&(color, count)| (std::cmp::Reverse(count), color));
+        let kept: Vec<Rgb> = counted.iter().take(room).map(|(color, _)| *color).collect();
 
-        let index: HashMap<Rgb, u8> = (palette.iter().enumerate())
+        let index: HashMap<Rgb, u8> = (counted.iter().enumerate())
             .map(|(place, &(color, _))| match u8::try_from(place) {
                 Ok(index) if place < room => (color, index),
                 // A colour that did not fit takes the nearest one that did.

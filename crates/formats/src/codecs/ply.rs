@@ -344,8 +344,8 @@ pub(super) fn keep(
         };
     }
     out.extend_from_slice(rest);
-    let left_out = elements.iter().filter(|element| element.numbers_vertices);
-    let left_out = left_out.map(|it| format!("{} ({} rows)", quote(&it.name), it.count));
+    let unread = elements.iter().filter(|element| element.numbers_vertices);
+    let left_out = unread.map(|it| format!("{} ({} rows)", quote(&it.name), it.count));
     Ok((out, left_out.collect()))
 }
 
@@ -423,8 +423,8 @@ pub(super) fn column(bytes: &[u8], format: Format, wanted: &str) -> Result<Vec<f
     match header.encoding {
         Encoding::Ascii => {
             // In text a row is a line that is not blank. Rows of earlier elements are skipped.
-            let before = header.before.iter().map(|element| element.count);
-            let before = before.fold(0, u64::saturating_add);
+            let counts = header.before.iter().map(|element| element.count);
+            let before = counts.fold(0, u64::saturating_add);
             let rows = (lines(data).filter(|(_, row)| !row.is_empty()))
                 .skip(usize::try_from(before).unwrap_or(usize::MAX))
                 .take(usize::try_from(vertex.count).unwrap_or(usize::MAX));

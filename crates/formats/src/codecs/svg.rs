@@ -162,8 +162,8 @@ fn moves(node: Node<'_, '_>, root: Node<'_, '_>) -> bool {
 
 /// Whether a group of the root is reflected in the middle of the root's view, so that y points up in it.
 fn turns_upward(group: Node<'_, '_>, root: Node<'_, '_>) -> bool {
-    let view = root.attribute("viewBox").unwrap_or_default().split(' ');
-    let view: Vec<f64> = view.filter_map(|number| number.parse().ok()).collect();
+    let numbers = root.attribute("viewBox").unwrap_or_default().split(' ');
+    let view: Vec<f64> = numbers.filter_map(|number| number.parse().ok()).collect();
     let [_, y, _, height] = view[..] else {
         return false;
     };

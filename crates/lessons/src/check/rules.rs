@@ -345,10 +345,11 @@ fn events(lesson: &Lesson, found: &BTreeMap<usize, Findings>) -> Vec<LessonError
             )
     };
 
-    let gates = found
+    let stopping = found
         .iter()
         .filter(|(index, _)| stops(&lesson.steps[**index]));
-    let gates: Vec<(&Step, &Findings)> = gates.map(|(&at, of)| (&lesson.steps[at], of)).collect();
+    let gates: Vec<(&Step, &Findings)> =
+        stopping.map(|(&at, of)| (&lesson.steps[at], of)).collect();
 
     let mut faults = Vec::new();
     for (later, (step, findings)) in gates.iter().enumerate() {

@@ -52,7 +52,7 @@ impl MakeError {
     /// Returns the error of a session whose making was cancelled, in the stage that `monitor` reported last.
     pub fn cancelled_by(monitor: &Monitor) -> Self {
         let activity = monitor.activity();
-        let stages = [
+        let without_iterations = [
             Stage::Pattern,
             Stage::Blocks,
             Stage::Tile,
@@ -61,7 +61,7 @@ impl MakeError {
             Stage::Finish,
         ];
         let iterations = (1..=64).map(Stage::Iterate);
-        let mut stages = stages.into_iter().chain(iterations);
+        let mut stages = without_iterations.into_iter().chain(iterations);
 
         // A monitor has only the names of stages. Before the first report, a run makes its pattern.
         let reported = stages.find(|stage| stage.to_string() == activity);

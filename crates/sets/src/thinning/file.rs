@@ -162,14 +162,14 @@ impl<'a> PointFile<'a> {
         *rows = keep_rows(self.bytes, &self.hint, kept)?;
         let chosen = PointFile::new(&rows.bytes, self.hint_of_chosen(name))?;
         // With fewer rows another format may be recognised than before, which a first look at the name could not tell.
-        let found = chosen.read.detection.format;
-        if found != self.read.detection.format {
-            return Err(self.misnamed(name, found));
+        let found_format = chosen.read.detection.format;
+        if found_format != self.read.detection.format {
+            return Err(self.misnamed(name, found_format));
         }
 
         // To the bit: 0 and -0 are the same place, but not the same digest.
-        let expected = (self.points().iter().zip(kept)).filter(|(_, kept)| **kept);
-        let expected = expected.map(|(point, _)| point.map(f64::to_bits));
+        let chosen_points = (self.points().iter().zip(kept)).filter(|(_, kept)| **kept);
+        let expected = chosen_points.map(|(point, _)| point.map(f64::to_bits));
         let found = chosen.points().iter().map(|point| point.map(f64::to_bits));
         if found.eq(expected) {
             Ok(chosen)

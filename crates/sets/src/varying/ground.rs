@@ -293,22 +293,22 @@ impl VaryingRecipe {
         };
 
         let mut origin = self.origin.unwrap_or_default();
-        let mut size = self.size;
+        let mut sides = self.size;
         if let Some(ShapeSource::Polygon(polygon)) = &self.shape {
             // A given side or corner is of a frame, of which the polygon is a part.
             let [low, high] = polygon.bounds();
-            if self.origin.is_none() && size == [None; 2] {
+            if self.origin.is_none() && sides == [None; 2] {
                 origin = low;
             }
-            size = [0, 1].map(|axis| size[axis].or(Some(high[axis] - origin[axis])));
+            sides = [0, 1].map(|axis| sides[axis].or(Some(high[axis] - origin[axis])));
         }
         // Pixels are squares, so that one side gives the other.
-        let size = match (size, pixels.map(|pixels| pixels.map(|count| count as f64))) {
+        let size = match (sides, pixels.map(|pixels| pixels.map(|count| count as f64))) {
             ([Some(width), Some(height)], _) => [width, height],
             ([Some(width), None], Some([columns, rows])) => [width, width * rows / columns],
             ([None, Some(height)], Some([columns, rows])) => [height * columns / rows, height],
             ([None, None], Some([columns, rows])) => [1.0, rows / columns],
-            (size, None) => size.map(|side| side.unwrap_or(1.0)),
+            (sides, None) => sides.map(|side| side.unwrap_or(1.0)),
         };
 
         let of_function = || squares_of(size, self.boundary).ok();

@@ -272,8 +272,8 @@ pub fn cause(
 
 /// Returns the distance from the mean that all but a few shares keep within.
 fn strongest(shares: &[f32], mean: f32) -> f32 {
-    let sizes = shares.iter().filter(|share| share.is_finite());
-    let mut sizes: Vec<f32> = sizes.map(|share| (share - mean).abs()).collect();
+    let finite = shares.iter().filter(|share| share.is_finite());
+    let mut sizes: Vec<f32> = finite.map(|share| (share - mean).abs()).collect();
 
     if sizes.is_empty() {
         // The result is a divisor: without shares any will do, and equal shares must not make it 0.

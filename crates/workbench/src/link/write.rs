@@ -252,14 +252,14 @@ impl Writer {
         let watch = |text: &String| fits(text).then(|| escaped(&item(text)));
         // A scene is written as its event, its run and its anchor if it is of another run, and its caption.
         let scene_text = |scene: &SavedScene| {
-            let caption: String = scene.caption.chars().take(MAX_TEXT).collect();
-            let colon = if caption.is_empty() { "" } else { ":" };
+            let shortened: String = scene.caption.chars().take(MAX_TEXT).collect();
+            let colon = if shortened.is_empty() { "" } else { ":" };
             let run = match &scene.anchor {
                 _ if scene.run.is_empty() => String::new(),
                 Some(anchor) => format!("@{}@{anchor}", escaped(&item(&scene.run))),
                 None => format!("@{}", escaped(&item(&scene.run))),
             };
-            let caption = escaped(&item(&caption));
+            let caption = escaped(&item(&shortened));
             Some(format!("{}{run}{colon}{caption}", scene.event))
         };
 

@@ -56,7 +56,7 @@ impl LinkSource<'_> {
     fn lesson_link(&self) -> Option<Link> {
         let lessons = self.lessons;
 
-        let lesson = match (&lessons.wanted, &lessons.open) {
+        let wanted = match (&lessons.wanted, &lessons.open) {
             (Some(wanted), _) => wanted.clone(),
             (None, Some(open)) if open.source == LessonSource::Shipped => WantedLesson {
                 name: open.learner.lesson().name.clone(),
@@ -72,7 +72,7 @@ impl LinkSource<'_> {
             (None, None) => return None,
         };
 
-        let lesson = Some(lesson);
+        let lesson = Some(wanted);
         // Another language than English is part of the link. English is not, so that a reader of such a link gets a language of their own.
         let language = Some(lessons.language.clone()).filter(|name| !is_english(name));
         Some(link::write(&LinkContent {

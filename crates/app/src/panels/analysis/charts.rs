@@ -38,11 +38,11 @@ pub fn picture(ui: &mut Ui, sets: &Sets<'_>, brush: Option<Brush>, own: &mut Vec
         periodogram_of(ui, "", shown, sets.palette, brush, own);
     }
     let cells = shown.map_or_else(String::new, |(spectrum, _)| cells_of(spectrum));
-    let text = format!(
+    let words = format!(
         "\u{3bd} along x and y, to \u{b1}2.5; power 0 black, {} and above white{cells}",
         periodogram::WHITE
     );
-    let text = RichText::new(text).size(11.5).color(sets.palette.muted);
+    let text = RichText::new(words).size(11.5).color(sets.palette.muted);
     ui.label(text);
 }
 
@@ -103,11 +103,11 @@ fn compared(ui: &mut Ui, sets: &Sets<'_>, brush: Option<Brush>, own: &mut Vec<An
 
 /// Explains the picture of the difference.
 fn difference_text(ui: &mut Ui, palette: &Palette) {
-    let text = format!(
+    let words = format!(
         "The difference is that of means over cells: where A has more power in the colour of A's line, where B has more in that of B's, in full from {} on",
         difference::FULL
     );
-    let text = RichText::new(text).size(11.5).color(palette.muted);
+    let text = RichText::new(words).size(11.5).color(palette.muted);
     // Columns justify their text, which tears so short lines apart.
     ui.with_layout(egui::Layout::top_down(egui::Align::Min), |ui| {
         ui.label(text)

@@ -154,12 +154,12 @@ impl Plot<'_> {
 
     /// Returns a description of the chart for screen readers.
     fn description(&self) -> String {
-        let highest = |curve: &Curve| {
+        let highest_of = |curve: &Curve| {
             let points = curve.points.iter().copied();
             points.max_by(|a, b| a[1].total_cmp(&b[1]))
         };
         let each = self.curves.iter().filter_map(|curve| {
-            let [x, y] = highest(curve)?;
+            let [x, y] = highest_of(curve)?;
             Some(format!(
                 " {}: highest {y:.2} at {} {x:.2}.",
                 curve.name, self.x.sign

@@ -131,17 +131,17 @@ impl Answers<'_> {
     /// Shows a button as wide as the panel, and the spectrum beside it.
     fn wide(&self, ui: &mut Ui, item: &Item, index: usize, commands: &mut Vec<Command>) {
         let text = &item.text;
-        let mut words = match item.mark {
+        let mut named = match item.mark {
             Some(Mark::Letter(letter)) => format!("{letter}. {text}"),
             Some(place @ Mark::Place(_)) => format!("{place}   {text}"),
             None => format!("{}{text}", key(index)),
         };
         if let Some(place) = item.right_place {
             let right = (self.labels.right_place).replace("{place}", &place.to_string());
-            words = format!("{words} \u{2013} **{right}**");
+            named = format!("{named} \u{2013} **{right}**");
         }
 
-        let words = text::job(ui, &words, self.size, self.ink(item));
+        let words = text::job(ui, &named, self.size, self.ink(item));
         let button =
             (self.button(item, words).wrap()).min_size([ui.available_width(), 30.0].into());
         let key = ui.words(format!("Key {}", index + 1));

@@ -77,9 +77,11 @@ fn entry(
     palette: &Palette,
     commands: &mut Vec<Command>,
 ) {
-    let translation = shipped.translation(&state.lessons().language);
-    let translation = translation.and_then(|text| Translation::read(text).ok());
-    let translation = translation.unwrap_or_default();
+    // A translation that cannot be read leaves the lesson in its own language.
+    let translated = shipped.translation(&state.lessons().language);
+    let translation = translated
+        .and_then(|text| Translation::read(text).ok())
+        .unwrap_or_default();
     let words = |text: &str| translation.of(text).to_owned();
 
     let gate_count = lesson.gates().count();

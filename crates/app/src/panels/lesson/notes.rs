@@ -155,20 +155,20 @@ impl Notes<'_> {
             let large = |text: String| RichText::new(text).size(self.size(CLOCK)).monospace();
             phrase(ui, large(clock(now)), "notes-clock");
             ui.add_space(16.0 * self.factor);
-            let text = format!("{} / {}", minutes(elapsed), minutes(all));
-            phrase(ui, large(text), "notes-elapsed");
+            let words = format!("{} / {}", minutes(elapsed), minutes(all));
+            phrase(ui, large(words), "notes-elapsed");
             ui.add_space(16.0 * self.factor);
 
-            let (text, color) = if late > 0.0 {
-                let text = format!("{} behind the plan", minutes(late));
-                (text, self.palette.conflict)
+            let (words, color) = if late > 0.0 {
+                let words = format!("{} behind the plan", minutes(late));
+                (words, self.palette.conflict)
             } else if early > 0.0 {
-                let text = format!("{} ahead of the plan", minutes(early));
-                (text, self.palette.inserted)
+                let words = format!("{} ahead of the plan", minutes(early));
+                (words, self.palette.inserted)
             } else {
                 ("as planned".to_owned(), self.palette.text)
             };
-            let text = RichText::new(ui.words(text)).color(color);
+            let text = RichText::new(ui.words(words)).color(color);
             phrase(ui, text, "notes-plan");
             ui.add_space(16.0 * self.factor);
 
@@ -180,13 +180,13 @@ impl Notes<'_> {
             };
 
             let steps = learner.lesson().steps.len();
-            let text = format!(
+            let words = format!(
                 "Step {} of {steps}{part}, {} here, {} planned",
                 learner.index() + 1,
                 minutes(now - self.talk.step_begun),
                 minutes(this_step)
             );
-            let text = RichText::new(ui.words(text)).color(self.palette.muted);
+            let text = RichText::new(ui.words(words)).color(self.palette.muted);
             phrase(ui, text, "notes-place");
 
             button(ui, "End (Esc)", "notes-end", TalkCommand::End, commands);

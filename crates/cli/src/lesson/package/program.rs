@@ -29,8 +29,8 @@ const TEXTS: [&str; 4] = ["html", "js", "css", "webmanifest"];
 /// A folder that cannot be read, and a page of another version.
 pub fn files(folder: &Path, lesson: Shipped) -> Result<BTreeMap<String, Vec<u8>>> {
     let mut left = names(folder)?;
-    let index = fs::read_to_string(folder.join(INDEX)).in_file(&folder.join(INDEX))?;
-    let index = without_first_page(&index)
+    let page = fs::read_to_string(folder.join(INDEX)).in_file(&folder.join(INDEX))?;
+    let index = without_first_page(&page)
         .with_context(|| other_version(folder, "its index.html has no first page"))?;
 
     let mut found = BTreeMap::from([(INDEX.to_owned(), index.into_bytes())]);

@@ -105,7 +105,7 @@ fn comparison(all: &[SamplerResults], corners: &[Vec<[f64; 2]>]) -> Result<Pictu
     }
 
     let axis = |name| Axis::new(name).with_range(-reach, reach);
-    let rows = [
+    let tiles = [
         (axis("samples"), samples),
         (
             axis("power spectrum, \u{3bd}").with_ticks(whole_ticks(reach)),
@@ -124,7 +124,7 @@ fn comparison(all: &[SamplerResults], corners: &[Vec<[f64; 2]>]) -> Result<Pictu
     };
 
     // The scale of the spectra's powers stands at the end of the first row.
-    let mut rows = rows.map(row);
+    let mut rows = tiles.map(row);
     rows[0].push(power_scale(BLACK));
 
     let first = all.first().and_then(|one| one.plates.first());

@@ -67,13 +67,13 @@ fn row(times: &[&StageTimes]) -> Option<LeafTimes> {
     let procedures: BTreeSet<Procedure> = each.collect();
 
     let shares_of = |procedure: Procedure| {
-        let seconds = |one: &StageTimes| {
+        let seconds_of = |one: &StageTimes| {
             let found = one.seconds.iter().find(|(of, _)| *of == procedure);
             // A round that needed fewer iterations spent no time on this one.
             found.map_or(0.0, |(_, seconds)| *seconds)
         };
-        let shares = times.iter().map(|one| seconds(one) / whole(one));
-        let seconds = Summary::of(times.iter().map(|one| seconds(one)))?;
+        let shares = times.iter().map(|one| seconds_of(one) / whole(one));
+        let seconds = Summary::of(times.iter().map(|one| seconds_of(one)))?;
         Some((procedure, seconds, Summary::of(shares)?))
     };
 

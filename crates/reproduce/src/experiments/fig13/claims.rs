@@ -66,8 +66,8 @@ pub fn claims(each: &[Against], rows: &[EngineRate]) -> Vec<Claim> {
 /// Whether tiling is several times as fast as sampling from scratch, and why the paper's own ratio cannot be compared.
 fn rates(rows: &[EngineRate]) -> [Claim; 2] {
     // Rates on one thread are compared, since the reference sampler runs on one.
-    let alone = |row: &&EngineRate| row.leaf.is_some() && row.engine.threads() == Some(1);
-    let alone: Vec<&EngineRate> = rows.iter().filter(alone).collect();
+    let is_alone = |row: &&EngineRate| row.leaf.is_some() && row.engine.threads() == Some(1);
+    let alone: Vec<&EngineRate> = rows.iter().filter(is_alone).collect();
     let holds = alone.iter().all(|row| row.ratio.quartiles[1] >= FASTER);
     let direction = Verdict::if_known(!alone.is_empty(), holds);
 
@@ -174,12 +174,12 @@ fn coarse(each: &[Against]) -> Vec<f64> {
 
 /// Says what sets of few blocks count for, and which leaf sizes have no others.
 fn floor(each: &[Against]) -> String {
-    let coarse: Vec<String> = coarse(each)
+    let leaves: Vec<String> = coarse(each)
         .iter()
         .map(|leaf| format!("{leaf} r"))
         .collect();
-    let values = json!({ "leaves": coarse.join(", ") });
-    let coarse = if coarse.is_empty() {
+    let values = json!({ "leaves": leaves.join(", ") });
+    let coarse = if leaves.is_empty() {
         String::new()
     } else {
         text("fig13/coarse", &values)

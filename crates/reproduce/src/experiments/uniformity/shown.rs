@@ -34,14 +34,14 @@ pub fn pictures(found: &UniformityResults, cells: usize) -> Result<Vec<Picture>>
     ];
     let two = [(0, circumcentre), (2, uniform)];
 
-    let borders = [
+    let charts = [
         [
             density("uniformity/blocks", &five, |one| &one.blocks),
             density("uniformity/domain", &five, |one| &one.domain),
         ],
         [ranks(&two), inserted(&two)],
     ];
-    let borders = borders.map(|row| row.map(Panel::Lines).into());
+    let borders = charts.map(|row| row.map(Panel::Lines).into());
 
     let values = json!({ "sets": circumcentre.sets });
     Ok(vec![
