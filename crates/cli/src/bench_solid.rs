@@ -84,7 +84,7 @@ fn add_round(timed: &mut Timed, samples: u64, seed: u64) -> Result<()> {
         boundary: Boundary::Periodic,
         seed,
     };
-    // About so many samples are near enough: rates hardly depend on the number.
+    // The set has about this number of samples, which is near enough: rates hardly depend on it.
     let radius = request.radius_estimate(samples)?;
     let domain = SolidDomain::from_size(request.size, radius, request.boundary)?;
     let region = SolidRegion {

@@ -179,23 +179,24 @@ impl Results {
     ///
     /// A file that is too large, of another form or of a newer version, and an entry with a number out of its range.
     pub fn read(text: &str) -> Result<Self, ResultsError> {
-        // A file may come from anywhere.
+        // A file may come from anywhere, so that its length is limited.
         if text.len() > MAX_BYTES {
             return Err(ResultsError::TooLong(text.len()));
         }
 
         let read: Self = tilescope_core::json::from_text(text)?;
-        // The same fields may have another meaning there.
+        // In a newer version the same fields may have another meaning.
         if read.version > VERSION {
             return Err(ResultsError::Newer(read.version));
         }
 
-        for (entry, of) in (1..).zip(&read.entries) {
-            of.check(entry)?;
+        // Errors count entries and votes from 1.
+        for (number, entry) in (1..).zip(&read.entries) {
+            entry.check(number)?;
         }
 
-        for (vote, of) in (1..).zip(&read.votes) {
-            of.check(vote)?;
+        for (number, vote) in (1..).zip(&read.votes) {
+            vote.check(number)?;
         }
 
         Ok(read)

@@ -187,7 +187,7 @@ pub struct Finished {
     pub experiment: Experiment,
     /// Whether its sets were small.
     pub quick: bool,
-    /// Whether there were so many of them that half of the bias can be measured. Reports of earlier versions do not say
+    /// Whether there were enough of them to measure half of the bias. Reports of earlier versions do not say
     /// so.
     #[serde(default)]
     pub many: bool,

@@ -167,7 +167,7 @@ impl<'a> Search<'a> {
                 if self.least > 0.51 * self.question.radius {
                     return Ok(());
                 }
-                // Where so many cells all end within half of the radius, the samples are crowded.
+                // If more than `FEW` cells end within half of the radius, and none beyond it, the samples are crowded.
                 if seen > FEW {
                     return Err(Declined::Crowded);
                 }

@@ -34,7 +34,7 @@ impl PairBins {
     /// Numbers of samples that are averaged differ from the first set's by this part of it at most.
     pub const MAX_COUNT_SPREAD: f64 = 0.1;
 
-    /// Returns the bins for a set of so many samples, which serve all sets that may be averaged with it.
+    /// Returns the bins for a set of this number of samples, which serve all sets that may be averaged with it.
     #[must_use]
     pub fn of(radius: Option<f64>, samples: usize, region: Region) -> Self {
         let r_max = largest_min_distance(samples, region.area());

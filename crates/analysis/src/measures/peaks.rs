@@ -1,5 +1,5 @@
 //! Single frequencies whose power stands out of the radial mean, as repetition makes them, against the highest that
-//! chance allows among so many. The lowest rings are left out: a mean of few frequencies is not known well enough.
+//! chance allows among all of them. The lowest rings are left out: a mean of few frequencies is not known well enough.
 
 use serde::{Deserialize, Serialize};
 

@@ -316,7 +316,8 @@ impl StreamExport {
             return Err(FormatError::Provenance { found, points }.into());
         }
 
-        // The head of this number is not written here. It is made because it fails if the format cannot count so many points.
+        // The head with this number is not written here. It is made because it fails if the format cannot count that
+        // far.
         self.head(self.count + points.len() as u64)?;
 
         for (index, piece) in points.chunks(PIECE).enumerate() {

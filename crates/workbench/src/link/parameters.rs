@@ -260,7 +260,8 @@ fn down(number: f64) -> f64 {
     three_digits(number, 0.999_999)
 }
 
-/// Returns a number of three digits near `number`, on the side of `toward` times `number`.
+/// Returns the next number of three digits after `toward` times `number`: the next larger one if `toward` is above 1,
+/// otherwise the next smaller one. As `toward` is not 1, a number of three digits is not returned itself.
 fn three_digits(number: f64, toward: f64) -> f64 {
     let exponent = number.log10().floor() as i32 - 2;
     // Powers of ten with a positive exponent are exact, those with a negative one are not.

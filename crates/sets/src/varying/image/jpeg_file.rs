@@ -112,10 +112,11 @@ fn orientation(exif: &[u8]) -> u16 {
     found.map_or(UPRIGHT, |found| found as u16)
 }
 
-/// Returns pixels turned upright.
+/// Returns pixels turned upright. `orientation` is that of EXIF, from 1, upright, to 8.
 fn turned(light: Vec<u16>, columns: usize, orientation: u16) -> Pixels {
     let rows = light.len() / columns;
-    // From 5 on columns and rows change places. Then the sides that were right or below become left or above.
+    // From 5 on the file's columns are the picture's rows. The others say on which sides of the picture its first
+    // column and row lie.
     let is_transposed = orientation >= 5;
     let mirrors_columns = matches!(orientation, 2 | 3 | 7 | 8);
     let mirrors_rows = matches!(orientation, 3 | 4 | 6 | 7);
