@@ -15,6 +15,7 @@ pub struct Number(pub f64);
 impl fmt::Display for Number {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         let size = self.0.abs();
+        // Beyond these limits plain digits would be zeros for the most part, or more digits than the number has.
         if (1e-5..1e16).contains(&size) || size == 0.0 {
             write!(f, "{}", self.0)
         } else {

@@ -372,6 +372,7 @@ fn expected_result(setup: &Setup, frame: &Frame) -> u32 {
         frame.window_max_y - frame.window_min_y,
     ]
     .map(|side| f64::from(side) / f64::from(R));
+    // A little more than these densities, and room for what the borders add, which counts most in small windows.
     let density = (1.02 * setup.density).max(0.72);
     (density * width * height + 2.0 * (width + height) + 64.0) as u32
 }

@@ -38,6 +38,7 @@ pub fn nearest<'a>(word: &str, known: &[&'a str]) -> Option<&'a str> {
     let likeness = |known: &&str| strsim::jaro_winkler(&word, known);
     let words = known.iter().copied();
     let best = words.max_by(|a, b| likeness(a).total_cmp(&likeness(b)));
+    // Words that are less alike are not taken for misspellings of each other. The limit was chosen, not measured.
     best.filter(|best| likeness(best) > 0.7)
 }
 

@@ -241,6 +241,7 @@ fn bessel_j0(x: f64) -> f64 {
     if x < 14.0 {
         let square = -0.25 * x * x;
         let (mut sum, mut term, mut k) = (1.0, 1.0, 1.0);
+        // Smaller terms are far below the error that is allowed.
         while f64::abs(term) > 1e-18 {
             term *= square / (k * k);
             sum += term;

@@ -125,6 +125,7 @@ fn gamma_tail(a: f64, x: f64) -> f64 {
         for k in 1..MAX_TERMS {
             term *= x / (a + k as f64);
             sum += term;
+            // A smaller term does not change the sum, which is rounded to 53 bits.
             if term < 1e-17 * sum {
                 break;
             }
@@ -173,6 +174,7 @@ fn fraction(first: f64, step: impl Fn(f64) -> (f64, f64)) -> f64 {
         d = 1.0 / away(denominator + numerator * d);
         c = away(denominator + numerator / c);
         value *= c * d;
+        // A factor this near to 1 changes nothing but the last bits.
         if (c * d - 1.0).abs() < 1e-15 {
             break;
         }

@@ -111,6 +111,7 @@ impl PairCorrelation {
         control: Control<'_>,
     ) -> Result<Self, MeasureError> {
         let r_max = largest_min_distance(points.len(), region.area());
+        // A little less than half the shorter side, beyond which `g` is not defined.
         let half = 0.499 * region.shorter_side() / r_max;
         let most = half.min(5.0);
         let bins = (40.0 * most).ceil().max(1.0) as usize;
@@ -143,6 +144,7 @@ impl PairCorrelation {
         unit: f64,
     ) -> Result<(f64, usize), MeasureError> {
         let r_max = largest_min_distance(samples, region.area());
+        // A little less than half the shorter side, beyond which `g` is not defined.
         let half = 0.499 * region.shorter_side();
         let reach = half.min(Self::MAX_DISTANCE * r_max);
         check_range("the unit of g(r)", unit, [1e-6 * r_max, 40.0 * reach])?;

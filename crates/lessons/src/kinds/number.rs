@@ -116,6 +116,7 @@ impl Interaction for Number {
     }
 
     fn chance(&self) -> Chance {
+        // A guess is one of the 101 whole numbers from 0 to 100, of which this share is within the tolerance.
         Chance::Share(((2.0 * self.tolerance + 1.0) / 101.0).min(1.0))
     }
 

@@ -186,6 +186,8 @@ fn star() -> Vec<Vec<[f64; 2]>> {
         [0.5 + radius * angle.cos(), 0.5 + radius * angle.sin()]
             .map(|value| (value * 1e4).round() / 1e4)
     };
+    // The corners of the star lie by turns on a large and on a small circle, and those of the hole on a still smaller
+    // one.
     let corner = |k: u32| {
         let radius = if k.is_multiple_of(2) { 0.5 } else { 0.23 };
         at(radius, f64::from(k) / 10.0)
