@@ -102,6 +102,7 @@ pub struct Passes {
     path: Option<String>,
     export: Option<Job<Result<String, String>>>,
     export_result: Option<Result<String, String>>,
+    /// The name and the bytes of a file that a browser is to save.
     download: Option<(String, Vec<u8>)>,
 }
 

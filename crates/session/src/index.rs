@@ -20,6 +20,7 @@ pub struct SampleIndex {
     columns: usize,
     rows: usize,
     starts: Vec<u32>,
+    /// The ids of the samples with their places, cell by cell.
     entries: Vec<(u32, [f32; 2])>,
 }
 

@@ -92,6 +92,7 @@ impl Now {
 
 /// Where the lines of the listings were in a frame, in screen points from the top of the first one.
 struct Placed {
+    /// The lines, each with its upper and its lower end.
     lines: Vec<(LineId, Rangef)>,
     /// The height of all of them.
     height: f32,

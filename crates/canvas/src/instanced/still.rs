@@ -15,6 +15,7 @@ pub struct Origin {
     pub kind: InstanceKind,
     /// Version of positions and styles: counts their uploads.
     pub revision: u64,
+    /// The copies of the domain in view: the shader's parameters for each, and the ranges of samples that are drawn.
     pub parts: Vec<(LayerUniforms, Vec<Range<u32>>)>,
 }
 

@@ -113,6 +113,7 @@ impl SolidThrow {
 /// The keys of the planes in which cubes lie: half of the draws for a cube's key are those of its plane.
 struct PlaneKeys {
     throw: Key,
+    /// The planes whose keys were drawn last, each by where it begins, with its key.
     kept: [Option<(i32, Key)>; KEPT_PLANES],
 }
 

@@ -83,8 +83,11 @@ pub type Outcome = Result<Cause, Option<String>>;
 pub struct Marks {
     /// The moment and the brush of the frame before.
     asked: Option<Of>,
+    /// The search that is running.
     work: Option<(Of, Job<Outcome>)>,
+    /// The causes that were found last.
     found: Option<(Of, BrushedCause)>,
+    /// Why the last search found none.
     failed: Option<(Of, String)>,
     serial: u64,
 }

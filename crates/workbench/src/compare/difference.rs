@@ -30,7 +30,9 @@ pub struct UnsharedSamples {
 /// The difference of the moments that are shown, if known.
 #[derive(Default)]
 pub struct Differences {
+    /// The search that is running.
     work: Option<(Key, Job<UnsharedSamples>)>,
+    /// The difference that was found last.
     ready: Option<(Key, UnsharedSamples)>,
     /// The last pair of moments whose difference could not be computed.
     failed: Option<Key>,

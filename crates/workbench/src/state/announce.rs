@@ -10,6 +10,7 @@ use super::{Notice, RunView, Verification};
 #[derive(Default)]
 pub struct Announcer {
     happened: String,
+    /// The generation of the session, and its verdict.
     verdict: Option<(u64, String)>,
     notice: Option<String>,
     pub(super) announcement: Option<String>,

@@ -25,6 +25,7 @@ pub(super) struct Borrowed {
     pub history: History,
     /// The run that was shown; `None` if the first run was still being made.
     pub run: Option<Box<RunView>>,
+    /// The second run with the comparison, if there was one.
     pub second: Option<(RunView, Comparison)>,
 }
 

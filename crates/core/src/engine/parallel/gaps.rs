@@ -83,6 +83,7 @@ pub(crate) struct GapBuffers {
     /// The samples that may make a candidate in the current pixel, as indices of gathered samples.
     sites: [u8; MAX_SITES],
     candidates: Vec<RankedCandidate>,
+    /// The pixels to be searched, each by its cell and its number in the cell.
     todo: Vec<(u32, u8)>,
     /// Cells in which a detection found that samples it needs are missing.
     unsure: Vec<usize>,

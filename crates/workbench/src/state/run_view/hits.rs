@@ -97,6 +97,7 @@ impl RunView {
 #[derive(Serialize, Deserialize)]
 pub struct CountHitsTask {
     session: SessionRef,
+    /// The lines of the enabled breakpoints, and their conditions.
     stops: Vec<(LineId, String)>,
 }
 
