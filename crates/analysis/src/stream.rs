@@ -238,6 +238,7 @@ impl StreamVerifier {
             bands.judge_complete(search, highest, monitor)?;
         }
         if let Some(circles) = &mut self.circles {
+            // Complete rows are looked for each time that a band of new samples has come.
             if circles.len() >= self.next_circles {
                 let complete = search.complete(highest);
                 circles.judge_complete(&search.question(), complete, monitor)?;

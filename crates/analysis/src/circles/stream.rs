@@ -159,12 +159,10 @@ impl CircleBands {
         self.closed = rows.end;
 
         // Rows around circles that still wait are kept. Near the lower border of a torus, `seam` keeps them.
-        let pending = self
-            .found
-            .exposed
-            .iter()
-            .map(|sample| cells.row(sample.position.y));
-        let pending = pending.filter(|&row| !cells.domain.periodic || row > KEPT);
+        let exposed = self.found.exposed.iter();
+        let pending = exposed
+            .map(|sample| cells.row(sample.position.y))
+            .filter(|&row| !cells.domain.periodic || row > KEPT);
         let wanted = pending.fold(self.closed, usize::min).saturating_sub(KEPT);
         self.drop_below(&cells, wanted);
         Ok(())

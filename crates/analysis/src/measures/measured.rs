@@ -180,7 +180,7 @@ impl MeasuredSet {
         }
 
         // A part is known even if the set has no such measure.
-        self.know(part);
+        self.note_measured(part);
         Ok(())
     }
 
@@ -188,17 +188,17 @@ impl MeasuredSet {
     /// radius: the smallest distance and the covering radius do not depend on it.
     pub fn take_report(&mut self, report: Report) {
         self.report = Some(Ok(Arc::new(report)));
-        self.know(Part::Report);
+        self.note_measured(Part::Report);
     }
 
     /// Takes the spectrum of a window of frequencies that the caller chose.
     pub fn take_spectrum(&mut self, spectrum: impl Into<Arc<Spectrum>>) {
         self.spectrum = Some(spectrum.into());
         self.rough = None;
-        self.know(Part::Spectrum);
+        self.note_measured(Part::Spectrum);
     }
 
-    fn know(&mut self, part: Part) {
+    fn note_measured(&mut self, part: Part) {
         if !self.knows(part) {
             self.known.push(part);
         }

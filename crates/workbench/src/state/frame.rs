@@ -78,7 +78,7 @@ pub struct Requests {
 }
 
 impl State {
-    /// Takes what the window knows at the beginning of a frame.
+    /// Takes the facts about the window at the beginning of a frame.
     pub fn begin_frame(&mut self, start: FrameStart) {
         self.classroom.lessons.now = start.now;
         self.window.is_full = start.is_full;
