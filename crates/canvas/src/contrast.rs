@@ -67,14 +67,15 @@ pub fn mark(painter: &Painter, at: Pos2, whole: bool, palette: &Palette) {
 /// Adds a square of thin lines, or its corners alone.
 fn add_square(mesh: &mut Mesh, rect: Rect, whole: bool, color: Color32) {
     let side = rect.width();
+    // Each side is one line, or two short ones from its ends.
     let arm = if whole { side } else { (0.3 * side).max(WIDTH) };
-    let ends = if whole {
+    let starts = if whole {
         vec![0.0]
     } else {
         vec![0.0, side - arm]
     };
 
-    for start in ends {
+    for start in starts {
         for far in [0.0, side - WIDTH] {
             let row = rect.min + vec2(start, far);
             let column = rect.min + vec2(far, start);

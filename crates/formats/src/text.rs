@@ -137,6 +137,7 @@ pub(crate) fn numbers<'a, const N: usize>(
     let place = FilePlace::Line(line);
     let mut values = [0.0; N];
     for (found, value) in values.iter_mut().enumerate() {
+        // Up to here as many fields were found as values are filled in.
         let too_few = FormatError::Columns {
             format,
             place,

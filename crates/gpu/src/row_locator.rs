@@ -71,6 +71,7 @@ impl RowLocator {
     pub fn locate(&self, name: Name, table: &BufferRows) -> RowPlaces {
         let mut places = RowPlaces {
             unplaced: self.unplaced(name),
+            // The rows of these buffers are cells or tiles, and not samples.
             are_cells: match name {
                 Name::Starts | Name::Grid | Name::TileImages => true,
                 Name::Heads => !self.heads_are_listed(),

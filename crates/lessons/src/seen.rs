@@ -194,9 +194,10 @@ fn too_close(named: &[Named], scale: f64, [width, height]: [f64; 2]) -> Option<S
         for b in &chosen[..index] {
             let apart = scale * (a.at[0] - b.at[0]).hypot(a.at[1] - b.at[1]);
             if apart < MIN_APART {
-                let (a, b) = (&b.name, &a.name);
+                // The inner loop has the earlier one, which is named first.
+                let (earlier, later) = (&b.name, &a.name);
                 return Some(format!(
-                    "{a} and {b} are {apart:.1} px apart on a canvas of {width} x {height}; \
+                    "{earlier} and {later} are {apart:.1} px apart on a canvas of {width} x {height}; \
                      {MIN_APART} px are needed to choose one of them"
                 ));
             }

@@ -252,6 +252,8 @@ fn write_in_vectors<S: Simd>(simd: S, sums: &[ProductSums], scale: f64, powers: 
     }
 }
 
+/// Adds the waiting changes to all sums, tile by tile of columns, so that the waves of a tile stay in the caches for
+/// all rows.
 #[expect(
     clippy::inline_always,
     reason = "it must become a part of what dispatch! compiles for the processor"

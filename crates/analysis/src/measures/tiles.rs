@@ -200,6 +200,7 @@ impl<'a> CellTile<'a> {
         let (mut positions, mut own) = (Vec::new(), Vec::new());
         for cell in rows.flat_map(|row| columns.clone().map(move |column| [column, row])) {
             let [column, row] = [0, 1].map(|axis| cell[axis].rem_euclid(all[axis]) as usize);
+            // How many periods the cell lies from its own place in the grid.
             let turns = [0, 1].map(|axis| cell[axis].div_euclid(all[axis]) as f64);
             let shift = DVec2::from(turns) * extent - view.low;
 

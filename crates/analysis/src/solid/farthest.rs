@@ -132,12 +132,14 @@ impl FarthestSearch {
         }
 
         for part in cube.parts() {
+            // Without distances left the sketch ends early: the search after it finds what it has missed.
             let Some(left) = self.distances_left.checked_sub(near.len()) else {
                 return;
             };
             self.distances_left = left;
             let part = self.ranked(part, near);
             self.farthest = self.farthest.max(part.middle);
+            // The list of a part is dropped once the part is done.
             let first = self.lists.len();
             let listed = self.list(&part, near);
             self.sketch(&part.cube, &listed, cuts - 1);

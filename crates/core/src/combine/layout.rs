@@ -49,6 +49,7 @@ pub fn check_rects(domain: &Domain, rects: &[Rect]) -> Result<(), CombineError> 
         });
     }
 
+    // Each rectangle by itself: it lies in the domain, and has places. Together they are checked below.
     let all = domain.rect().max;
     for (piece, Rect { min, max }) in rects.iter().enumerate() {
         let inside = 0 <= min.x && 0 <= min.y && max.x <= all.x && max.y <= all.y;

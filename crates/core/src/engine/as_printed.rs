@@ -252,6 +252,7 @@ impl AsPrinted {
         let position = |m: &NearSample| m.offset.as_i64vec2();
         for (place, other) in border.places(I64Vec2::ZERO, others, position) {
             let sites = match other {
+                // The lower id comes first, whichever sample is the pivot.
                 Some(m) => Sites::Border([pivot.min(m.id), pivot.max(m.id)]),
                 None => Sites::Corner(pivot),
             };

@@ -169,6 +169,7 @@ impl RadiusField {
             return Err(FieldError::Uneven { side, bits });
         }
 
+        // In a bounded domain the last cell has nodes on its far side, too.
         let closed = usize::from(!domain.is_periodic());
         Ok(sides.map(|side| ((side - 1) >> bits) as usize + 1 + closed))
     }
@@ -319,6 +320,7 @@ impl RadiusField {
             let (min, side) = (i64::from(min), i64::from(cell.side));
             [min - reach, min + side - 1 + reach].map(|value| value >> self.bits)
         });
+        // A span across the border of a periodic domain is two spans.
         let [columns, rows] = [0, 1].map(|axis| self.cell_spans(spans[axis], axis));
 
         let mut range = RadiusRange::NOTHING;

@@ -104,6 +104,7 @@ fn column_by(
     }
 
     let mut values = Vec::new();
+    // A table without rows has no numbers.
     let Some(rows) = &mut table.rows else {
         return Ok(values);
     };

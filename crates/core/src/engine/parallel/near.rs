@@ -135,6 +135,7 @@ impl Near {
             .enumerate()
             .filter(|(_, squared)| **squared <= limit)
         {
+            // There are never more, see `MAX_SITES`: with this test the index needs no check of its own.
             if count < MAX_SITES {
                 sites[count] = k as u8;
                 count += 1;
@@ -237,6 +238,7 @@ impl Near {
         let mut waiting = [square; MAX_WAITING];
         let mut count = 1;
         while count > 0 {
+            // The last square goes first, so that few are waiting at a time.
             count -= 1;
             let (x, y, side) = waiting[count];
             if self.covers_square(simd, (x, y, side)) {

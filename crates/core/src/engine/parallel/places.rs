@@ -58,6 +58,7 @@ pub(super) fn beyond(from: &Window, to: &Window) -> [Window; 4] {
         return to.without(&shared);
     }
 
+    // Without a shared place all of `to` is outside.
     let nothing = Window {
         min: to.min,
         max: to.min,

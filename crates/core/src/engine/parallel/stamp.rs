@@ -36,6 +36,7 @@ impl Stamps {
     /// (0 to 8) says in which cell the slot is.
     #[inline(always)]
     pub(crate) fn stamp(&self, from: usize, packed: u32) -> u64 {
+        // The highest bits of x and y, which a slot has in 15 bits each, with y above x.
         let x = (packed >> (15 - BIN_BITS)) as usize & (BINS - 1);
         let y = (packed >> (30 - BIN_BITS)) as usize;
         self.tables[from][y * BINS + x]
@@ -64,6 +65,8 @@ impl Stamps {
 
 /// Returns the pixels whose every point is within R of every point of the bin that starts at `bin`.
 fn stamp_of_bin(bin: [i32; 2]) -> u64 {
+    // The square of the largest distance along an axis: from the upper end of the pixel to the bin's lower one, or the
+    // other way round.
     let farthest = |bin: i32, pixel: usize| {
         let low = pixel as i32 * PIXEL_SIDE;
         let (high, bin_high) = (low + PIXEL_SIDE - 1, bin + BIN_SIDE - 1);

@@ -249,6 +249,8 @@ impl<P: WindowMaker> Sweep<P> {
         let (mut bands, mut count, mut bottom) =
             (Vec::new(), 0, i64::from(self.done) * i64::from(R));
 
+        // Whole bands are taken until each thread has its windows. The last window of a row or a column ends with the
+        // domain.
         while bottom < i64::from(max.y) && count < wanted {
             let top = (bottom + height).min(max.y.into());
             let lefts = (0..i64::from(max.x)).step_by(width as usize);

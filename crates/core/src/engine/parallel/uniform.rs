@@ -244,6 +244,7 @@ impl<const TAGS: bool> Region<TAGS> {
                     domain_x: cell.domain_x + right,
                     domain_y: cell.domain_y + up,
                 };
+                // A cell at the upper border may reach beyond the domain with some of its quarters.
                 let inside = quarter.domain_x < max.x && quarter.domain_y < max.y;
                 if inside && !self.is_covered(&quarter, half) && !self.is_unsure(&quarter, half) {
                     next.push(quarter);

@@ -57,10 +57,12 @@ impl<const TAGS: bool> Region<TAGS> {
         for row in 0..self.frame.cells[1] {
             let start = (row + PAD) as usize * words;
             for (word, &bits) in marked[start..start + words].iter().enumerate() {
-                let mut bits = bits;
-                while bits != 0 {
-                    let column = (word * 64) as i32 + bits.trailing_zeros() as i32 - PAD;
-                    bits &= bits - 1;
+                let mut left = bits;
+                while left != 0 {
+                    let column = (word * 64) as i32 + left.trailing_zeros() as i32 - PAD;
+                    // This clears the lowest bit that is set.
+                    left &= left - 1;
+                    // The padding beside the frame has bits, too.
                     if (0..self.frame.cells[0]).contains(&column) {
                         list.push((self.frame.cell(column, row) as u32, column, row));
                     }
