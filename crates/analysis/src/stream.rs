@@ -270,8 +270,9 @@ impl StreamVerifier {
         }
 
         let monitor = self.monitor(control);
+        let count = self.intake.count;
         let set = JudgedSet {
-            count: self.intake.count,
+            count,
             region,
             radius,
             covering_tolerance: options.covering_tolerance,
