@@ -163,14 +163,8 @@ pub fn show(ui: &mut Ui, context: &PanelContext<'_>, commands: &mut Vec<Command>
             for number in listing.lines.clone() {
                 let id = LineId(number);
                 if let Some(line) = Listings::shipped().line(id) {
-                    let rect = show_line(
-                        ui,
-                        context,
-                        debugger,
-                        NumberedLine { id, line },
-                        now,
-                        commands,
-                    );
+                    let numbered = NumberedLine { id, line };
+                    let rect = show_line(ui, context, debugger, numbered, now, commands);
                     lines.push((id, Rangef::new(rect.top() - top, rect.bottom() - top)));
                 }
             }
@@ -218,10 +212,11 @@ fn show_line(
     ui: &mut Ui,
     context: &PanelContext<'_>,
     debugger: &Debugger,
-    NumberedLine { id, line }: NumberedLine<'_>,
+    numbered: NumberedLine<'_>,
     now: Now,
     commands: &mut Vec<Command>,
 ) -> Rect {
+    let NumberedLine { id, line } = numbered;
     let palette = context.palette;
     let tag = now.tag(id);
 
@@ -251,13 +246,9 @@ fn show_line(
     let gutter = Rect::from_min_size(rect.min, vec2(gutter_width, rect.height()));
     let body = Rect::from_min_max(pos2(gutter.right(), rect.top()), rect.max);
 
-    let scope = ui.scope_id();
-    let response = ui.interact(body, scope.with(("line", id.0)), Sense::click());
-    let said = match tag {
-        Some(tag) => format!("Line {}, {tag}: {words}", line.id),
-        None => format!("Line {}: {words}", line.id),
-    };
     let is_current = now.done == Some(id);
+    let response = ui.interact(body, ui.scope_id().with(("line", id.0)), Sense::click());
+    let said = description(line, tag, &words);
     response.widget_info(|| WidgetInfo::selected(Role::Button, ENABLED, is_current, &said));
     response.known_as(format_args!("{}.line", line.id));
 
@@ -273,14 +264,7 @@ fn show_line(
         remark(ui, rect, tag, palette);
     }
 
-    breakpoint(
-        ui,
-        debugger,
-        NumberedLine { id, line },
-        gutter,
-        palette,
-        commands,
-    );
+    breakpoint(ui, debugger, numbered, gutter, palette, commands);
 
     let response = response
         .on_hover_cursor(CursorIcon::PointingHand)
@@ -293,6 +277,14 @@ fn show_line(
         commands.push(Command::Time(run_to));
     }
     rect
+}
+
+/// Returns the description of a line for screen readers.
+fn description(line: &ListingLine, tag: Option<&str>, words: &str) -> String {
+    match tag {
+        Some(tag) => format!("Line {}, {tag}: {words}", line.id),
+        None => format!("Line {}: {words}", line.id),
+    }
 }
 
 /// Writes the remark on a line at its end.
