@@ -24,7 +24,7 @@ impl<T> Idle<T> {
         self.lock().push(buffers);
     }
 
-    /// How many wait.
+    /// Returns how many buffers wait for work.
     #[cfg(test)]
     pub fn count(&self) -> usize {
         self.lock().len()

@@ -34,7 +34,7 @@ pub struct ThinnedSet<'a> {
     pub given: &'a [[f64; 2]],
     /// Whether each of them was kept.
     pub kept: &'a [bool],
-    /// Their radii.
+    /// The radii of the points, or one for all.
     pub radii: ThinnedRadii<'a>,
     /// Which came earlier: the one of the lesser rank. Without ranks, the one of the lesser index.
     pub ranks: Option<&'a [u32]>,

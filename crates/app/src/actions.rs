@@ -582,7 +582,7 @@ fn layers(list: &mut List, state: &State) {
             SessionKind::Varying => Some(
                 "This layer shows parts of a tiling, or circles of one radius, which a set in a field or a shape does not have.",
             ),
-            // Layers of other kinds show nothing of a run, as ever.
+            // In these sessions a layer of another kind can be switched on, and shows nothing.
             SessionKind::Run | SessionKind::Exact | SessionKind::Combination => None,
         };
         list.add(format!("Layer: {}", layer.name()), command)

@@ -97,8 +97,9 @@ pub(crate) fn message() -> *const c_char {
 
 /// Returns what a panic says.
 fn panic_text(panic: &(dyn Any + Send)) -> String {
-    let said = panic.downcast_ref::<&str>().map(ToString::to_string);
-    let said = said.or_else(|| panic.downcast_ref::<String>().cloned());
+    // A panic with a fixed text has a `&str`, and one with values in its text a `String`.
+    let text = panic.downcast_ref::<&str>().map(ToString::to_string);
+    let said = text.or_else(|| panic.downcast_ref::<String>().cloned());
     format!(
         "the library has a fault, please report it: {}",
         said.unwrap_or_default()

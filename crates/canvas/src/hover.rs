@@ -152,8 +152,9 @@ fn sample(subject: &Subject<'_>, id: u32) -> [String; 2] {
 
     // Where the radius depends on the place, it is named in the unit of the domain.
     let radius = shown.session.ground.as_ref().map_or_else(String::new, |_| {
-        let radius = shown.session.radius_of(id) * shown.session.run().domain.radius();
-        format!(", radius {}", tilescope_session::words::significant(radius))
+        let in_units = shown.session.radius_of(id) * shown.session.run().domain.radius();
+        let text = tilescope_session::words::significant(in_units);
+        format!(", radius {text}")
     });
 
     [

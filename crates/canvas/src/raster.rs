@@ -120,7 +120,7 @@ impl Coverage {
     /// Covers the pixels that are near a sample of `radius` lattice units at the pixel coordinates `at`. `radii` are those at all
     /// pixels, and a pixel is `unit` lattice units wide.
     pub fn cover_near(&mut self, at: DVec2, radius: i32, radii: &[i32], unit: f64, before: bool) {
-        // What is near is at most twice the smaller radius away.
+        // A pixel that is near is at most twice the smaller of both radii away.
         let reach = 2.0 * f64::from(radius) / unit;
         let state = if before { BEFORE } else { NOW };
         for row in centres(at[1] - reach, at[1] + reach, self.size[1]) {

@@ -14,7 +14,7 @@ use crate::bench_common::{BenchArguments, yes};
 use crate::progress::bar;
 use crate::{interrupt, output, verdict_code};
 
-/// What is timed in each round.
+/// The kinds of work that each round times.
 #[derive(Clone, Copy, Debug, PartialEq)]
 enum TimedWork {
     /// One thread makes the set.

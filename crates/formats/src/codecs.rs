@@ -39,7 +39,7 @@ pub use self::drawing::{Dots, Drawing};
 pub use self::geojson::may_be_degrees;
 pub use self::kept::{KeptRows, keep_rows, read_column};
 
-/// What is known about some bytes before they are decoded.
+/// What a caller can say about some bytes before they are decoded.
 #[derive(Clone, Copy, Debug, Default)]
 pub struct Hint<'a> {
     /// The file's name, whose extension is evidence; empty for none.

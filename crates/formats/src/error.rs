@@ -269,7 +269,7 @@ pub enum FormatError {
     NoThird {
         /// The format that was asked for.
         format: Format,
-        /// Why not.
+        /// Why the format holds no third coordinate.
         reason: &'static str,
     },
     /// The file states a number of points and holds another.

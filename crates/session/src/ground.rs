@@ -1,5 +1,5 @@
-//! Fields of radii and shapes: what is asked for, as sessions and links hold it, and what a session was made on. Begin with
-//! [`GroundRequest`]; [`crate::varying`] makes the sessions.
+//! Fields of radii and shapes: the request for them, as sessions and links hold it, and the ground that a session was
+//! made on. Begin with [`GroundRequest`]; [`crate::varying`] makes the sessions.
 
 use serde::{Deserialize, Serialize};
 use tilescope_core::Parameters;
@@ -10,13 +10,13 @@ use tilescope_sets::{
 use crate::words::counted;
 
 /// Above this expected size only the result is kept. A sample takes about a hundred events, most of them darts and cuts of
-/// cells, so that these are as many as a tape holds without leaving any out.
+/// cells: a tape holds the events of this number of samples without leaving any out.
 pub const MAX_RECORDED: f64 = 50_000.0;
 
 /// Whether this program makes sets in fields and shapes. In a browser it does not: with their sampler, their judge and the readers of
 /// images a page needed 112,000 bytes more than the 2,950,000 that it may take to start.
 pub const IS_OFFERED: bool = cfg!(not(target_arch = "wasm32"));
-/// Why they are refused where it does not.
+/// Why sets in fields and shapes are refused where they are not made.
 pub const NOT_OFFERED: &str =
     "sets in fields and shapes are made by the program outside the browser alone";
 

@@ -169,7 +169,7 @@ fn certified(
     Ok(with_ground(session, &Recipe::from(asked), &request))
 }
 
-/// Returns the session with what was asked for and the extremes of its radii.
+/// Returns the session with the request that it was made from and the extremes of its radii.
 fn with_ground(mut session: Session, recipe: &Recipe, request: &GroundRequest) -> Session {
     let run = session.run();
     // Radii of the field are in units of the lattice, and are shown in the unit of the domain.

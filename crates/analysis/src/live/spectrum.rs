@@ -493,8 +493,8 @@ impl Renew for LiveSpectrum {
                 Some(Slice::Samples(count)) => Some(PRODUCTS_PER_SAMPLE * count as u64),
                 Some(Slice::Points(count)) => Some(PRODUCTS_PER_POINT * count as u64),
                 None => {
-                    // `finish` needs the transform by value: it is taken out of `work`, which meanwhile holds changes
-                    // of which none is left to do.
+                    // `finish` needs the transform by value: it is taken out of `work`. Meanwhile `work` says that all
+                    // changes are done.
                     let taken = std::mem::replace(work, Work::Changes(samples.len()));
                     if let Work::Transform(complete) = taken {
                         *work = Work::Rows(complete.finish(), 0);

@@ -184,8 +184,8 @@ impl<const C: usize> Spread<C> {
         SpreadGrid::new(self.stride(), 0..STRIP)
     }
 
-    /// Makes `room` the lines from `strip` times [`STRIP`] on, with all samples that reach them and what is folded into them.
-    /// Returns how many samples begin there.
+    /// Fills `room` with the lines from `strip` times [`STRIP`] on: with all samples that reach them, and with the
+    /// lines beyond the end of the grid that are folded into them. Returns how many samples begin in these lines.
     pub fn spread_strip(&self, strip: usize, room: &mut SpreadGrid<C>) -> usize {
         let first = strip * STRIP;
         let lines = first..self.sizes[0].min(first + STRIP);

@@ -240,6 +240,7 @@ impl<'a> Neighbours<'a> {
             let wraps = self.region.is_periodic();
             [Some(plain), wraps.then_some(image)].into_iter().flatten()
         });
+
         let [columns, rows, planes] = offsets;
         for (y, z) in planes.flat_map(|z| rows.clone().map(move |y| (y, z))) {
             for offset in columns.clone().map(|x| [x, y, z]) {
@@ -260,7 +261,7 @@ impl<'a> Neighbours<'a> {
 /// A plane beyond which nothing has to be covered, as seen from a sample.
 #[derive(Clone, Copy)]
 struct Face {
-    /// Its direction outward.
+    /// The direction away from the region, of length 1.
     normal: [f64; 3],
     distance: f64,
 }

@@ -75,7 +75,7 @@ pub enum SolidError {
         Number(*.side), Number(*.limit)
     )]
     Period {
-        /// The shortest extent.
+        /// The shortest side of the region.
         side: f64,
         /// How far from a sample a place may be.
         limit: f64,

@@ -195,6 +195,7 @@ fn caption_field(
         .desired_rows(1)
         .hint_text("caption")
         .desired_width(ui.available_width() - 8.0);
+
     let response = ui.add(field);
     response.widget_info(|| {
         WidgetInfo::labeled(

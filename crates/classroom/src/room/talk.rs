@@ -230,7 +230,7 @@ impl Classroom {
         talk.cover = Some(Cover::Over);
     }
 
-    /// Takes back what was shown last.
+    /// Goes back by one press: takes back the cover, the vote or the step that was shown last.
     fn previous_in_talk(&mut self, context: &mut Context) {
         let (Some(talk), Some(open)) = (&mut self.talks.open, &self.lessons.open) else {
             return;

@@ -185,10 +185,11 @@ fn thrown(scene: &Scene<'_>, surface: &mut impl Surface) {
         return;
     };
     let (recording, cursor) = (debugger.recording(), debugger.state().cursor());
-    // Darts of earlier throws are not drawn: the throw that is shown begins where the one before it ends.
+    // Darts of earlier throws are not drawn: the throw that is shown begins where the stage before it ends, and the
+    // first one at 0.
     let before = scene.session.stage_index(scene.stage).checked_sub(1);
-    let start = before.and_then(|before| scene.session.stage_end(before));
-    let start = start.unwrap_or(0);
+    let end_before = before.and_then(|before| scene.session.stage_end(before));
+    let start = end_before.unwrap_or(0);
 
     let view = scene.rect.expand(12.0);
     let size = (0.1 * scene.scale()).clamp(1.5, 4.0);

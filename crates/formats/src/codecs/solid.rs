@@ -10,7 +10,7 @@ use crate::text::{as_utf8, push_line};
 
 /// A set in space as a file holds it.
 pub(crate) struct SolidRaw {
-    /// In file coordinates.
+    /// The points, in file coordinates.
     pub points: Vec<[f64; 3]>,
     pub detection: Detection,
     pub precision: Precision,

@@ -82,7 +82,7 @@ pub(crate) fn read_solid_bytes(
 /// A file before it is judged.
 struct SolidFile {
     detection: Detection,
-    /// In domain units.
+    /// The points in domain units, as the judge takes them.
     points: Vec<[f64; 3]>,
     stated: Option<Certificate>,
     judged: SolidJudged,

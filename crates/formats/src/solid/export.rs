@@ -21,7 +21,7 @@ use super::{SolidMapping, hint, in_space};
 pub struct SolidContext {
     /// As of planar sets. Its region is the base of the box; an origin, levels, a field and a drawing are left out.
     pub planar: ExportContext,
-    /// The third side.
+    /// The third side of the box, in domain units.
     pub depth: f64,
 }
 

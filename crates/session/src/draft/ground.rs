@@ -25,7 +25,7 @@ const SAMPLES_OF_SHAPE: f64 = 3_000.0;
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(rename_all = "kebab-case")]
 pub enum RadiusBy {
-    /// A number.
+    /// One number for all places.
     #[default]
     Constant,
     /// A function of x and y.

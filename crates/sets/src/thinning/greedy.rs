@@ -83,7 +83,7 @@ pub(super) fn choose(
     (0..all)
         .into_par_iter()
         .for_each(|number| choice.settle_band(Some(Band { number, all })));
-    // With the bands at rest, one thread decides what is left.
+    // After the bands, one thread decides the points that waited for those of other bands.
     choice.settle_band(None);
     if choice.is_cancelled.into_inner() {
         return Err(ThinError::Cancelled);

@@ -90,7 +90,8 @@ pub fn of(
     if let Some(why) = refusal(last_part(name), region, guessed, run) {
         return Err(why);
     }
-    // Longitudes and latitudes are no positions in a plane. What was read lies in the domain, whose lower corner is 0.
+    // Longitudes and latitudes are no positions in a plane. The points that were read lie in the domain, whose lower
+    // corner is 0.
     let lower_corner = [0.0; 2];
     refuse_degrees(&read, region, lower_corner).map_err(|error| named(&error.to_string()))?;
 

@@ -60,7 +60,8 @@ impl Tone {
                 light
             }
         };
-        // Nothing is computed for an image as it is, so that nothing of it is rounded.
+        // With a gamma and a contrast of 1 the grey values are those of the image: to compute them would only round
+        // them.
         if self.gamma == 1.0 && self.contrast == 1.0 {
             return (0..=white).map(shown).collect();
         }

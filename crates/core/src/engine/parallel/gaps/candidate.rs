@@ -192,7 +192,7 @@ impl<const TAGS: bool> Region<TAGS> {
         // `DETECTOR_REACH`, 2 r and 4 units, ends at most three cells away.
         let reach = 3;
         let mut known = Known::No;
-        // Near the frame's edge it is not known what lies beyond it.
+        // Near the frame's edge a lost sample may lie beyond it.
         if left && column < reach
             || right && column >= columns - reach
             || bottom && row < reach
