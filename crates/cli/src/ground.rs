@@ -87,8 +87,8 @@ impl GroundArguments {
     pub fn shape(&self, planar: bool) -> Result<Option<ShapeSource>> {
         if let Some(path) = &self.shape {
             let bytes = read_whole(path)?;
-            let polygon = PlanarPolygon::from_geojson(&file_name(path), &bytes, planar);
-            let polygon = polygon.context("--shape")?;
+            let polygon =
+                PlanarPolygon::from_geojson(&file_name(path), &bytes, planar).context("--shape")?;
             return Ok(Some(ShapeSource::Polygon(polygon)));
         }
         let image = self.mask.as_deref().map(|path| image(path, "--mask"));

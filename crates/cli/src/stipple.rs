@@ -346,8 +346,10 @@ fn color(text: &str) -> Result<[u8; 3], String> {
     let digits = text.strip_prefix('#').unwrap_or_default();
     // Numbers in Rust may have a sign, and colours not.
     let is_hex = digits.len() == 6 && digits.bytes().all(|digit| digit.is_ascii_hexdigit());
-    let number = u32::from_str_radix(digits, 16).ok().filter(|_| is_hex);
-    let number = number.ok_or("a colour is written as #rrggbb, or as black or white")?;
+    let number = u32::from_str_radix(digits, 16)
+        .ok()
+        .filter(|_| is_hex)
+        .ok_or("a colour is written as #rrggbb, or as black or white")?;
     let [_, red, green, blue] = number.to_be_bytes();
     Ok([red, green, blue])
 }

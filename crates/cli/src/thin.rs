@@ -156,8 +156,8 @@ fn make(arguments: &ThinArguments) -> Result<ThinnedFile> {
     laps.add("read");
 
     let points = file.points();
-    let kept = watched("thin", |control| thinning.choose(points, control));
-    let kept = kept.in_file(&arguments.input)?;
+    let kept =
+        watched("thin", |control| thinning.choose(points, control)).in_file(&arguments.input)?;
     laps.add("thin");
 
     let report = verifying(|control| thinning.judge(points, &kept, control))?;

@@ -115,8 +115,9 @@ impl Verdict {
         let ground = made.recipe().ground().map_err(|error| error.to_string())?;
         let control = |progress| monitor.follow(progress);
         let judged = &ground.varying.judged;
-        let report = judged.verify(points, &VerifyOptions::default(), &control);
-        let report = report.map_err(|error| error.to_string())?;
+        let report = judged
+            .verify(points, &VerifyOptions::default(), &control)
+            .map_err(|error| error.to_string())?;
 
         Ok(Self {
             claim: None,

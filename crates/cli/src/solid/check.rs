@@ -93,8 +93,8 @@ pub fn convert(
     context.planar.format = to;
     context.planar.verify = judge.options();
 
-    let exported = verifying(|control| export_solid(path, &points, &context, control));
-    let exported = exported.in_file(path)?;
+    let exported =
+        verifying(|control| export_solid(path, &points, &context, control)).in_file(path)?;
     let warnings: String = (exported.warnings.iter())
         .map(|warning| warning_line(&warning.to_string()))
         .collect();

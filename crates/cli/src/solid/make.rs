@@ -88,8 +88,10 @@ fn refuse_planar(arguments: &SampleArguments) -> Result<()> {
 /// Returns what the arguments ask for.
 fn recipe(arguments: &SampleArguments) -> Result<SolidRecipe> {
     let asked = &arguments.run.asked;
-    let size = arguments.space.size([asked.width, asked.height]);
-    let size = size.context("a set in space has three sides")?;
+    let size = arguments
+        .space
+        .size([asked.width, asked.height])
+        .context("a set in space has three sides")?;
     // By clap one of the three is given, and --exactly alone.
     let balls = match (arguments.nested.exactly, arguments.run.count) {
         (Some(count), _) => BallSize::Exactly(count as u64),
@@ -151,8 +153,8 @@ fn finish(
 /// Saves a set with its certificate.
 fn saved(outcome: SolidOutcome, path: &Path, context: &SolidContext) -> Result<SolidOutcome> {
     let points = &outcome.made.points;
-    let exported = verifying(|control| export_solid(path, points, context, control));
-    let exported = exported.in_file(path)?;
+    let exported =
+        verifying(|control| export_solid(path, points, context, control)).in_file(path)?;
     let warnings = exported.warnings.iter().map(ToString::to_string);
     Ok(SolidOutcome {
         verdict: Some(exported.verdict),

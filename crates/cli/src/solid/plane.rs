@@ -78,8 +78,9 @@ pub fn read(file: &Path, set: &SetArguments, slice: Slice) -> Result<PlaneDisks>
     );
     // Disks show what the set is, valid or not: only its certificate has to be that of the file.
     let overrides = overrides(set, file)?;
-    let read = tilescope_formats::read_solid(file, &overrides, set.depth);
-    let read = read.map_err(hinted).in_file(file)?;
+    let read = tilescope_formats::read_solid(file, &overrides, set.depth)
+        .map_err(hinted)
+        .in_file(file)?;
     disks(&read.points, read.region, read.radius, slice)
 }
 

@@ -181,8 +181,9 @@ impl SolidJudged {
     ) -> Result<Self, CheckError> {
         // A box without a third side would be a planar set: nothing is assumed of it.
         let of_stated = || stated.and_then(|stated| stated.depth);
-        let depth = depth.or_else(|| of_stated().map(|Depth(depth)| depth));
-        let depth = depth.ok_or(CheckError::NoDepth)?;
+        let depth = depth
+            .or_else(|| of_stated().map(|Depth(depth)| depth))
+            .ok_or(CheckError::NoDepth)?;
         let region = (overrides.region)
             .or_else(|| stated.map(|stated| stated.region))
             .ok_or(CheckError::NoRegion(format))?;

@@ -189,8 +189,9 @@ impl VaryingRecipe {
         // The lattice of the field, and the domain with the radius that stands for r in it.
         let pitch = squares.pitch;
         let in_units = |bits: u32| least / pitch * f64::from(1_u32 << bits);
-        let bits = (0..=MAX_PITCH_BITS).find(|&bits| in_units(bits) >= f64::from(R));
-        let bits = bits.ok_or(VaryingError::Fine { least, pitch })?;
+        let bits = (0..=MAX_PITCH_BITS)
+            .find(|&bits| in_units(bits) >= f64::from(R))
+            .ok_or(VaryingError::Fine { least, pitch })?;
         let unit_radius = pitch / f64::from(1_u32 << bits) * f64::from(R);
         Domain::from_size(frame.size, unit_radius, self.boundary)?;
         // Nodes beyond the border of a bounded domain stand for no area, which a rough number may ignore.
@@ -360,8 +361,9 @@ impl VaryingRecipe {
 
         // The finest lattice that is needed and no finer, as sides have at most 2^31 units.
         let in_units = |bits: u32, length: f64| length / pitch * f64::from(1_u32 << bits);
-        let bits = (0..=MAX_PITCH_BITS).find(|&bits| in_units(bits, least) >= f64::from(R));
-        let bits = bits.ok_or(VaryingError::Fine { least, pitch })?;
+        let bits = (0..=MAX_PITCH_BITS)
+            .find(|&bits| in_units(bits, least) >= f64::from(R))
+            .ok_or(VaryingError::Fine { least, pitch })?;
 
         // The least radius may have up to 2^16 units, so that 64 times as much may be beyond the lattice's limit.
         let most = f64::from(MAX_FIELD_RADIUS);

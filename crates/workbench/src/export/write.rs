@@ -245,8 +245,10 @@ fn samples(
     context.parameters = parameter_map(session);
     if let Some(made) = session.offered_ground() {
         // The certificate states the field and the shape, in which the set is judged.
-        let ground = made.recipe().ground();
-        let ground = ground.map_err(|error| WriteError::Ground(error.to_string()))?;
+        let ground = made
+            .recipe()
+            .ground()
+            .map_err(|error| WriteError::Ground(error.to_string()))?;
         // The radius is the least one, as the command line states it.
         context.radius = ground.varying.judged.radius();
         (context.origin, context.varying) = (ground.origin, Some(ground.varying));

@@ -219,8 +219,8 @@ fn ground_file(incoming: &Incoming) -> Option<Made> {
     holds_polygon(&value).then(|| {
         // Corners that may be degrees are refused, with what to do about it.
         let planar = false;
-        let polygon = PlanarPolygon::from_geojson(name, bytes, planar);
-        let polygon = polygon.map_err(|error| error.to_string())?;
+        let polygon =
+            PlanarPolygon::from_geojson(name, bytes, planar).map_err(|error| error.to_string())?;
         Ok(Done::Shape(Box::new(polygon)))
     })
 }
@@ -362,16 +362,18 @@ fn session_on_ground(
     // The file may come from anywhere: its formula and its corners are checked like those of the form.
     let portable: Option<PortableGround> =
         serde_json::from_value(saved.ground.clone()).map_err(|error| refused(error.to_string()))?;
-    let request = portable.unwrap_or_default().request();
-    let request = request.map_err(|error| refused(error.to_string()))?;
+    let request = portable
+        .unwrap_or_default()
+        .request()
+        .map_err(|error| refused(error.to_string()))?;
     let request = request.ok_or_else(|| refused("it asks for neither".to_owned()))?;
 
     let recipe = Recipe {
         ground: Some(Box::new(request.clone())),
         ..Recipe::from(saved.parameters)
     };
-    let locality = varying::locality(&request.recipe(&saved.parameters));
-    let locality = locality.map_err(|error| refused(error.to_string()))?;
+    let locality = varying::locality(&request.recipe(&saved.parameters))
+        .map_err(|error| refused(error.to_string()))?;
 
     // The same darts as before, as the digest below proves.
     let mut observer = Reporter { monitor };
@@ -383,8 +385,8 @@ fn session_on_ground(
         Err(error) => return Err(named(&error)),
     };
     // The saved moment may be beyond the end of another run.
-    let session = varying::prepared(recording, &recipe, &request, generation, &mut observer);
-    let session = session.map_err(|error| named(&error))?;
+    let session = varying::prepared(recording, &recipe, &request, generation, &mut observer)
+        .map_err(|error| named(&error))?;
     if let Some(recording) = session.recording() {
         Debugger::resume(&saved, Arc::clone(recording)).map_err(|error| named(&error))?;
     }
