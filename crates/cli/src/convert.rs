@@ -65,7 +65,8 @@ pub fn run(arguments: &ConvertArguments) -> Result<u8> {
         return solid::plane::write([input, path], arguments.to, given, slice);
     }
     if solid::is_in_space(given, input) {
-        let ground = arguments.ground.option().map(|option| (option, true));
+        let is_given = true;
+        let ground = arguments.ground.option().map(|name| (name, is_given));
         solid::refuse(ground.as_slice(), solid::PLANAR)?;
         return solid::check::convert([input, path], arguments.to, given, &arguments.judge);
     }

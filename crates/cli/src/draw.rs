@@ -149,7 +149,8 @@ fn of_set(arguments: &DrawArguments) -> Result<(Scene, usize)> {
 
 /// Returns the picture of a plane of a set in space, and how many balls it meets.
 fn of_plane(arguments: &DrawArguments, slice: Slice) -> Result<(Scene, usize)> {
-    let ground = arguments.ground.option().map(|option| (option, true));
+    let is_given = true;
+    let ground = arguments.ground.option().map(|name| (name, is_given));
     solid::refuse(ground.as_slice(), solid::PLANAR)?;
     let disks = solid::plane::read(&arguments.file, &arguments.set, slice)?;
     let (count, region) = (disks.middles.len(), disks.region);

@@ -103,7 +103,8 @@ fn in_space(arguments: &VerifyArguments) -> Result<u8> {
         ("--prefix", arguments.prefix.is_some()),
         ("--source", arguments.source.is_some()),
     ];
-    let ground = arguments.ground.option().map(|option| (option, true));
+    let is_given = true;
+    let ground = arguments.ground.option().map(|name| (name, is_given));
     let planar: Vec<(&str, bool)> = given.into_iter().chain(ground).collect();
     solid::refuse(&planar, solid::PLANAR)?;
     let VerifyArguments {

@@ -57,9 +57,9 @@ pub fn read_bytes(
     let mut read = decode(bytes, hint)?;
     // A certificate beside the file replaces one inside.
     let mut name = "inside the file";
-    if let Some((of, stated)) = beside {
+    if let Some((name_beside, stated)) = beside {
         read.certificate = Some(stated);
-        name = of;
+        name = name_beside;
     }
 
     if hint.certificate == CertificateUse::Checked

@@ -186,6 +186,7 @@ impl LevelRegion {
             self.unknown_in.resize(self.grid.layout().count(), NONE);
         }
 
+        // The unknowns of a cell are a linked list, in which the new one becomes the first.
         let cell = self.grid.layout().cell_at(unknown.at);
         self.unknown_next.push(self.unknown_in[cell]);
         self.unknown_in[cell] = self.unknown.len() as u32;

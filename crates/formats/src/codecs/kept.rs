@@ -105,8 +105,8 @@ fn json(bytes: &[u8], kept: &[bool]) -> Result<Vec<u8>, FormatError> {
             // A list of as many entries as there are points has one for each of them, as the provenance does.
             let lists = members.values_mut().filter_map(Value::as_array_mut);
             for list in lists.filter(|list| list.len() == kept.len()) {
-                let mut flags = kept.iter();
-                list.retain(|_| flags.next().is_none_or(|kept| *kept));
+                let mut flags_of_list = kept.iter();
+                list.retain(|_| flags_of_list.next().is_none_or(|kept| *kept));
             }
         }
         object => {

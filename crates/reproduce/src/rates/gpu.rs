@@ -70,11 +70,11 @@ impl Bench {
         // The first run compiles the passes. Its time is reported by itself, and its set is not needed.
         let leaf = *self.leaves.first().unwrap_or(&base.leaf);
         let first = Parameters { leaf, ..base };
-        let (made, first_seconds) = timed(|| open.make(&engines[1], &first, &pattern, &control));
-        drop(made?);
+        let (set, first_seconds) = timed(|| open.make(&engines[1], &first, &pattern, &control));
+        drop(set?);
 
-        let made = self.rounds(&open, &[], &[&engines], &base, &pattern, watch)?;
-        let rounds: Vec<&[EngineTime]> = made.iter().map(Vec::as_slice).collect();
+        let times = self.rounds(&open, &[], &[&engines], &base, &pattern, watch)?;
+        let rounds: Vec<&[EngineTime]> = times.iter().map(Vec::as_slice).collect();
 
         let run = run_timed(gpu, &first, &pattern, &control, |report| {
             // Passes of all iterations are added up.
