@@ -72,7 +72,7 @@ pub(super) fn is(bytes: &[u8]) -> bool {
     head.is_ok_and(|Head { kind }| TYPES.contains(&kind.as_str()))
 }
 
-/// Reads the points of a GeoJSON document.
+/// Reads the points of a `GeoJSON` document.
 pub(super) fn read(bytes: &[u8]) -> Result<Raw, FormatError> {
     // Types come first, since the coordinates of other geometries have another form.
     let outline: Outline = serde_json::from_slice(bytes)?;

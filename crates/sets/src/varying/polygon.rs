@@ -266,7 +266,7 @@ fn add(object: &Value, rings: &mut Vec<Vec<[f64; 2]>>) -> Result<(), String> {
     }
 }
 
-/// Appends the rings of a polygon of GeoJSON.
+/// Appends the rings of a polygon of `GeoJSON`.
 fn add_polygon(polygon: &[Value], rings: &mut Vec<Vec<[f64; 2]>>) -> Result<(), String> {
     for ring in polygon {
         let index = rings.len();
