@@ -24,6 +24,7 @@ mod measure;
 mod memory;
 mod picture;
 mod plane;
+mod recorded;
 mod sample;
 mod solid;
 mod task;
@@ -52,6 +53,8 @@ mod _tilescope {
     use crate::picture::draw;
     #[pymodule_export]
     use crate::plane::PythonPlane;
+    #[pymodule_export]
+    use crate::recorded::recorded_numbers;
     #[pymodule_export]
     use crate::sample::{sample, sample_field};
     #[pymodule_export]

@@ -25,12 +25,12 @@ import os
 import warnings
 from collections.abc import Iterable, Mapping
 from importlib.metadata import version
-from typing import Any, Literal, SupportsIndex, overload
+from typing import TYPE_CHECKING, Any, Literal, SupportsIndex, overload
 
 import numpy as np
 import numpy.typing as npt
 
-from tilescope import _parquet, _tilescope
+from tilescope import _optional, _parquet, _tilescope
 from tilescope._field import Field, Pixels, Radius, field_of, place_of
 from tilescope._input import Path, local_path, numbers, place, shown, shown_text
 from tilescope._point_set import Boundary, Format, Judge, PointSet
@@ -38,6 +38,9 @@ from tilescope._progress import Progress, following
 from tilescope._report import Conflict, Domain, Gap, Level, LevelReport, Report, report_of
 from tilescope._solid_set import SolidGap, SolidJudge, SolidReport, SolidSet, sides, solid_report_of
 from tilescope._spectrum import Spectrum
+
+if TYPE_CHECKING:
+    from tilescope._widget import Widget
 
 __all__ = [
     "Conflict",
@@ -61,6 +64,7 @@ __all__ = [
     "set_threads",
     "verify",
     "verify_solid",
+    "widget",
 ]
 __version__ = version("tilescope")
 
@@ -1063,3 +1067,52 @@ def combine(layout: Path | Mapping[str, Any], *, folder: Path = "", progress: Pr
 def set_threads(threads: SupportsIndex) -> None:
     """Sets how many threads compute, from 1 to 1024. If it is never called, there are as many as there are cores."""
     _tilescope.set_threads(threads)
+
+
+def widget(made: PointSet, *, address: str | os.PathLike[str] | None = None, height: SupportsIndex = 480) -> Widget:
+    """Shows a set in a cell of a notebook, with the run that made it in a player.
+
+    It is a widget of `anywidget <https://anywidget.dev>`_, for JupyterLab, Jupyter Notebook and
+    what else shows such widgets. The player comes from the installed package and needs no network.
+    Its moment and its selection go both ways: ``cursor``, ``moment`` and ``selected`` follow what is
+    done in the cell, and setting them moves the player; ``observe`` calls a function when they
+    change. ``play()`` and ``pause()`` let time run and stop it.
+
+    Sets that no run of at most 200,000 samples has made are shown as points, of which a click
+    selects one; ``note`` says why. So are sets where the notebook allows no frame.
+
+    Parameters
+    ----------
+    made : PointSet
+        The set.
+    address : str or path-like, optional
+        Where the page is served (``'https://...'``, ``'http://127.0.0.1:8080/'``), or the folder that
+        ``web/build`` has made. If not given, the page of the installed package, which release wheels have.
+    height : int
+        The height in pixels, from 120 to 4000.
+
+    Returns
+    -------
+    Widget
+        A widget, which a cell shows as its last value.
+
+    Raises
+    ------
+    ImportError
+        If anywidget is not installed.
+    FileNotFoundError
+        If the folder has no page.
+    TypeError
+        If it is no set in the plane.
+
+    Examples
+    --------
+    >>> w = tilescope.widget(tilescope.sample(radius=0.02))  # doctest: +SKIP
+    >>> w.moment = "eliminate"  # doctest: +SKIP
+    """
+    if not isinstance(made, PointSet):
+        raise TypeError(f"the set is of the type {type(made).__name__}; it must be a PointSet")
+    _optional.module("anywidget", "widget")
+    from tilescope._widget import Widget
+
+    return Widget(made, address=address, height=height)
