@@ -49,6 +49,8 @@ def link_of(made: PointSet) -> str:
         If no run that the player shows has made the set; the text says why.
     """
     parameters = made.parameters
+    if made.method == "unknown":
+        raise ValueError("a set of unknown origin has no run to play")
     if made.method not in ("kdrt", "exact"):
         raise ValueError(f"the method '{made.method}' has no run to play")
     if made.levels or "levels" in parameters:
