@@ -14,7 +14,7 @@ const BODY: usize = 15;
 
 /// For each crate the fewest comments in 1,000 lines of bodies: the counts of the day when the crate was last gone through. Raise
 /// them with each pass.
-const LIMITS: [(&str, usize); 25] = [
+const LIMITS: [(&str, usize); 26] = [
     ("crates/analysis", 69),
     ("crates/app", 52),
     ("crates/c", 60),
@@ -40,6 +40,7 @@ const LIMITS: [(&str, usize); 25] = [
     ("crates/workbench", 67),
     ("web/app", 46),
     ("web/pack", 57),
+    ("web/sampler", 70),
 ];
 
 /// What is counted in a crate.
@@ -104,7 +105,7 @@ fn pages() -> BTreeMap<String, Page> {
     let crates = fs::read_dir(root.join("crates")).expect("the crates");
     let names = crates.map(|entry| entry.expect("an entry").file_name());
     let folders = names.map(|name| format!("crates/{}", name.to_string_lossy()));
-    let folders = folders.chain(["web/app", "web/pack"].map(str::to_owned));
+    let folders = folders.chain(["web/app", "web/pack", "web/sampler"].map(str::to_owned));
 
     let mut pages = BTreeMap::new();
     for folder in folders.filter(|folder| root.join(folder).join("src").is_dir()) {
