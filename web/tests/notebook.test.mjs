@@ -26,10 +26,12 @@ const CELLS = [
 /** Starts JupyterLab in a folder. Returns its address and a function that ends it. */
 async function lab(at) {
   const settings = ["token=''", "password=''", "port=0", "open_browser=False", "allow_root=True", `root_dir=${at}`];
-  const server = spawn(LAB, ["-m", "jupyter", "lab", ...settings.map((one) => `--ServerApp.${one}`), "--LabApp.news_url="], {
+  // Nothing of this machine's user: neither settings nor extensions.
+  const own = Object.fromEntries(["CONFIG", "DATA", "RUNTIME"].map((kind) => [`JUPYTER_${kind}_DIR`, at]));
+  const words = ["-m", "jupyter", "lab", ...settings.map((one) => `--ServerApp.${one}`), "--LabApp.news_url="];
+  const server = spawn(LAB, words, {
     stdio: ["ignore", "ignore", "pipe"],
-    // Nothing of this machine's user: neither settings nor extensions.
-    env: { ...process.env, JUPYTER_CONFIG_DIR: at, JUPYTER_DATA_DIR: at, JUPYTER_RUNTIME_DIR: at, HOME: at, IPYTHONDIR: at },
+    env: { ...process.env, ...own, HOME: at, IPYTHONDIR: at },
   });
   let said = "";
   for await (const part of server.stderr) {
@@ -48,11 +50,14 @@ async function lab(at) {
   throw new Error(`no address from JupyterLab: ${said}`);
 }
 
-test("the widget plays a run in JupyterLab, and Python follows", { skip: !LAB && "TILESCOPE_LAB is not set: crates/python/test-widget runs it" }, async (t) => {
+const skip = !LAB && "TILESCOPE_LAB is not set: crates/python/test-widget runs it";
+
+test("the widget plays a run in JupyterLab, and Python follows", { skip }, async (t) => {
   const at = await folder(t);
-  const cells = CELLS.map((source, k) => ({ cell_type: "code", id: `cell-${k}`, metadata: {}, outputs: [], execution_count: null, source }));
-  const kernel = { name: "python3", display_name: "Python 3" };
-  await writeFile(path.join(at, "set.ipynb"), JSON.stringify({ nbformat: 4, nbformat_minor: 5, metadata: { kernelspec: kernel }, cells }));
+  const empty = { cell_type: "code", metadata: {}, outputs: [], execution_count: null };
+  const cells = CELLS.map((source, k) => ({ ...empty, id: `cell-${k}`, source }));
+  const metadata = { kernelspec: { name: "python3", display_name: "Python 3" } };
+  await writeFile(path.join(at, "set.ipynb"), JSON.stringify({ nbformat: 4, nbformat_minor: 5, metadata, cells }));
 
   const { address, stop } = await lab(at);
   t.after(stop);
@@ -65,6 +70,8 @@ test("the widget plays a run in JupyterLab, and Python follows", { skip: !LAB &&
   const page = await context.newPage();
   await page.goto(`${address}/lab/tree/set.ipynb?reset`);
   await page.locator(".jp-Notebook .jp-Cell").nth(CELLS.length - 1).waitFor();
+  // A cell that is run before the kernel is there may be left out.
+  await page.locator('.jp-Notebook-ExecutionIndicator[data-status="idle"]').first().waitFor();
 
   const cell = (k) => page.locator(".jp-Notebook .jp-Cell").nth(k);
   const runCell = async (k) => {
