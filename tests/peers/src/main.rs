@@ -1,8 +1,9 @@
 //! Compares KDRT and the reference sampler with published crates, on one thread, in one run. Rates of samplers with
 //! other densities cannot be compared alone, so every set is measured by the verifier: density, smallest distance and
 //! covering radius. Run with `cargo run --release -p tilescope-tests-peers`; the first argument is the wanted count of
-//! samples.
+//! samples. `--make NAME RADIUS SEED FILE` writes one set instead, for `conformance.py`.
 
+use std::fmt::Write;
 use std::ops::ControlFlow;
 use std::sync::Arc;
 use std::time::Instant;
@@ -29,12 +30,20 @@ struct Peer {
 const ROUNDS: u64 = 3;
 
 fn main() {
-    let mut numbers = std::env::args().filter_map(|argument| argument.parse::<f64>().ok());
-    let count = numbers.next_back().unwrap_or(100_000.0).max(1000.0);
     rayon::ThreadPoolBuilder::new()
         .num_threads(1)
         .build_global()
         .expect("one thread");
+
+    let arguments: Vec<String> = std::env::args().skip(1).collect();
+    if let [option, name, radius, seed, file] = &arguments[..] {
+        assert_eq!(option, "--make");
+        make(name, radius, seed, file);
+        return;
+    }
+
+    let mut numbers = std::env::args().filter_map(|argument| argument.parse::<f64>().ok());
+    let count = numbers.next_back().unwrap_or(100_000.0).max(1000.0);
     println!("about {count} samples, one thread, median of {ROUNDS} rounds");
     println!(
         "{:<28} {:>9} {:>10} {:>10} {:>11} {:>11} {:>8}",
@@ -45,6 +54,28 @@ fn main() {
     for peer in &peers {
         measure(peer, count / peer.smaller);
     }
+}
+
+/// Writes a set of the unit square by the sampler of a name, and prints the seconds that it took.
+fn make(name: &str, radius: &str, seed: &str, file: &str) {
+    let mut peers = ours();
+    peers.extend(crates());
+    let peer = peers.iter().find(|peer| peer.name == name);
+    let sampler = &peer.expect("a known sampler").sampler;
+    let radius: f64 = radius.parse().expect("a radius");
+    let seed: u64 = seed.parse().expect("a seed");
+
+    let began = Instant::now();
+    let points = sampler(radius, seed);
+    let spent = began.elapsed().as_secs_f64();
+
+    let mut table = String::from("x,y\n");
+    for [x, y] in points {
+        // The shortest text that reads back as the same number.
+        writeln!(table, "{x},{y}").expect("a text takes every line");
+    }
+    std::fs::write(file, table).expect("a file that can be written");
+    println!("{spent}");
 }
 
 fn measure(peer: &Peer, count: f64) {
@@ -91,13 +122,23 @@ fn ours() -> Vec<Peer> {
         leaf: 40.0,
         ..Parameters::default()
     };
-    let of_sweep = Arc::clone(&pattern);
-    let parallel = move |radius, seed| {
-        let sweep = Sweep::new(&parameters(radius, seed), &of_sweep, false).expect("parameters");
+    let swept = |parameters: &Parameters, pattern: &Arc<Pattern>| {
+        let sweep = Sweep::new(parameters, pattern, false).expect("parameters");
         let domain = *sweep.plane().domain();
         let (sampled, _) = sweep.finish(&mut Unobserved).expect("a run");
         let points = sampled.points.iter();
         points.map(|&p| domain.user_from_lattice(p)).collect()
+    };
+
+    let (of_sweep, of_bounded) = (Arc::clone(&pattern), Arc::clone(&pattern));
+    let parallel = move |radius, seed| swept(&parameters(radius, seed), &of_sweep);
+    // Most of the others end at a border, too.
+    let bounded = move |radius, seed| {
+        let parameters = Parameters {
+            boundary: Boundary::Bounded,
+            ..parameters(radius, seed)
+        };
+        swept(&parameters, &of_bounded)
     };
     let sequential = move |radius, seed| {
         let engine = Sequential::new(&parameters(radius, seed), Arc::clone(&pattern));
@@ -114,6 +155,7 @@ fn ours() -> Vec<Peer> {
     };
     vec![
         peer("tilescope, leaf 40 r", Boundary::Periodic, 1.0, parallel),
+        peer("tilescope, bounded", Boundary::Bounded, 1.0, bounded),
         peer(
             "tilescope, sequential engine",
             Boundary::Periodic,
