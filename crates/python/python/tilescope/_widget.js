@@ -4,7 +4,7 @@
 
 /** The version of the player's messages. */
 const VERSION = 1;
-/** After so long without a word of the player the points stay, and a note says why. */
+/** After so long in view without a word of the player the points stay, and a note says why. */
 const SILENT_MS = 60_000;
 /** A click selects the sample nearest to it, if it is no farther than so many pixels. */
 const NEAR = 16;
@@ -111,21 +111,20 @@ async function unpacked(name, packed) {
 }
 
 /**
- * Returns the address of the page in this window, whose files Python sends when they are first needed.
+ * Returns the address of the page in this window, whose files Python sends when they are first needed. That may take long: a
+ * kernel answers when the cells before are done.
  * @param {Model} model
  * @returns {Promise<string>}
  */
-function pageOf(model) {
-  /** @type {Map<string, Promise<string>>} */
+async function pageOf(model) {
+  /** @type {Map<string, string>} */
   const pages = (/** @type {any} */ (globalThis)[KEPT] ??= new Map());
   const version = model.get("_page");
-  const known = pages.get(version);
-  if (known) {
-    return known;
+  if (pages.has(version)) {
+    return /** @type {string} */ (pages.get(version));
   }
 
-  const made = new Promise((resolve, reject) => {
-    setTimeout(() => reject(new Error("the kernel did not send it")), SILENT_MS);
+  const { names, buffers } = await new Promise((resolve) => {
     const take = (/** @type {any} */ content, /** @type {DataView[]} */ buffers) => {
       if (content.kind === "page" && content.version === version) {
         model.off("msg:custom", take);
@@ -134,16 +133,15 @@ function pageOf(model) {
     };
     model.on("msg:custom", take);
     model.send({ kind: "page" });
-  }).then(async ({ names, buffers }) => {
-    const contents = await Promise.all(names.map((/** @type {string} */ name, /** @type {number} */ k) => unpacked(name, buffers[k])));
-    const files = new Map(names.map((/** @type {string} */ name, /** @type {number} */ k) => [name, contents[k]]));
-    const addressOf = (/** @type {any} */ content, /** @type {string} */ type) => URL.createObjectURL(new Blob([content], { type }));
-    return addressOf(assembled(files, addressOf), "text/html");
   });
-  pages.set(version, made);
-  // A kernel that did not answer, or a page that is broken, may be followed by a better one.
-  made.catch(() => pages.delete(version));
-  return made;
+
+  const contents = await Promise.all(names.map((/** @type {string} */ name, /** @type {number} */ k) => unpacked(name, buffers[k])));
+  const files = new Map(names.map((/** @type {string} */ name, /** @type {number} */ k) => [name, contents[k]]));
+  const addressOf = (/** @type {any} */ content, /** @type {string} */ type) => URL.createObjectURL(new Blob([content], { type }));
+  const address = addressOf(assembled(files, addressOf), "text/html");
+  // Only what has come is kept: a kernel that was restarted answers no question of before.
+  pages.set(version, address);
+  return address;
 }
 
 /**
@@ -340,20 +338,28 @@ function playerIn(model, el, below) {
     frame.remove();
     below.hidden = false;
   };
-  const silent = setTimeout(() => fail("The player does not answer here; the points alone."), SILENT_MS);
+
+  /** @type {ReturnType<typeof setTimeout> | undefined} */
+  let silent;
+  // A player begins when it comes into view.
+  const seen = new IntersectionObserver(([{ isIntersecting }]) => {
+    if (isIntersecting) {
+      seen.disconnect();
+      silent = setTimeout(() => fail("The player does not answer here; the points alone."), SILENT_MS);
+    }
+  });
 
   /** @param {MessageEvent} message */
   const hear = ({ source, origin: from, data }) => {
     if (source !== frame.contentWindow || from !== origin || data?.tilescope !== VERSION) {
       return;
     }
+    clearTimeout(silent);
     if (data.event === "failed") {
-      clearTimeout(silent);
       fail(data.error);
       return;
     }
     if (data.event === "ready") {
-      clearTimeout(silent);
       below.hidden = true;
       Object.assign(frame.style, { position: "static", opacity: "1", pointerEvents: "auto" });
     }
@@ -367,25 +373,30 @@ function playerIn(model, el, below) {
   const changes = Object.entries(follow.changes);
   changes.forEach(([name, change]) => model.on(`change:${name}`, change));
 
+  const show = (/** @type {string} */ source) => {
+    frame.src = source;
+    el.append(frame);
+    seen.observe(frame);
+  };
   const address = model.get("_address");
+  let isOver = false;
   if (address) {
     const player = new URL(address);
     player.searchParams.set("embed", "player");
     player.searchParams.set("origin", origin);
     player.hash = startOf(model);
     origin = player.origin;
-    frame.src = player.href;
-    el.append(frame);
+    show(player.href);
   } else {
-    const begin = (/** @type {string} */ page) => {
-      frame.src = `${page}#${startOf(model)}`;
-      el.append(frame);
-    };
+    // The cell may be gone when the page is there.
+    const begin = (/** @type {string} */ page) => isOver || show(`${page}#${startOf(model)}`);
     pageOf(model).then(begin, (error) => fail(`The player cannot be made: ${error.message}`));
   }
 
   return () => {
+    isOver = true;
     clearTimeout(silent);
+    seen.disconnect();
     window.removeEventListener("message", hear);
     model.off("msg:custom", asked);
     model.off("change:height", resize);
