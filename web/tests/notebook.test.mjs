@@ -75,8 +75,17 @@ test("the widget plays a run in JupyterLab, and Python follows", { skip }, async
 
   const cell = (k) => page.locator(".jp-Notebook .jp-Cell").nth(k);
   const runCell = async (k) => {
-    await cell(k).locator(".cm-content").click();
-    await page.keyboard.press("Control+Enter");
+    const prompt = () => cell(k).locator(".jp-InputPrompt").textContent();
+    const before = await prompt();
+    // JupyterLab leaves out keys that come while it is still at work, so that they are pressed until the cell runs.
+    await until(`cell ${k} runs`, async () => {
+      await cell(k).locator(".cm-content").click();
+      await page.keyboard.press("Control+Enter");
+      for (let look = 0; look < 40 && (await prompt()) === before; look += 1) {
+        await page.waitForTimeout(50);
+      }
+      return (await prompt()) !== before;
+    });
   };
   /** Runs a cell until it prints what is wanted: the kernel is told of a moment some time after the player has shown it. */
   const prints = (k, wanted) =>

@@ -6,8 +6,13 @@ use std::path::Path;
 use cargo_metadata::MetadataCommand;
 
 /// The crates with lint tables of their own, which deny `unsafe` wherever no reason stands beside it. Each has the argument at its
-/// head. That of the tests only has exports, whose names count as unsafe.
-const WITH_UNSAFE: [&str; 3] = ["tilescope-c", "tilescope-tests-wasm", "tilescope-trusted"];
+/// head. That of the tests and that of the npm package only have exports, whose names count as unsafe.
+const WITH_UNSAFE: [&str; 4] = [
+    "tilescope-c",
+    "tilescope-tests-wasm",
+    "tilescope-trusted",
+    "tilescope-web-sampler",
+];
 
 /// Returns whether a manifest has the workspace's lints.
 fn has_the_lints(manifest: &str) -> bool {
