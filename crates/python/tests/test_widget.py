@@ -50,6 +50,7 @@ def test_a_link_leads_to_the_run_of_a_set():
         (lambda: tilescope.sample(radius=0.05, levels=2), "nested levels"),
         (lambda: tilescope.sample(radius_expression="0.05 + 0.05*x"), "no run"),
         (lambda: tilescope.sample(radius=0.05, pattern=tilescope.sample(radius=0.05)), "pattern of its own"),
+        (lambda: tilescope.sample(radius=0.05, pattern_side=600), "at most 500 r"),
         (lambda: tilescope.sample(radius=0.0015), "at most 200000"),
     ],
 )

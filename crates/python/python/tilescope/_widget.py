@@ -19,8 +19,9 @@ from tilescope import _tilescope
 from tilescope._input import shown
 from tilescope._point_set import PointSet
 
-# A page keeps the events of runs up to so many samples (web/README.md).
+# A page keeps the events of runs up to so many samples, and makes patterns up to such a side in radii (web/README.md).
 _MAX_PLAYED: Final = 200_000
+_MAX_PATTERN_SIDE: Final = 500
 # Of larger sets a corner is sent: the points of a cell come through the notebook's connection, eight bytes each.
 _MAX_POINTS: Final = 200_000
 _MIN_HEIGHT: Final = 120
@@ -58,6 +59,9 @@ def link_of(made: PointSet) -> str:
     pattern = parameters.get("pattern")
     if not isinstance(pattern, dict) or set(pattern) != set(_PATTERN_KEYS):
         raise ValueError("a link cannot hold a pattern of its own")
+    if pattern["side"] > _MAX_PATTERN_SIDE:
+        side = pattern["side"]
+        raise ValueError(f"the pattern has a side of {side:g} r; a browser makes patterns of at most {_MAX_PATTERN_SIDE} r")
     if len(made) > _MAX_PLAYED:
         raise ValueError(f"the set has {len(made)} samples; the events of at most {_MAX_PLAYED} are kept in a browser")
 
