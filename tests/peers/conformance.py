@@ -66,7 +66,7 @@ LEFT_OUT = [
     ("poisson-2d", "PyPI", "the registry has its name and no file"),
     ("polydisc 0.4.0", "PyPI", "it needs Python 3.13"),
     ("bsb-native 8.0.2", "PyPI", "it samples space, not the plane"),
-    ("@tsparticles/plugin-poisson-disc 4.3.2", "npm", "it is a part of an engine of animations and places on whole pixels"),
+    ("@tsparticles/plugin-poisson-disc 4.3.2", "npm", "it is a plugin of an engine of animations"),
 ]
 
 PAGE = """# Samplers, judged
@@ -93,9 +93,9 @@ included: Delaunay triangulation and covered circles, which must agree.
   promise no conflicts, not maximality. Gaps are then no fault. They are what a user of such a set has to reckon with.
 - **Border.** Most bounded samplers leave the border to chance: their widest gaps are mostly there. Periodic ones have no border. Compare like with
   like.
-- **Samples a second** are of one thread, the best of the sets, without loading: seconds of the processor for Python and JavaScript, of
-  the clock for Rust. What else the machine did shows in them, and so do their languages: they are orders of magnitude. Rates of sets with
-  other densities are of other work. The pattern of randomized tiling, which is made once and kept, is not counted.
+- **Samples a second** are of one thread and of seconds of the processor, the best of the sets, without loading: of one set after a small one in
+  Python and JavaScript, of the same set for half a second in Rust. They are orders of magnitude: what else the machine did shows a little, the
+  languages much, and rates of sets with other densities are of other work. The pattern of randomized tiling, which is made once and kept, is not counted.
 - **Equal seeds**: the set of the first seed was made again in another process, and all bits compared. Where a sampler takes a generator instead
   of a seed, it got one with a seed. Of another machine nothing is known but for this project's own samplers, whose digests are pinned.
 
