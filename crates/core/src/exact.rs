@@ -27,6 +27,7 @@ mod lists;
 mod pieces;
 mod plane;
 mod present;
+mod seams;
 
 use crate::parameters::PatternSpec;
 

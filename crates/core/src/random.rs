@@ -2,6 +2,8 @@
 //! position that it is for. No generator state exists, so no draw depends on the order in which draws are made: any
 //! block, cell or candidate can be visited alone, on any thread or device.
 
+use fearless_simd::{Simd, u32x8};
+
 /// The purpose of a draw. The streams of a key are independent of each other.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 #[repr(u32)]
@@ -95,24 +97,28 @@ pub const fn below(word: u32, n: u32) -> u32 {
     ((word as u64 * n as u64) >> 32) as u32
 }
 
+/// Parity word of Threefry (Salmon et al. 2011), as in Random123.
+const PARITY: u32 = 0x1BD1_1BDA;
+
+/// How far the second word turns in each of four rounds, for even and for odd groups of rounds, as in Random123.
+const EVEN: [u32; 4] = [13, 15, 26, 6];
+const ODD: [u32; 4] = [17, 29, 16, 24];
+
 /// Returns the Threefry2x32 block of `counter` under `key`, 20 rounds.
 #[inline]
 #[must_use]
 pub const fn threefry2x32_20(key: [u32; 2], counter: [u32; 2]) -> [u32; 2] {
-    // Parity word of Threefry (Salmon et al. 2011) and, below, its rotations, as in Random123.
-    const PARITY: u32 = 0x1BD1_1BDA;
-
     let keys = [key[0], key[1], PARITY ^ key[0] ^ key[1]];
     let mut x = [
         counter[0].wrapping_add(keys[0]),
         counter[1].wrapping_add(keys[1]),
     ];
     // Written out: as a loop over rounds it is not unrolled, and takes four times the instructions.
-    x = four_rounds(x, [13, 15, 26, 6], keys, 1);
-    x = four_rounds(x, [17, 29, 16, 24], keys, 2);
-    x = four_rounds(x, [13, 15, 26, 6], keys, 3);
-    x = four_rounds(x, [17, 29, 16, 24], keys, 4);
-    four_rounds(x, [13, 15, 26, 6], keys, 5)
+    x = four_rounds(x, EVEN, keys, 1);
+    x = four_rounds(x, ODD, keys, 2);
+    x = four_rounds(x, EVEN, keys, 3);
+    x = four_rounds(x, ODD, keys, 4);
+    four_rounds(x, EVEN, keys, 5)
 }
 
 /// Returns the words after four rounds. After them the key is injected again, turned and numbered, so that rounds differ.
@@ -143,6 +149,30 @@ const fn four_rounds(
         x0.wrapping_add(keys[injection as usize % 3]),
         x1.wrapping_add(next).wrapping_add(injection),
     ]
+}
+
+/// Returns what [`threefry2x32_20`] returns, for eight keys and counters at once.
+#[expect(
+    clippy::inline_always,
+    reason = "only code that is inlined may use the vector instructions"
+)]
+#[inline(always)]
+pub(crate) fn threefry2x32_20_by_eight<S: Simd>(
+    [a, b]: [u32x8<S>; 2],
+    counters: [u32x8<S>; 2],
+) -> [u32x8<S>; 2] {
+    let keys = [a, b, a ^ b ^ PARITY];
+    let mut x0 = counters[0] + a;
+    let mut x1 = counters[1] + b;
+    for (group, turns) in (1..).zip([EVEN, ODD, EVEN, ODD, EVEN]) {
+        for turn in turns {
+            x0 += x1;
+            x1 = ((x1 << turn) | (x1 >> (u32::BITS - turn))) ^ x0;
+        }
+        x0 += keys[group % 3];
+        x1 = x1 + keys[(group + 1) % 3] + group as u32;
+    }
+    [x0, x1]
 }
 
 #[cfg(test)]

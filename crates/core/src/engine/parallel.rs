@@ -14,7 +14,7 @@ pub(crate) mod instructions;
 mod near;
 pub(crate) mod places;
 pub(crate) mod plane;
-mod region;
+pub(crate) mod region;
 pub(crate) mod side_by_side;
 mod stamp;
 pub(crate) mod sweep;

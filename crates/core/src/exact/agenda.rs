@@ -4,7 +4,7 @@
 use std::cmp::Reverse;
 use std::collections::BinaryHeap;
 
-use crate::exact::darts::{Arrival, PlacedDart};
+use crate::exact::darts::PlacedDart;
 use crate::stages::darts::LAST_LEVEL;
 
 /// A question whose answer may differ from that in the pattern, to be decided when its dart arrives.
@@ -29,8 +29,8 @@ pub(crate) struct Agenda {
     /// The questions of each level.
     levels: [Vec<Arriving>; LAST_LEVEL as usize + 1],
     deciding: Option<u32>,
-    /// The arrivals of what is known of it, in their order, each with its index in the level.
-    order: Vec<(Arrival, u32)>,
+    /// What is known of it in the order of arrival: the first bits of an arrival, then the index in the level.
+    order: Vec<u64>,
     /// How much of the level that is being decided is done.
     done: usize,
     /// The questions of that level that came up since it began.
@@ -60,16 +60,29 @@ impl Agenda {
 
     /// Begins a level, and returns how much arrives with it as far as that is known.
     pub(crate) fn begin(&mut self, level: u32) -> usize {
-        // Nearly everything is known when a level begins: to sort it once costs less than a heap of all.
+        // Nearly everything is known when a level begins: to sort it once costs less than a heap of all. The first bits of
+        // arrivals are sorted, each with its index in one word.
         let known = &self.levels[level as usize];
-        let arrivals = known.iter().map(|arriving| arriving.dart.arrival);
-        self.order.clear();
-        self.order.extend(arrivals.zip(0..));
-        // Nearly always arrivals differ, so that only they are moved and compared.
-        self.order.sort_unstable_by(|(a, i), (b, j)| {
-            a.cmp(b)
-                .then_with(|| known[*i as usize].cmp(&known[*j as usize]))
-        });
+        let firsts = known.iter().map(|arriving| arriving.dart.arrival.when());
+        let words = firsts
+            .zip(0..)
+            .map(|(when, index)| u64::from(when) << 32 | index);
+        sort_words(words, known.len(), &mut self.order);
+
+        // Those with the same first bits, which are rare, are compared as a whole.
+        let mut first = 0;
+        while first + 1 < self.order.len() {
+            let is_same = |word: &u64| word >> 32 == self.order[first] >> 32;
+            let count = self.order[first..]
+                .iter()
+                .take_while(|word| is_same(word))
+                .count();
+            if count > 1 {
+                let same = &mut self.order[first..first + count];
+                same.sort_unstable_by_key(|word| known[*word as u32 as usize]);
+            }
+            first += count;
+        }
         self.deciding = Some(level);
         self.done = 0;
         known.len()
@@ -84,7 +97,7 @@ impl Agenda {
     pub(crate) fn next(&mut self) -> Option<Arriving> {
         let level = self.deciding?;
         let known = self.order.get(self.done);
-        let known = known.map(|&(_, index)| &self.levels[level as usize][index as usize]);
+        let known = known.map(|&entry| &self.levels[level as usize][entry as u32 as usize]);
         let sudden = self.sudden.peek().map(|Reverse(sudden)| sudden);
         // A question that came up late still comes in its turn: an earlier dart has its answer first.
         if sudden.is_some_and(|sudden| known.is_none_or(|known| sudden < known)) {
@@ -92,5 +105,72 @@ impl Agenda {
         }
         self.done += 1;
         known.copied()
+    }
+}
+
+/// Bits of a word that count arrivals of a level: its throws, 26 bits of ranks, and the 32 bits of an index below.
+const LEVEL_BITS: u32 = 2 + 26 + 32;
+
+/// Puts words of one level, as [`Agenda::begin`] makes them, into `out` in ascending order.
+///
+/// Ranks are uniform draws: one pass puts each word about where it belongs, and few are left to be moved past each other. That
+/// takes a quarter of the instructions of a sort that only compares.
+fn sort_words(words: impl Iterator<Item = u64> + Clone, count: usize, out: &mut Vec<u64>) {
+    // As many buckets as words, or up to twice as many.
+    let bits = count.next_power_of_two().ilog2();
+    let bucket = |word: u64| ((word & ((1 << LEVEL_BITS) - 1)) >> (LEVEL_BITS - bits)) as usize;
+
+    let mut ends = vec![0_u32; (1 << bits) + 1];
+    for word in words.clone() {
+        ends[bucket(word) + 1] += 1;
+    }
+    let mut sum = 0;
+    for end in &mut ends {
+        sum += *end;
+        *end = sum;
+    }
+
+    out.clear();
+    out.resize(count, 0);
+    for word in words {
+        // What was the begin of a bucket ends as its end.
+        let at = &mut ends[bucket(word)];
+        out[*at as usize] = word;
+        *at += 1;
+    }
+
+    for index in 1..count {
+        let word = out[index];
+        let mut at = index;
+        while at > 0 && out[at - 1] > word {
+            out[at] = out[at - 1];
+            at -= 1;
+        }
+        out[at] = word;
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::random::{Key, Stream};
+
+    #[test]
+    fn words_are_sorted_whatever_their_number_and_however_crowded() {
+        for count in [0, 1, 2, 3, 100, 1025] {
+            for level in [0_u64, 1, 15] {
+                for kept in [u32::MAX >> 6, 0xff] {
+                    let word = |index: u32| {
+                        let drawn = Key::from_seed(level).draw(Stream::Order, index)[0] & kept;
+                        level << LEVEL_BITS | u64::from(drawn) << 32 | u64::from(index)
+                    };
+                    let mut sorted = vec![3];
+                    sort_words((0..count).map(word), count as usize, &mut sorted);
+                    let mut expected: Vec<u64> = (0..count).map(word).collect();
+                    expected.sort_unstable();
+                    assert_eq!(sorted, expected);
+                }
+            }
+        }
     }
 }

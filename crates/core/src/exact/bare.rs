@@ -2,12 +2,12 @@
 //! single sample is known to cover the whole cell.
 //!
 //! A *piece* is the part of a block that one copy of the pattern fills. The *first blocker* of a dart is the earliest sample of
-//! the pattern that covers it. A *doubtful* sample depends on the plane beyond the ground.
+//! the pattern that covers it.
 
 use std::ops::Range;
 
 use crate::exact::pieces::SourcePiece;
-use crate::exact::present::{Presence, SamplesBefore};
+use crate::exact::present::SamplesBefore;
 use crate::lattice::{Point, R, Rect};
 
 /// The side of the cells that are marked: most of what a lost sample leaves bare is smaller than r.
@@ -20,14 +20,6 @@ pub(crate) struct PieceCell {
     pub(crate) piece: u32,
     /// The cell's lowest place in the pattern, a multiple of its side.
     pub(crate) min: Point,
-}
-
-/// Cells that throw darts.
-#[derive(Default)]
-pub(crate) struct OpenCells {
-    pub(crate) cells: Vec<PieceCell>,
-    /// Cells that would if a doubtful sample were none, with their sides.
-    pub(crate) doubtful: Vec<(PieceCell, i32)>,
 }
 
 /// All pieces, with the cells of [`MARK_SIDE`] that were marked in them. A cell is handed out once.
@@ -53,9 +45,10 @@ impl MarkedCells {
 
     /// Adds a piece of which no cell is marked.
     pub(crate) fn add(&mut self, piece: SourcePiece) {
-        let [columns, rows] = spans(&piece.sources).map(|span| span.len());
+        let [columns, rows] = spans(&piece.sources);
         self.firsts.push(self.marks.len());
-        self.marks.resize(self.marks.len() + columns * rows, false);
+        let count = columns.len() * rows.len();
+        self.marks.resize(self.marks.len() + count, false);
         self.pieces.push(piece);
     }
 
@@ -95,62 +88,82 @@ impl MarkedCells {
         for row in rows {
             let ys = places_of(row, sources.min.y, sources.max.y);
             let is_deep_row = deep.min.y <= ys.start && ys.end <= deep.max.y;
-            let mut column = columns.start;
-            while column < columns.end {
-                let xs = places_of(column, sources.min.x, sources.max.x);
-                let is_deep = is_deep_row && deep.min.x <= xs.start && xs.end <= deep.max.x;
-                if is_deep {
-                    // All columns before the one in which the deep places end are deep, and skipped.
-                    let end = (deep.max.x / MARK_SIDE).min(columns.end);
-                    column = end.max(column + 1);
+            let mut skipped = columns.end..columns.end;
+            if is_deep_row {
+                // Cells of which all columns are deep are skipped.
+                let first = if deep.min.x <= sources.min.x {
+                    columns.start
                 } else {
-                    if !is_closed(column, row) {
-                        self.mark(piece, column, row, out);
-                    }
-                    column += 1;
+                    (deep.min.x - 1) / MARK_SIDE + 1
+                };
+                let end = if deep.max.x >= sources.max.x {
+                    columns.end
+                } else {
+                    deep.max.x / MARK_SIDE
+                };
+                if first < end {
+                    skipped = first..end;
+                }
+            }
+            let mut marks = self.row_of(piece, row);
+            for column in (columns.start..skipped.start).chain(skipped.end..columns.end) {
+                if !is_closed(column, row) {
+                    marks.mark(column, out);
                 }
             }
         }
     }
 
-    /// Marks the cells of some pieces that a disk around `place` may touch, and appends those not marked before to `out`.
-    pub(crate) fn mark_disk(&mut self, pieces: Range<u32>, place: Point, out: &mut Vec<PieceCell>) {
-        for piece in pieces {
-            let SourcePiece { sources, .. } = self.pieces[piece as usize];
-            let centre = self.pieces[piece as usize].source(place);
+    /// Marks the cells of a piece that a disk around `place` may touch, and appends those not marked before to `out`. Cells
+    /// that `is_closed` are left out; it gets a cell's column and row in the pattern.
+    #[inline]
+    pub(crate) fn mark_disk(
+        &mut self,
+        piece: u32,
+        place: Point,
+        is_closed: impl Fn(i32, i32) -> bool,
+        out: &mut Vec<PieceCell>,
+    ) {
+        let held = &self.pieces[piece as usize];
+        let (sources, centre) = (held.sources, held.source(place));
 
-            let box_around = Rect {
-                min: Point::new(
-                    centre.x.saturating_sub(R).max(sources.min.x),
-                    centre.y.saturating_sub(R).max(sources.min.y),
-                ),
-                max: Point::new(
-                    centre.x.saturating_add(R + 1).min(sources.max.x),
-                    centre.y.saturating_add(R + 1).min(sources.max.y),
-                ),
-            };
-            // The disk lies beside the piece.
-            if box_around.width() <= 0 || box_around.height() <= 0 {
-                continue;
-            }
+        let box_around = Rect {
+            min: Point::new(
+                centre.x.saturating_sub(R).max(sources.min.x),
+                centre.y.saturating_sub(R).max(sources.min.y),
+            ),
+            max: Point::new(
+                centre.x.saturating_add(R + 1).min(sources.max.x),
+                centre.y.saturating_add(R + 1).min(sources.max.y),
+            ),
+        };
+        // The disk lies beside the piece.
+        if box_around.width() <= 0 || box_around.height() <= 0 {
+            return;
+        }
 
-            let [columns, rows] = spans(&box_around);
-            for row in rows {
-                for column in columns.clone() {
-                    self.mark(piece, column, row, out);
+        let [columns, rows] = spans(&box_around);
+        for row in rows {
+            let mut marks = self.row_of(piece, row);
+            for column in columns.clone() {
+                if !is_closed(column, row) {
+                    marks.mark(column, out);
                 }
             }
         }
     }
 
-    fn mark(&mut self, piece: u32, column: i32, row: i32, out: &mut Vec<PieceCell>) {
+    /// Returns the marks of a row of cells of a piece.
+    #[inline]
+    fn row_of(&mut self, piece: u32, row: i32) -> MarkedRow<'_> {
         let [columns, rows] = spans(&self.pieces[piece as usize].sources);
-        let index = (row - rows.start) as usize * columns.len() + (column - columns.start) as usize;
-        let mark = &mut self.marks[self.firsts[piece as usize] + index];
-        if !*mark {
-            *mark = true;
-            let min = Point::new(column * MARK_SIDE, row * MARK_SIDE);
-            out.push(PieceCell { piece, min });
+        let count = columns.len();
+        let first = self.firsts[piece as usize] + (row - rows.start) as usize * count;
+        MarkedRow {
+            piece,
+            row,
+            first_column: columns.start,
+            marks: &mut self.marks[first..first + count],
         }
     }
 
@@ -162,25 +175,19 @@ impl MarkedCells {
         side: i32,
         to: i32,
         decided: &mut SamplesBefore<'_, '_>,
-        out: &mut OpenCells,
+        out: &mut Vec<PieceCell>,
     ) {
         let Some(placed) = self.placed(cell, side) else {
             return;
         };
         let tile = self.pieces[cell.piece as usize].tile;
-        match decided.covers_rect(tile, &placed) {
-            // Most marked cells are covered by one sample. A lost sample covers nothing, so that `Lost` never comes.
-            Some(Presence::Certain | Presence::Lost) => return,
-            // A cell that one doubtful sample covers is not cut further: without the sample, any dart in it may become one.
-            Some(Presence::Doubtful) => {
-                out.doubtful.push((cell, side));
-                return;
-            }
-            None if side == to => {
-                out.cells.push(cell);
-                return;
-            }
-            None => {}
+        // Most marked cells are covered by one sample.
+        if decided.covers_rect(tile, &placed) {
+            return;
+        }
+        if side == to {
+            out.push(cell);
+            return;
         }
 
         let half = side / 2;
@@ -204,8 +211,35 @@ impl MarkedCells {
     }
 }
 
+/// A row of the cells of a piece.
+struct MarkedRow<'a> {
+    piece: u32,
+    row: i32,
+    first_column: i32,
+    marks: &'a mut [bool],
+}
+
+impl MarkedRow<'_> {
+    /// Marks a cell, and appends it to `out` if it was not marked before.
+    #[inline]
+    fn mark(&mut self, column: i32, out: &mut Vec<PieceCell>) {
+        let mark = &mut self.marks[(column - self.first_column) as usize];
+        if !*mark {
+            *mark = true;
+            let min = Point::new(column * MARK_SIDE, self.row * MARK_SIDE);
+            out.push(PieceCell {
+                piece: self.piece,
+                min,
+            });
+        }
+    }
+}
+
 /// Returns the columns and the rows of cells of [`MARK_SIDE`] that a rectangle of the pattern touches.
 fn spans(sources: &Rect) -> [Range<i32>; 2] {
     let Rect { min, max } = sources;
-    [(min.x, max.x), (min.y, max.y)].map(|(min, max)| min / MARK_SIDE..(max - 1) / MARK_SIDE + 1)
+    [
+        min.x / MARK_SIDE..(max.x - 1) / MARK_SIDE + 1,
+        min.y / MARK_SIDE..(max.y - 1) / MARK_SIDE + 1,
+    ]
 }

@@ -1,14 +1,24 @@
 //! The darts of a pattern, and the order in which they arrive: what the reference sampler throws, without looking where
 //! samples are.
 
+#![allow(clippy::inline_always)]
+
 use std::cmp::Ordering;
+
+use fearless_simd::prelude::*;
+use fearless_simd::{Simd, u32x8};
 
 use crate::error::ParameterError;
 use crate::lattice::{Domain, Point, R, Rect};
 use crate::parameters::PatternSpec;
-use crate::random::Key;
-use crate::stages::darts::{DartDraws, LAST_LEVEL, cell_darts, throw_key, throws};
+use crate::random::{Key, Stream, threefry2x32_20_by_eight};
+use crate::stages::darts::{
+    DartDraws, LAST_LEVEL, POISSON, cell_darts, poisson, throw_key, throws,
+};
 use crate::stages::disks::Cell;
+
+/// How many cells, or darts, are drawn at once.
+pub(crate) const LANES: usize = 8;
 
 /// The arrival of a dart of a pattern: by level, then by throw, then by the dart's rank in the throw. Two darts may have
 /// the same.
@@ -75,6 +85,16 @@ impl PartialOrd for PlacedDart {
     fn partial_cmp(&self, other: &Self) -> Option<Ordering> {
         Some(self.cmp(other))
     }
+}
+
+/// A dart of one of several cells.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(crate) struct DrawnDart {
+    /// The number of the cell.
+    pub(crate) cell: u32,
+    pub(crate) arrival: Arrival,
+    /// Its place in the pattern.
+    pub(crate) place: Point,
 }
 
 /// One throw of a level: each cell of the level gets darts of it.
@@ -152,6 +172,79 @@ impl PatternDarts {
         darts.filter(|(_, place)| self.rect.contains(*place))
     }
 
+    /// Appends to `out` what [`Self::of_cell`] returns for each of at most eight cells. The level has one throw: it is not the
+    /// first.
+    #[inline(always)]
+    pub(crate) fn of_cells<S: Simd>(
+        &self,
+        simd: S,
+        level: u32,
+        mins: &[Point],
+        out: &mut Vec<DrawnDart>,
+    ) {
+        let [throw] = self.level(level) else {
+            unreachable!("level {level} has one throw");
+        };
+        let (mut xs, mut ys) = ([0; LANES], [0; LANES]);
+        for (lane, min) in mins.iter().enumerate() {
+            (xs[lane], ys[lane]) = (min.x as u32, min.y as u32);
+        }
+        let [first, second] = throw.key.words();
+        let throw_key = [u32x8::splat(simd, first), u32x8::splat(simd, second)];
+        let places = [u32x8::simd_from(simd, xs), u32x8::simd_from(simd, ys)];
+        let [firsts, seconds] = threefry2x32_20_by_eight(throw_key, places);
+        let (firsts, seconds): ([u32; LANES], [u32; LANES]) = (firsts.into(), seconds.into());
+
+        // Which cell each dart is of, and its number there.
+        let mut darts = [(0, 0); LANES * POISSON.len()];
+        let mut count = 0;
+        for (cell, &word) in firsts.iter().enumerate().take(mins.len()) {
+            let thrown = if level == LAST_LEVEL {
+                1
+            } else {
+                poisson(word)
+            };
+            for number in 0..thrown {
+                darts[count] = (cell, number);
+                count += 1;
+            }
+        }
+
+        // A coordinate has 16 random bits, of which a cell takes the highest.
+        let shift = 16 - throw.side().ilog2();
+        for held in darts[..count].chunks(LANES) {
+            let (mut key_firsts, mut key_seconds) = ([0; LANES], [0; LANES]);
+            let mut numbers = [0; LANES];
+            for (lane, &(cell, number)) in held.iter().enumerate() {
+                (key_firsts[lane], key_seconds[lane]) = (firsts[cell], seconds[cell]);
+                numbers[lane] = number;
+            }
+            let keys = [
+                u32x8::simd_from(simd, key_firsts),
+                u32x8::simd_from(simd, key_seconds),
+            ];
+            let stream = u32x8::splat(simd, Stream::Dart as u32);
+            let counters = [stream, u32x8::simd_from(simd, numbers)];
+            let [halves, ranks] = threefry2x32_20_by_eight(keys, counters);
+            let (halves, ranks): ([u32; LANES], [u32; LANES]) = (halves.into(), ranks.into());
+
+            for (lane, &(cell, _)) in held.iter().enumerate() {
+                let (right, up) = (
+                    halves[lane] >> 16 >> shift,
+                    (halves[lane] & 0xffff) >> shift,
+                );
+                let place = Point::new(mins[cell].x + right as i32, mins[cell].y + up as i32);
+                if self.rect.contains(place) {
+                    out.push(DrawnDart {
+                        cell: cell as u32,
+                        arrival: Arrival::new(level, 0, ranks[lane]),
+                        place,
+                    });
+                }
+            }
+        }
+    }
+
     /// Returns the arrival of the first dart at a place of the pattern: a sample's, if there is one. Had the sample
     /// arrived with a later dart of its place, that one would have been refused, as the first was.
     pub(crate) fn first_at(&self, place: Point) -> Arrival {
@@ -217,6 +310,34 @@ mod tests {
             assert!(expected.len() > 80 && expected.len() < pattern.samples().len());
             assert_eq!(samples, expected);
         }
+    }
+
+    #[test]
+    fn cells_drawn_at_once_have_the_darts_of_each() {
+        let darts = PatternDarts::of_spec(&spec(12.3, Boundary::Periodic)).unwrap();
+        let mut seen = 0;
+        for level in 1..=LAST_LEVEL {
+            let mins: Vec<Point> = tiling_cells(&darts.rect, R >> level.min(6))
+                .map(|cell| cell.min)
+                .take(500)
+                .collect();
+            for mins in mins.chunks(LANES).chain(mins.chunks(3)) {
+                let mut together = Vec::new();
+                let out = &mut together;
+                fearless_simd::dispatch!(fearless_simd::Level::new(), simd => darts.of_cells(simd, level, mins, out));
+                let each = (0..).zip(mins).flat_map(|(cell, min)| {
+                    let held = darts.of_cell(level, *min);
+                    held.map(move |(arrival, place)| DrawnDart {
+                        cell,
+                        arrival,
+                        place,
+                    })
+                });
+                assert_eq!(together, each.collect::<Vec<_>>());
+                seen += together.len();
+            }
+        }
+        assert!(seen > 5_000);
     }
 
     #[test]

@@ -1,8 +1,8 @@
 //! The engine of exact tiling, written to be read. It lays down the pattern's samples and follows the differences from what
 //! the pattern's own darts made of them, in the order of arrival.
 //!
-//! It works on a whole domain or on a part of the plane, beyond which nothing is known. There, a dart that no certain sample
-//! covers is *doubtful* if something unknown or something doubtful that is earlier may cover it.
+//! It works on a whole domain, and can be recorded. [`super::seams`] makes the same samples window by window, in a fraction of the
+//! time.
 //!
 //! A *tile* is the part of a block on the ground, and a *piece* the part of a tile that one copy of the pattern fills. The *first
 //! blocker* of a dart is the earliest sample of the pattern that covers it. *Late* darts are those of [`LATE_LEVEL`] and after.
@@ -21,13 +21,13 @@ use crate::engine::parallel::sweep::sampled;
 use crate::engine::parallel::window_maker::WindowSamples;
 use crate::error::SampleError;
 use crate::exact::agenda::{Agenda, What};
-use crate::exact::bare::{MARK_SIDE, MarkedCells, OpenCells, PieceCell};
+use crate::exact::bare::{MARK_SIDE, MarkedCells, PieceCell};
 use crate::exact::darts::{Arrival, PlacedDart};
 use crate::exact::filter::SampleFilter;
 use crate::exact::ground::Ground;
 use crate::exact::history::{LATE_LEVEL, PatternHistory};
 use crate::exact::pieces::pieces;
-use crate::exact::present::{ArrivedSample, Presence, PresentSamples};
+use crate::exact::present::{ArrivedSample, PresentSamples};
 use crate::lattice::{Point, R, Rect, Rect64};
 use crate::parameters::Parameters;
 use crate::pattern::Symmetry;
@@ -95,7 +95,7 @@ pub(crate) fn clipper(
 }
 
 /// Returns the iteration in which a dart counts as inserted.
-fn iteration_of(arrival: Arrival) -> u32 {
+pub(super) fn iteration_of(arrival: Arrival) -> u32 {
     arrival.level().max(1)
 }
 
@@ -110,7 +110,7 @@ struct ExactTile {
     /// The first of its pieces, and the first of the next tile.
     first_piece: u32,
     end_piece: u32,
-    /// The pattern's samples that are lost or doubtful here.
+    /// The pattern's samples that are lost here.
     missing: SampleFilter,
 }
 
@@ -126,7 +126,7 @@ pub(crate) struct ExactTiling<'a> {
     fresh: Vec<PieceCell>,
     /// The side of the cells to throw darts into, of the level that is being decided, and these cells.
     side: i32,
-    open: OpenCells,
+    open: Vec<PieceCell>,
     /// Of a recorded tiling, what it keeps of each level.
     kept: KeptLevels,
 }
@@ -143,7 +143,7 @@ impl<'a> ExactTiling<'a> {
             cells: MarkedCells::default(),
             fresh: Vec::new(),
             side: R,
-            open: OpenCells::default(),
+            open: Vec::new(),
             kept: KeptLevels::default(),
         }
     }
@@ -174,7 +174,7 @@ impl<'a> ExactTiling<'a> {
             self.cut(level, recorder);
             self.end(recorder);
             // Nothing is left to do: no cell throws, and no question waits for this level or a later one.
-            if self.open.cells.is_empty() && self.agenda.is_empty_from(level) {
+            if self.open.is_empty() && self.agenda.is_empty_from(level) {
                 return Ok(());
             }
 
@@ -198,7 +198,7 @@ impl<'a> ExactTiling<'a> {
         self.tiles.clear();
         self.cells.clear();
         self.fresh.clear();
-        self.open.cells.clear();
+        self.open.clear();
         self.side = R;
 
         // The list is taken out of the tiling, which changes meanwhile.
@@ -227,14 +227,11 @@ impl<'a> ExactTiling<'a> {
         let moved = self.present.ground().moved(block);
         self.present.add_tile(moved);
 
-        // Late darts at places that something unknown may cover are not thrown.
-        if let Some(core) = Rect64::from(rect).within(&self.present.ground().core()) {
-            let start = I64Vec2::from(block.start) + I64Vec2::from(core.min) - block.rect.min;
-            let rect = self.present.rect_in_domain(tile, &core);
-            let held = self.history.pattern().domain().rect();
-            for piece in pieces(tile, &rect, start, symmetry, &held) {
-                self.cells.add(piece);
-            }
+        let start = I64Vec2::from(block.start) + I64Vec2::from(rect.min) - block.rect.min;
+        let held = self.history.pattern().domain().rect();
+        let in_domain = self.present.rect_in_domain(tile, &rect);
+        for piece in pieces(tile, &in_domain, start, symmetry, &held) {
+            self.cells.add(piece);
         }
 
         self.tiles.push(ExactTile {
@@ -278,21 +275,15 @@ impl<'a> ExactTiling<'a> {
             });
             // A sample deeper than r stays, since samples of other blocks cover only places within r of the border. The others
             // are decided about when they arrive, and in a recording all are.
-            if T::ENABLED || rect.depth(place) <= R || self.is_late_near_unknown(place, pattern) {
+            if T::ENABLED || rect.depth(place) <= R {
                 let dart = self.present.dart(self.present.get(id));
                 self.agenda.add(dart, What::Sample(id));
             }
         });
     }
 
-    /// Returns whether a late dart that is not thrown may cover a sample of the pattern.
-    fn is_late_near_unknown(&self, place: Point, pattern: u32) -> bool {
-        self.present.ground().is_near_unknown(place, 2 * R)
-            && self.history.arrival(pattern).level() >= LATE_LEVEL
-    }
-
-    /// Puts on the agenda the darts whose first blocker, a sample of the pattern at `place` of the ground, is missing or
-    /// doubtful. `behind` is the blocker's id, or the largest number if it was not laid down.
+    /// Puts on the agenda the darts whose first blocker, a sample of the pattern at `place` of the ground, is missing.
+    /// `behind` is the blocker's id, or the largest number if it was not laid down.
     fn wake<T: Recorder>(
         &mut self,
         tile: u32,
@@ -311,7 +302,7 @@ impl<'a> ExactTiling<'a> {
             if rect.contains(dart_place) {
                 let dart = PlacedDart {
                     arrival: waiting.arrival,
-                    source: waiting.source,
+                    source: history.source(pattern, waiting.offset),
                     place: self.present.in_domain(tile, dart_place),
                 };
                 self.agenda.add(dart, What::Dart(tile));
@@ -350,29 +341,24 @@ impl<'a> ExactTiling<'a> {
     /// Loses a sample if an earlier one covers it. Everything earlier is final.
     fn decide_sample<T: Recorder>(&mut self, id: u32, dart: &PlacedDart, recorder: &mut T) {
         let sample = *self.present.get(id);
-        // A dart that became a sample here was decided when it arrived, and a lost or doubtful sample stays so.
-        let (Some(pattern), Presence::Certain) = (sample.pattern(), sample.presence) else {
+        // A dart that became a sample here was decided when it arrived, and a lost sample stays so.
+        let (Some(pattern), false) = (sample.pattern(), sample.is_lost) else {
             return;
         };
 
-        match self.present.presence(dart, sample.tile) {
-            Presence::Certain => {
-                // Where no sample of another block could cover it, it is one of the rest, which stay.
-                let rest =
-                    T::ENABLED && self.tiles[sample.tile as usize].rect.depth(sample.place) > R;
-                recorder.record(RunEvent::Keep { sample: id, rest });
-                return;
-            }
-            Presence::Doubtful => self.present.doubt(id),
-            Presence::Lost => {
-                if T::ENABLED {
-                    let by = self.blocker(dart, sample.tile);
-                    self.kept.losses.push([id, by]);
-                    recorder.record(RunEvent::Eliminate { sample: id, by });
-                }
-                self.present.lose(id);
-            }
+        if !self.present.is_covered(dart, sample.tile) {
+            // Where no sample of another block could cover it, it is one of the rest, which stay.
+            let rest = T::ENABLED && self.tiles[sample.tile as usize].rect.depth(sample.place) > R;
+            recorder.record(RunEvent::Keep { sample: id, rest });
+            return;
         }
+
+        if T::ENABLED {
+            let by = self.blocker(dart, sample.tile);
+            self.kept.losses.push([id, by]);
+            recorder.record(RunEvent::Eliminate { sample: id, by });
+        }
+        self.present.lose(id);
 
         self.tiles[sample.tile as usize].missing.add(pattern);
         // The darts that it refused are decided again, and its disk may be bare. Cells are marked in its own block alone: in
@@ -380,13 +366,17 @@ impl<'a> ExactTiling<'a> {
         self.wake(sample.tile, sample.place, pattern, id, recorder);
         let tile = &self.tiles[sample.tile as usize];
         let pieces = tile.first_piece..tile.end_piece;
-        self.cells.mark_disk(pieces, dart.place, &mut self.fresh);
+        for piece in pieces {
+            let is_closed = |_, _| false;
+            self.cells
+                .mark_disk(piece, dart.place, is_closed, &mut self.fresh);
+        }
 
         let level = dart.arrival.level();
         if level >= LATE_LEVEL {
             // Darts of these cells that are earlier than the sample were refused by other samples, and need not be thrown.
-            let first = self.open.cells.len();
-            self.cut_fresh(level, Some(dart), recorder);
+            let first = self.open.len();
+            self.cut_fresh(level, recorder);
             self.throw(first, level, Some(dart), recorder);
         }
     }
@@ -398,37 +388,32 @@ impl<'a> ExactTiling<'a> {
             return;
         }
 
-        let presence = self.present.presence(dart, tile);
+        let is_covered = self.present.is_covered(dart, tile);
         if T::ENABLED {
             recorder.record(RunEvent::Dart {
                 point: dart.place,
                 ranked: true,
-                verdict: self.verdict(dart, tile, presence == Presence::Lost),
+                verdict: self.verdict(dart, tile, is_covered),
             });
         }
 
-        if presence == Presence::Lost {
+        if is_covered {
             return;
         }
 
         // Samples laid down that arrive later may be covered by it: they are decided again when their turn comes.
         let mut later = Vec::new();
         self.present.later(dart, tile, &mut later);
-        self.await_samples(&later);
+        for id in later {
+            let sample = self.present.dart(self.present.get(id));
+            self.agenda.add(sample, What::Sample(id));
+        }
 
-        let id = self.present.insert(*dart, tile, presence);
+        let id = self.present.insert(*dart, tile);
         recorder.record(RunEvent::Insert {
             sample: id,
             iteration: iteration_of(dart.arrival),
         });
-    }
-
-    /// Decides about samples again when they arrive.
-    fn await_samples(&mut self, ids: &[u32]) {
-        for &id in ids {
-            let dart = self.present.dart(self.present.get(id));
-            self.agenda.add(dart, What::Sample(id));
-        }
     }
 
     /// Marks the cells whose darts may lack a first blocker beyond the border of their tile.
@@ -441,11 +426,7 @@ impl<'a> ExactTiling<'a> {
                 // That leaves out three of four cells. A recording cuts all, and so shows why they are closed.
                 let inside = self.cells.pieces()[piece as usize].sources_around(&rect, R);
                 let is_closed = |column: i32, row: i32| {
-                    let covering = history.covering(column, row).filter(|_| !T::ENABLED);
-                    covering.is_some_and(|(sample, offset)| {
-                        let (x, y) = (column * MARK_SIDE + offset.x, row * MARK_SIDE + offset.y);
-                        inside.contains(Point::new(x, y)) && !held.missing.may_have(sample)
-                    })
+                    !T::ENABLED && history.is_covered(column, row, &inside, &held.missing)
                 };
                 let fresh = &mut self.fresh;
                 self.cells.mark_border(piece, &rect, is_closed, fresh);
@@ -456,25 +437,23 @@ impl<'a> ExactTiling<'a> {
     /// Cuts all cells for a level: those that throw darts, and those that were marked.
     fn cut<T: Recorder>(&mut self, level: u32, recorder: &mut T) {
         let before = std::mem::replace(&mut self.side, R >> level);
-        for cell in std::mem::take(&mut self.open.cells) {
+        for cell in std::mem::take(&mut self.open) {
             self.cut_cell(cell, before, level, recorder);
         }
-        self.cut_fresh(level, None, recorder);
+        self.cut_fresh(level, recorder);
     }
 
-    /// Cuts the cells that were marked for a level, of which darts later than `after` are to be thrown.
-    fn cut_fresh<T: Recorder>(&mut self, level: u32, after: Option<&PlacedDart>, recorder: &mut T) {
+    /// Cuts the cells that were marked for a level.
+    fn cut_fresh<T: Recorder>(&mut self, level: u32, recorder: &mut T) {
         let mut fresh = std::mem::take(&mut self.fresh);
         for cell in fresh.drain(..) {
             self.cut_cell(cell, MARK_SIDE, level, recorder);
         }
         self.fresh = fresh;
-
-        self.add_zones(after.map_or(Arrival::new(level, 0, 0), |after| after.arrival));
     }
 
     fn cut_cell<T: Recorder>(&mut self, cell: PieceCell, side: i32, level: u32, recorder: &mut T) {
-        let first = self.open.cells.len();
+        let first = self.open.len();
         let mut decided = self.present.before(Arrival::new(level, 0, 0));
         let open = &mut self.open;
         self.cells.cut(cell, side, R >> level, &mut decided, open);
@@ -484,7 +463,7 @@ impl<'a> ExactTiling<'a> {
             recorder.record(RunEvent::Cut {
                 cell: square.min,
                 side,
-                kept: (self.open.cells.len() - first) as u32,
+                kept: (self.open.len() - first) as u32,
             });
         }
     }
@@ -500,22 +479,9 @@ impl<'a> ExactTiling<'a> {
         if T::ENABLED {
             self.keep_cells(first);
         }
-        for index in first..self.open.cells.len() {
-            self.throw_into(self.open.cells[index], level, after, recorder);
+        for index in first..self.open.len() {
+            self.throw_into(self.open[index], level, after, recorder);
         }
-    }
-
-    /// Makes the cells that were found to be doubtful zones, whose darts arrive `from` then on.
-    fn add_zones(&mut self, from: Arrival) {
-        let mut later = Vec::new();
-        for (cell, side) in self.open.doubtful.drain(..) {
-            if let Some(placed) = self.cells.placed(cell, side) {
-                let tile = self.cells.pieces()[cell.piece as usize].tile;
-                let rect = self.present.rect_on_ground(tile, &placed);
-                self.present.add_zone(rect, from, |id| later.push(id));
-            }
-        }
-        self.await_samples(&later);
     }
 
     /// Throws the darts of a level into a cell, those later than `after`.
@@ -565,31 +531,6 @@ impl<'a> ExactTiling<'a> {
                 self.agenda.add(dart, What::Dart(piece.tile));
             }
         }
-    }
-
-    /// Returns whether the samples of the window depend on the plane beyond the ground.
-    pub(crate) fn is_doubtful(&self) -> bool {
-        let ground = self.present.ground();
-        ground.has_unknown() && self.present.is_doubtful(&ground.frame.window)
-    }
-
-    /// Returns the samples outside of the window but at most R from it on both axes, in canonical order.
-    pub(crate) fn around_window(&self) -> Vec<Point> {
-        let Rect { min, max } = self.present.ground().frame.window;
-        let wide = Rect {
-            min: Point::new(min.x - R, min.y - R),
-            max: Point::new(max.x + R, max.y + R),
-        };
-        let is_around = |place: Point| wide.contains(place) && !Rect { min, max }.contains(place);
-        let samples = self.present.samples().iter();
-        let around = samples.filter(|sample| is_around(sample.place));
-
-        let kept = around.filter(|sample| sample.presence != Presence::Lost);
-        let mut points: Vec<Point> = kept
-            .map(|sample| self.present.in_domain(sample.tile, sample.place))
-            .collect();
-        points.sort_unstable_by_key(|point| point.canonical());
-        points
     }
 
     /// Puts the window's samples into `out`, in canonical order, with their counts, and with tags of their sources if they
@@ -655,11 +596,11 @@ impl<'a> ExactTiling<'a> {
         let samples = self.present.samples().iter();
         let others = samples.filter(|sample| !sample.is_own());
         for sample in others.filter(|sample| window.contains(sample.place)) {
-            match (sample.presence, sample.pattern()) {
-                (Presence::Lost, _) => counts.eliminated += 1,
-                (Presence::Certain, None) => counts.insert(self.iteration(sample) as usize - 1, 1),
-                // Tiled samples follow from the other counts, and a window with doubtful ones is not given out.
-                (Presence::Certain, Some(_)) | (Presence::Doubtful, _) => {}
+            // Tiled samples follow from the other counts.
+            if sample.is_lost {
+                counts.eliminated += 1;
+            } else {
+                counts.insert(self.iteration(sample) as usize - 1, 1);
             }
         }
     }

@@ -7,6 +7,7 @@ use glam::IVec2;
 use crate::error::SampleError;
 use crate::exact::bare::MARK_SIDE;
 use crate::exact::darts::{Arrival, PatternDarts};
+use crate::exact::filter::SampleFilter;
 use crate::grid::SampleGrid;
 use crate::lattice::{Point, R, Rect, covers_offset};
 use crate::parameters::PatternSpec;
@@ -19,36 +20,39 @@ use crate::stages::disks::{farthest, tiling_cells};
 /// in five of level 2 lie in cells that one sample covers, and the table would be twice as large with it.
 pub(crate) const LATE_LEVEL: u32 = 2;
 
-/// Units of a pattern take 26 bits, since its sides are at most 2,000 r; the throw takes the bits above.
-const PLACE_BITS: u32 = 26;
+/// A throw of the levels that are kept takes three bits.
+const THROW_BITS: u32 = 3;
 
 /// A refused dart, in 12 bytes.
 #[derive(Clone, Copy)]
 struct Refused {
     rank: u32,
-    /// The place's x, and above it the level and the throw as in an arrival.
-    x_and_throw: u32,
-    y: i32,
+    /// The x of its offset from its first blocker, and below it the throw, counted over all levels that are kept.
+    right_and_throw: i32,
+    /// The y of its offset.
+    up: i32,
 }
 
 impl Refused {
-    fn new(arrival: Arrival, place: Point) -> Self {
+    fn new(arrival: Arrival, offset: IVec2) -> Self {
+        // Level 0 has four throws, level 1 one.
         let throw = 4 * arrival.level() + arrival.throw();
         Self {
             rank: arrival.rank(),
-            x_and_throw: throw << PLACE_BITS | place.x as u32,
-            y: place.y,
+            right_and_throw: offset.x << THROW_BITS | throw as i32,
+            up: offset.y,
         }
     }
 
+    #[inline]
     const fn arrival(self) -> Arrival {
-        let throw = self.x_and_throw >> PLACE_BITS;
+        let throw = self.right_and_throw as u32 % (1 << THROW_BITS);
         Arrival::new(throw / 4, throw % 4, self.rank)
     }
 
-    const fn place(self) -> Point {
-        let x = self.x_and_throw & ((1 << PLACE_BITS) - 1);
-        Point::new(x as i32, self.y)
+    #[inline]
+    const fn offset(self) -> IVec2 {
+        IVec2::new(self.right_and_throw >> THROW_BITS, self.up)
     }
 }
 
@@ -56,10 +60,41 @@ impl Refused {
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct WaitingDart {
     pub(crate) arrival: Arrival,
-    /// Its place in the pattern.
-    pub(crate) source: Point,
     /// Its offset from its first blocker.
     pub(crate) offset: IVec2,
+}
+
+/// An early sample that covers all of a cell of [`MARK_SIDE`], in 4 bytes: where it lies to [`COVERING_UNIT`], and the last eight
+/// bits of its number.
+#[derive(Clone, Copy, PartialEq, Eq)]
+struct CoveringSample(u32);
+
+/// The accuracy of where a covering sample lies. Only samples so near a block's border are taken for missing in vain.
+const COVERING_UNIT: i32 = 1 << COVERING_BITS;
+const COVERING_BITS: u32 = 4;
+
+/// A covering sample lies less than R left of its cell or below it; so offsets are made positive.
+const COVERING_REACH: i32 = R;
+
+impl CoveringSample {
+    /// No sample: no offset is so long.
+    const NONE: Self = Self(u32::MAX);
+
+    /// Returns a sample at an offset from the cell's lowest place.
+    const fn new(sample: u32, offset: IVec2) -> Self {
+        let [x, y] = [offset.x, offset.y];
+        let x = (x + COVERING_REACH) as u32 >> COVERING_BITS;
+        let y = (y + COVERING_REACH) as u32 >> COVERING_BITS;
+        Self(x << 20 | y << 8 | (sample % 256))
+    }
+
+    /// Returns the lowest offset that it may have; it may be up to a [`COVERING_UNIT`] more on each axis.
+    #[inline]
+    const fn lowest(self) -> IVec2 {
+        let x = (self.0 >> 20 << COVERING_BITS) as i32;
+        let y = (self.0 >> 8 << COVERING_BITS) as i32 & (0xfff << COVERING_BITS);
+        IVec2::new(x - COVERING_REACH, y - COVERING_REACH)
+    }
 }
 
 /// A pattern that knows the arrival of its samples, and the darts of levels 0 and 1 that each of them refused first.
@@ -75,11 +110,10 @@ pub struct PatternHistory {
     starts: Vec<u32>,
     refused: Vec<Refused>,
     /// Of each cell of [`MARK_SIDE`], row by row, an early sample that covers all of it, if there is one.
-    covering: Vec<u32>,
+    covering: Vec<CoveringSample>,
+    /// How many of these cells a row has.
+    mark_columns: usize,
 }
-
-/// No sample of the pattern.
-const NO_SAMPLE: u32 = u32::MAX;
 
 impl PatternHistory {
     /// Returns the history of the pattern that `spec` describes, and makes the pattern if it is not among the last few
@@ -106,6 +140,7 @@ impl PatternHistory {
             starts: (0..=samples.len() as u32).map(begins).collect(),
             refused: blocked.iter().map(|(_, refused)| *refused).collect(),
             covering: covering(&darts, &arrivals, &grid),
+            mark_columns: mark_columns(darts.rect()),
             pattern,
             darts,
             arrivals,
@@ -139,18 +174,44 @@ impl PatternHistory {
             + size_of_val(&*self.covering)
     }
 
-    /// Returns a sample of a level that is kept that covers all of a cell of [`MARK_SIDE`], given by its column and row in the
-    /// pattern, if there is one, with its offset from the cell's lowest place.
+    /// Returns whether a sample of a level that is kept covers all of a cell of [`MARK_SIDE`], given by its column and row in the
+    /// pattern, surely lies in a rectangle of the pattern, and is surely not `missing`.
     #[inline]
-    pub(crate) fn covering(&self, column: i32, row: i32) -> Option<(u32, IVec2)> {
+    pub(super) fn is_covered(
+        &self,
+        column: i32,
+        row: i32,
+        inside: &Rect,
+        missing: &SampleFilter,
+    ) -> bool {
+        let sample = self.covering[row as usize * self.mark_columns + column as usize];
+        if sample == CoveringSample::NONE {
+            return false;
+        }
+        let IVec2 { x, y } = sample.lowest();
+        let lowest = Point::new(column * MARK_SIDE + x, row * MARK_SIDE + y);
+        let highest = Point::new(lowest.x + COVERING_UNIT - 1, lowest.y + COVERING_UNIT - 1);
+        inside.contains(lowest) && inside.contains(highest) && !missing.may_have(sample.0)
+    }
+
+    /// Returns the place in the pattern at an offset, of at most R, from one of its samples.
+    #[inline]
+    pub(crate) fn source(&self, sample: u32, offset: IVec2) -> Point {
         let domain = self.pattern.domain();
-        let columns = mark_columns(&domain.rect());
-        let sample = self.covering[row as usize * columns + column as usize];
-        let min = Point::new(column * MARK_SIDE, row * MARK_SIDE);
-        (sample != NO_SAMPLE).then(|| {
-            let place = self.pattern.samples()[sample as usize];
-            (sample, domain.difference(min, place))
-        })
+        let wrapped = |at: i32, side: i32| {
+            if at < 0 {
+                at + side
+            } else if at >= side {
+                at - side
+            } else {
+                at
+            }
+        };
+        let from = self.pattern.samples()[sample as usize];
+        Point::new(
+            wrapped(from.x + offset.x, domain.width()),
+            wrapped(from.y + offset.y, domain.height()),
+        )
     }
 
     /// Returns the history as if no dart had been refused.
@@ -163,20 +224,17 @@ impl PatternHistory {
             starts: vec![0; self.starts.len()],
             refused: Vec::new(),
             covering: self.covering.clone(),
+            mark_columns: self.mark_columns,
         }
     }
 
     /// Returns the darts of levels 0 and 1 whose first blocker is a sample of the pattern, in no order.
+    #[inline]
     pub(crate) fn waiting(&self, sample: u32) -> impl Iterator<Item = WaitingDart> {
         let [first, end] = [sample, sample + 1].map(|id| self.starts[id as usize] as usize);
-        let blocker = self.pattern.samples()[sample as usize];
-        self.refused[first..end].iter().map(move |refused| {
-            let source = refused.place();
-            WaitingDart {
-                arrival: refused.arrival(),
-                source,
-                offset: self.pattern.domain().difference(blocker, source),
-            }
+        self.refused[first..end].iter().map(|refused| WaitingDart {
+            arrival: refused.arrival(),
+            offset: refused.offset(),
         })
     }
 }
@@ -187,18 +245,18 @@ const fn mark_columns(rect: &Rect) -> usize {
 }
 
 /// Returns of each cell of [`MARK_SIDE`] a sample that covers all of it and arrived with a level that is kept.
-fn covering(darts: &PatternDarts, arrivals: &[Arrival], grid: &SampleGrid) -> Vec<u32> {
+fn covering(darts: &PatternDarts, arrivals: &[Arrival], grid: &SampleGrid) -> Vec<CoveringSample> {
     let extent = IVec2::splat(MARK_SIDE - 1);
     let cells = tiling_cells(darts.rect(), MARK_SIDE);
     let of_cell = |min: Point| {
-        let mut found = NO_SAMPLE;
+        let mut found = CoveringSample::NONE;
         // What covers the whole cell covers its lowest place.
         grid.any_near(min, R, |near| {
             let is_early = arrivals[near.id as usize].level() < LATE_LEVEL;
             if is_early && covers_offset(farthest(near.offset, extent)) {
-                found = near.id;
+                found = CoveringSample::new(near.id, near.offset);
             }
-            found != NO_SAMPLE
+            found != CoveringSample::NONE
         });
         found
     };
@@ -239,7 +297,10 @@ fn blocked(
                 // Every place is covered by a sample. If the dart became a sample, the first that covers it is itself.
                 let blocker = first.expect("the pattern is maximal");
                 if order(blocker) != (arrival, place.row_major()) {
-                    blocked.push((blocker, Refused::new(arrival, place)));
+                    let offset = pattern
+                        .domain()
+                        .difference(samples[blocker as usize], place);
+                    blocked.push((blocker, Refused::new(arrival, offset)));
                 }
             }
             meter.tick()?;
@@ -274,14 +335,15 @@ mod tests {
             let mut waiting = Vec::new();
             for (id, sample) in (0..).zip(samples) {
                 for dart in history.waiting(id) {
-                    assert!(covers_offset(dart.offset) && domain.covers(*sample, dart.source));
+                    let source = history.source(id, dart.offset);
+                    assert!(covers_offset(dart.offset) && domain.covers(*sample, source));
                     assert!(history.arrival(id) < dart.arrival);
                     let covering = (0..)
                         .zip(samples)
-                        .filter(|(_, p)| domain.covers(**p, dart.source));
+                        .filter(|(_, p)| domain.covers(**p, source));
                     let first = covering.map(|(other, _)| history.arrival(other)).min();
                     assert_eq!(first, Some(history.arrival(id)));
-                    waiting.push((dart.arrival, dart.source.row_major()));
+                    waiting.push((dart.arrival, source.row_major()));
                 }
             }
 
@@ -309,13 +371,19 @@ mod tests {
         let history = history(100.0, Boundary::Periodic);
         let bytes = history.bytes() as f64 / 1e4;
         assert!((99.0..103.0).contains(&bytes), "{bytes} a squared r");
-        // A pattern of the longest side fits, too.
-        let longest = (crate::parameters::MAX_PATTERN_SIDE_RADII * f64::from(R)) as i32;
-        let place = Point::new(longest, longest);
-        let packed = Refused::new(Arrival::new(1, 0, u32::MAX), place);
-        assert_eq!(
-            (packed.place(), packed.arrival()),
-            (place, Arrival::new(1, 0, u32::MAX))
-        );
+        // The longest offsets fit, too.
+        for offset in [IVec2::new(R, 0), IVec2::new(-R, 0), IVec2::new(3, -R)] {
+            for arrival in [Arrival::new(1, 0, u32::MAX), Arrival::new(0, 3, 7)] {
+                let packed = Refused::new(arrival, offset);
+                assert_eq!((packed.offset(), packed.arrival()), (offset, arrival));
+            }
+        }
+        // A sample that covers a cell of several rows is less than R left or right of its lowest place.
+        for offset in [IVec2::new(R - 1, 0), IVec2::new(MARK_SIDE - 1 - R, 3)] {
+            let covering = CoveringSample::new(515, offset);
+            let beyond = offset - covering.lowest();
+            assert!(beyond.min_element() >= 0 && beyond.max_element() < COVERING_UNIT);
+            assert_eq!(covering.0 % 256, 515 % 256);
+        }
     }
 }

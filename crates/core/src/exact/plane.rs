@@ -7,14 +7,14 @@ use crate::engine::parallel::sweep::Sweep;
 use crate::engine::parallel::window_maker::{WindowMaker, WindowSamples};
 use crate::error::SampleError;
 use crate::exact::agreement::Agreement;
-use crate::exact::engine::{ExactTiling, clipper};
+use crate::exact::engine::clipper;
 use crate::exact::ground::Ground;
 use crate::exact::history::PatternHistory;
+use crate::exact::seams::SeamTiling;
 use crate::lattice::{Domain, Point, Rect};
 use crate::parameters::Parameters;
 use crate::pool::Pool;
-use crate::progress::{Observer, Unobserved};
-use crate::record::Unrecorded;
+use crate::progress::Observer;
 use crate::run::{Run, Summary};
 use crate::samples::Sampled;
 
@@ -46,7 +46,7 @@ pub struct ExactPlane<'a> {
     domain: Domain,
     history: &'a PatternHistory,
     clipper: Clipper,
-    idle: Pool<ExactTiling<'a>>,
+    idle: Pool<SeamTiling<'a>>,
     /// How windows of a whole run are made without following doubt; nothing for single windows.
     alone: Option<Alone>,
 }
@@ -103,14 +103,15 @@ impl WindowMaker for ExactPlane<'_> {
         with_tags: bool,
         out: &mut WindowSamples,
     ) -> Result<(), SampleError> {
-        let mut tiling = self.idle.take_or(|| ExactTiling::new(self.history));
+        let mut tiling = self.idle.take_or(|| SeamTiling::new(self.history));
         if let Some(Alone { halo, agreement }) = &self.alone {
             let ground = Ground::alone(&self.domain, window, *halo);
             // In a domain hardly larger than the window, the window would meet itself.
             if !ground.repeats() {
-                tiling.run(&self.clipper, ground, &mut Unobserved, &mut Unrecorded)?;
-                agreement.add(*window, tiling.around_window());
-                tiling.emit(with_tags, out);
+                tiling.run(&self.clipper, ground)?;
+                let mut around = Vec::new();
+                tiling.emit(&self.clipper, with_tags, out, Some(&mut around));
+                agreement.add(*window, around);
                 self.idle.give(tiling);
                 return Ok(());
             }
@@ -118,8 +119,7 @@ impl WindowMaker for ExactPlane<'_> {
 
         let mut halo = HALO;
         loop {
-            let ground = Ground::around(&self.domain, window, halo);
-            tiling.run(&self.clipper, ground, &mut Unobserved, &mut Unrecorded)?;
+            tiling.run(&self.clipper, Ground::around(&self.domain, window, halo))?;
             // Doubt that stays outside of the window changes none of its samples.
             if !tiling.is_doubtful() {
                 break;
@@ -134,7 +134,7 @@ impl WindowMaker for ExactPlane<'_> {
             halo *= 2;
         }
 
-        tiling.emit(with_tags, out);
+        tiling.emit(&self.clipper, with_tags, out, None);
         self.idle.give(tiling);
         Ok(())
     }
@@ -205,17 +205,16 @@ mod tests {
     use crate::exact::engine::exact_sample;
     use crate::lattice::{Boundary, R};
     use crate::parameters::PatternSpec;
+    use crate::progress::Unobserved;
 
     /// Returns the samples of a window by a halo of so many cells, and whether some are in doubt.
     fn computed(plane: &ExactPlane<'_>, window: &Rect, halo: i32) -> (Vec<Point>, bool) {
-        let mut tiling = ExactTiling::new(plane.history);
+        let mut tiling = SeamTiling::new(plane.history);
         let ground = Ground::around(&plane.domain, window, halo);
-        let (observer, recorder) = (&mut Unobserved, &mut Unrecorded);
-        tiling
-            .run(&plane.clipper, ground, observer, recorder)
-            .unwrap();
+        tiling.run(&plane.clipper, ground).unwrap();
         let mut samples = WindowSamples::default();
-        tiling.emit(false, &mut samples);
+        let with_tags = false;
+        tiling.emit(&plane.clipper, with_tags, &mut samples, None);
         (samples.points, tiling.is_doubtful())
     }
 

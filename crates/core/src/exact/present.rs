@@ -7,23 +7,12 @@ use glam::IVec2;
 use crate::exact::cells::NumberCells;
 use crate::exact::darts::{Arrival, PlacedDart};
 use crate::exact::ground::Ground;
-use crate::exact::history::{LATE_LEVEL, PatternHistory};
+use crate::exact::history::PatternHistory;
 use crate::exact::lists::{CoverLists, Covering};
-use crate::lattice::{Point, R, Rect, Rect64, covers_offset};
+use crate::lattice::{Point, R, Rect, covers_offset};
 use crate::stages::disks::farthest;
 
-/// How much is known about a sample.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(crate) enum Presence {
-    /// It is present, and will be unless an earlier sample turns out to cover it.
-    Certain,
-    /// Whether it is one depends on the plane beyond the ground.
-    Doubtful,
-    /// An earlier sample covers it, so that it is none.
-    Lost,
-}
-
-/// A sample that is, may be or was present.
+/// A sample that is or was present.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct ArrivedSample {
     /// Its place on the ground.
@@ -32,7 +21,8 @@ pub(crate) struct ArrivedSample {
     pub(crate) tile: u32,
     /// Its index in the pattern; from [`FIRST_INSERTED`] on, that among the darts that are samples here alone.
     number: u32,
-    pub(crate) presence: Presence,
+    /// Whether an earlier sample covers it, so that it is none.
+    pub(crate) is_lost: bool,
 }
 
 /// No pattern has so many samples.
@@ -41,7 +31,7 @@ const FIRST_INSERTED: u32 = 1 << 31;
 impl ArrivedSample {
     /// Returns whether it is one of the pattern's and present.
     pub(crate) const fn is_own(&self) -> bool {
-        self.number < FIRST_INSERTED && matches!(self.presence, Presence::Certain)
+        self.number < FIRST_INSERTED && !self.is_lost
     }
 
     /// Returns its index in the pattern; none of a dart that is a sample here alone.
@@ -52,14 +42,6 @@ impl ArrivedSample {
             None
         }
     }
-}
-
-/// Places in which darts that were not thrown may have become samples.
-#[derive(Clone, Copy, Debug)]
-struct Zone {
-    rect: Rect,
-    /// The arrival of the first that may.
-    from: Arrival,
 }
 
 /// Samples by place. An id is the number of a sample in the sequence in which they were added.
@@ -75,9 +57,6 @@ pub(crate) struct PresentSamples<'a> {
     cells: NumberCells,
     /// Of the cells that were asked about, the samples that cover places of them.
     lists: CoverLists,
-    zones: Vec<Zone>,
-    /// The indices of the zones, at their lowest places.
-    zone_cells: NumberCells,
 }
 
 impl<'a> PresentSamples<'a> {
@@ -91,8 +70,6 @@ impl<'a> PresentSamples<'a> {
             inserted: Vec::new(),
             cells: NumberCells::default(),
             lists: CoverLists::default(),
-            zones: Vec::new(),
-            zone_cells: NumberCells::default(),
         }
     }
 
@@ -101,14 +78,10 @@ impl<'a> PresentSamples<'a> {
         let end = ground.rect().max;
         self.cells.reset(end);
         self.lists.reset(self.cells.count());
-        if ground.has_unknown() {
-            self.zone_cells.reset(end);
-        }
         self.ground = ground;
         self.moves.clear();
         self.samples.clear();
         self.inserted.clear();
-        self.zones.clear();
     }
 
     pub(crate) const fn ground(&self) -> &Ground {
@@ -125,15 +98,6 @@ impl<'a> PresentSamples<'a> {
         let IVec2 { x, y } = self.moves[tile as usize];
         // The domain may begin so far below the ground that only the sum fits into the integers.
         Point::new(place.x.wrapping_add(x), place.y.wrapping_add(y))
-    }
-
-    /// Returns where the ground has a rectangle of the domain in a tile.
-    pub(crate) fn rect_on_ground(&self, tile: u32, rect: &Rect) -> Rect {
-        let min = self.on_ground(tile, rect.min);
-        Rect {
-            min,
-            max: Point::new(min.x + rect.width(), min.y + rect.height()),
-        }
     }
 
     /// Returns where the domain has a rectangle of the ground in a tile.
@@ -200,12 +164,12 @@ impl<'a> PresentSamples<'a> {
             place,
             tile,
             number: pattern,
-            presence: Presence::Certain,
+            is_lost: false,
         })
     }
 
-    /// Adds a dart that is, or may be, a sample here alone, and returns its id.
-    pub(crate) fn insert(&mut self, dart: PlacedDart, tile: u32, presence: Presence) -> u32 {
+    /// Adds a dart that is a sample here alone, and returns its id.
+    pub(crate) fn insert(&mut self, dart: PlacedDart, tile: u32) -> u32 {
         let number = FIRST_INSERTED + self.inserted.len() as u32;
         self.inserted.push(dart);
         let place = self.on_ground(tile, dart.place);
@@ -213,7 +177,7 @@ impl<'a> PresentSamples<'a> {
             place,
             tile,
             number,
-            presence,
+            is_lost: false,
         });
 
         let when = dart.arrival.when();
@@ -234,7 +198,7 @@ impl<'a> PresentSamples<'a> {
     /// Makes a sample a lost one.
     pub(crate) fn lose(&mut self, id: u32) {
         let sample = &mut self.samples[id as usize];
-        sample.presence = Presence::Lost;
+        sample.is_lost = true;
         let place = sample.place;
         self.cells.remove(place, id);
         self.visit_lists(place, |lists, cell, _| lists.remove(cell, id));
@@ -289,44 +253,22 @@ impl<'a> PresentSamples<'a> {
         self.lists.put(cell, found);
     }
 
-    /// Makes a sample a doubtful one.
-    pub(crate) fn doubt(&mut self, id: u32) {
-        self.samples[id as usize].presence = Presence::Doubtful;
-    }
-
     /// Returns those that arrived before `end`.
     pub(crate) const fn before(&mut self, end: Arrival) -> SamplesBefore<'_, 'a> {
         SamplesBefore { all: self, end }
     }
 
-    /// Returns the presence of a dart once everything earlier is decided. It is lost if an earlier sample covers it.
-    pub(crate) fn presence(&mut self, dart: &PlacedDart, tile: u32) -> Presence {
-        let place = self.on_ground(tile, dart.place);
-        let (cell, offset) = self.listed(place);
+    /// Returns whether a sample that arrived before a dart covers it, once everything earlier is decided.
+    pub(crate) fn is_covered(&mut self, dart: &PlacedDart, tile: u32) -> bool {
+        let (cell, offset) = self.listed(self.on_ground(tile, dart.place));
         let when = dart.arrival.when();
-        let mut is_doubtful = false;
-        for other in self.lists.of(cell) {
-            if other.when > when || !covers_offset(other.at - offset) {
-                continue;
-            }
-
-            let sample = self.get(other.id);
+        let covers = |other: &Covering| {
             // `when` has the first bits of an arrival. They nearly always differ, and spare the comparison of the rest.
-            if other.when == when && self.order(sample, dart).is_ge() {
-                continue;
-            }
-            match sample.presence {
-                Presence::Certain => return Presence::Lost,
-                Presence::Doubtful => is_doubtful = true,
-                Presence::Lost => {}
-            }
-        }
-
-        if is_doubtful || self.is_in_doubt(place, dart.arrival) {
-            Presence::Doubtful
-        } else {
-            Presence::Certain
-        }
+            other.when <= when
+                && covers_offset(other.at - offset)
+                && (other.when < when || self.order(self.get(other.id), dart).is_lt())
+        };
+        self.lists.of(cell).iter().any(covers)
     }
 
     /// Returns the id of the earliest sample that covers a dart and arrived before it.
@@ -341,60 +283,6 @@ impl<'a> PresentSamples<'a> {
             false
         });
         first.map(|(_, id)| id)
-    }
-
-    /// Returns whether a dart that is no sample yet may be covered by one that was not thrown.
-    fn is_in_doubt(&self, place: Point, arrival: Arrival) -> bool {
-        // Late darts are not thrown within R of the unknown: any place there may be a sample.
-        let reach = if arrival.level() < LATE_LEVEL {
-            R
-        } else {
-            2 * R
-        };
-
-        self.ground.is_near_unknown(place, reach) || self.is_near_zone(place, arrival)
-    }
-
-    fn is_near_zone(&self, place: Point, arrival: Arrival) -> bool {
-        if self.zones.is_empty() {
-            return false;
-        }
-        // Zones are found by their lowest places, and are at most R wide and high.
-        let around = Rect {
-            min: Point::new(place.x - 2 * R, place.y - 2 * R),
-            max: Point::new(place.x + R + 1, place.y + R + 1),
-        };
-        self.ground.any_part(&around, |part, moved| {
-            self.zone_cells.any_in(part, |index, _| {
-                let Zone { rect, from } = self.zones[index as usize];
-                let offset = place - rect.min - moved;
-                from <= arrival && covers_offset(offset - nearest(offset, &rect))
-            })
-        })
-    }
-
-    /// Adds a zone, and calls `visit` with the ids of the samples that its darts may cover.
-    pub(crate) fn add_zone(&mut self, rect: Rect, from: Arrival, mut visit: impl FnMut(u32)) {
-        self.zone_cells.add(rect.min, self.zones.len() as u32);
-        self.zones.push(Zone { rect, from });
-
-        self.any_near(&rect, |id, offset| {
-            let is_met = covers_offset(offset - nearest(offset, &rect));
-            // Earlier samples stay, whatever darts the zone has.
-            if is_met && from <= self.arrival(self.get(id)) {
-                visit(id);
-            }
-            false
-        });
-    }
-
-    /// Returns whether something in a rectangle of the ground is doubtful.
-    pub(crate) fn is_doubtful(&self, rect: &Rect) -> bool {
-        let is_doubtful = |sample: &ArrivedSample| sample.presence == Presence::Doubtful;
-        let mut doubtful = self.samples.iter().filter(|sample| is_doubtful(sample));
-        let meets = |zone: &Zone| Rect64::from(zone.rect).within(rect).is_some();
-
-        doubtful.any(|sample| rect.contains(sample.place)) || self.zones.iter().any(meets)
     }
 
     /// Returns whether a dart is present already.
@@ -451,11 +339,6 @@ fn touches_cell(at: IVec2) -> bool {
     covers_offset(at - at.clamp(IVec2::ZERO, IVec2::splat(R - 1)))
 }
 
-/// Returns the place of a rectangle that is nearest to another one; both are offsets from the rectangle's lowest place.
-fn nearest(offset: IVec2, rect: &Rect) -> IVec2 {
-    offset.clamp(IVec2::ZERO, IVec2::new(rect.width() - 1, rect.height() - 1))
-}
-
 /// The present samples that arrived before a throw. Once all darts before it are decided, they stay.
 pub(crate) struct SamplesBefore<'a, 'h> {
     all: &'a mut PresentSamples<'h>,
@@ -463,36 +346,26 @@ pub(crate) struct SamplesBefore<'a, 'h> {
 }
 
 impl SamplesBefore<'_, '_> {
-    /// Returns whether one of them that is certain covers a place of a tile in the domain.
+    /// Returns whether one of them covers a place of a tile in the domain.
     pub(crate) fn covers(&mut self, tile: u32, place: Point) -> bool {
         let place = self.all.on_ground(tile, place);
         let (cell, offset) = self.all.listed(place);
-        self.covering(cell, |at| covers_offset(at - offset)) == Some(Presence::Certain)
+        self.any(cell, |at| covers_offset(at - offset))
     }
 
-    /// Returns whether one of them covers all of a tile's rectangle of the domain, which is at most R / 2 wide and high, and
-    /// whether one that does is certain.
-    pub(crate) fn covers_rect(&mut self, tile: u32, rect: &Rect) -> Option<Presence> {
+    /// Returns whether one of them covers all of a tile's rectangle of the domain, which is at most R / 2 wide and high.
+    pub(crate) fn covers_rect(&mut self, tile: u32, rect: &Rect) -> bool {
         let extent = IVec2::new(rect.width() - 1, rect.height() - 1);
         // What covers the whole rectangle covers its lowest place, and so is listed there.
         let (cell, offset) = self.all.listed(self.all.on_ground(tile, rect.min));
-        self.covering(cell, |at| covers_offset(farthest(at - offset, extent)))
+        self.any(cell, |at| covers_offset(farthest(at - offset, extent)))
     }
 
     #[inline]
-    fn covering(&self, cell: usize, covers: impl Fn(IVec2) -> bool) -> Option<Presence> {
+    fn any(&self, cell: usize, covers: impl Fn(IVec2) -> bool) -> bool {
         let end = self.end.when();
-        let mut found = None;
-        for other in self.all.lists.of(cell) {
-            // A throw's first arrival differs from those before in its first bits.
-            if other.when < end && covers(other.at) {
-                match self.all.get(other.id).presence {
-                    Presence::Certain => return Some(Presence::Certain),
-                    Presence::Doubtful => found = Some(Presence::Doubtful),
-                    Presence::Lost => {}
-                }
-            }
-        }
-        found
+        // A throw's first arrival differs from those before in its first bits.
+        let mut listed = self.all.lists.of(cell).iter();
+        listed.any(|other| other.when < end && covers(other.at))
     }
 }

@@ -433,7 +433,8 @@ pub(crate) fn cell_darts(
 
 /// Returns the Poisson count of mean 0.85 for a uniform word: a cell's is the first word of its key. The darts are
 /// drawn with the whole key, so they are independent of the count.
-fn poisson(word: u32) -> u32 {
+#[inline]
+pub(crate) fn poisson(word: u32) -> u32 {
     POISSON.iter().take_while(|&&bound| word >= bound).count() as u32
 }
 

@@ -66,7 +66,7 @@ impl InstructionSet {
         }
     }
 
-    pub(super) const fn level(self) -> Level {
+    pub(crate) const fn level(self) -> Level {
         self.0
     }
 }

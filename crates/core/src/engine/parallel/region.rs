@@ -129,6 +129,30 @@ impl<const TAGS: bool> Region<TAGS> {
         }
     }
 
+    /// Removes the sample at (x, y), if there is one.
+    pub(crate) fn remove(&mut self, x: i32, y: i32) {
+        let cell = self.frame.cell_at(x, y);
+        let (slots, packed) = (&mut self.slots[cell], pack(x, y));
+        let count = held(slots);
+        let Some(index) = slots[..count].iter().position(|&slot| slot == packed) else {
+            return;
+        };
+
+        // The last one takes its place.
+        slots[index] = slots[count - 1];
+        slots[count - 1] = NONE;
+        slots[3] = !(count as u32 - 1);
+        if TAGS {
+            self.tags[cell][index] = self.tags[cell][count - 1];
+        }
+    }
+
+    /// Returns the packed positions of a cell's samples.
+    pub(crate) fn held_in(&self, cell: usize) -> &[u32] {
+        let slots = &self.slots[cell];
+        &slots[..held(slots)]
+    }
+
     /// Returns whether a survivor covers (x, y), which lies in the frame: the predicate `covers_offset`, for nine cells
     /// at once.
     #[inline(always)]

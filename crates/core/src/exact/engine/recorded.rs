@@ -89,7 +89,7 @@ impl ExactTiling<'_> {
             });
             recorder.record(RunEvent::Iteration {
                 number,
-                detectors: self.open.cells.len() as u32,
+                detectors: self.open.len() as u32,
             });
         }
     }
@@ -108,7 +108,7 @@ impl ExactTiling<'_> {
 
     /// Keeps where the open cells from the one at `first` on are, as those of the iteration that has begun last.
     pub(super) fn keep_cells(&mut self, first: usize) {
-        let cells = self.open.cells[first..].iter();
+        let cells = self.open[first..].iter();
         let squares: Vec<Cell> = cells.map(|cell| self.square(*cell, self.side)).collect();
         if let Some(iteration) = self.kept.iterations.last_mut() {
             iteration.cells.extend(squares);

@@ -1,0 +1,119 @@
+//! What depends on the plane beyond a ground of which not everything is known.
+
+use glam::IVec2;
+
+use crate::engine::parallel::clip::Clipper;
+use crate::exact::agenda::What;
+use crate::exact::darts::Arrival;
+use crate::exact::history::LATE_LEVEL;
+use crate::exact::seams::SeamTiling;
+use crate::lattice::{Point, R, Rect, Rect64, covers_offset};
+
+/// Places in which darts that are not thrown may have become samples: only a doubtful sample covers all of them.
+#[derive(Clone, Copy)]
+pub(super) struct Zone {
+    rect: Rect,
+    /// The arrival of the first that may.
+    from: Arrival,
+}
+
+impl SeamTiling<'_> {
+    /// Returns whether the samples of the window depend on the plane beyond the ground.
+    pub(in crate::exact) fn is_doubtful(&self) -> bool {
+        let window = &self.ground.frame.window;
+        let meets = |zone: &Zone| Rect64::from(zone.rect).within(window).is_some();
+        self.doubtful.iter().any(|place| window.contains(*place)) || self.zones.iter().any(meets)
+    }
+
+    /// Returns whether a late dart that is not thrown may cover a sample of the pattern.
+    pub(super) fn is_late_near_unknown(&self, place: Point, pattern: u32) -> bool {
+        self.ground.is_near_unknown(place, 2 * R)
+            && self.history.arrival(pattern).level() >= LATE_LEVEL
+    }
+
+    /// Returns whether a dart that is no sample yet may be covered by one that was not thrown.
+    #[inline]
+    pub(super) fn is_in_doubt(&self, place: Point, arrival: Arrival) -> bool {
+        // Late darts are not thrown within R of the unknown: any place there may be a sample.
+        let reach = if arrival.level() < LATE_LEVEL {
+            R
+        } else {
+            2 * R
+        };
+        self.ground.is_near_unknown(place, reach)
+            || !self.zones.is_empty() && self.is_near_zone(place, arrival)
+    }
+
+    fn is_near_zone(&self, place: Point, arrival: Arrival) -> bool {
+        // Zones are found by their lowest places, and are less than R wide and high.
+        let around = Rect {
+            min: Point::new(place.x - 2 * R, place.y - 2 * R),
+            max: Point::new(place.x + R + 1, place.y + R + 1),
+        };
+        let on_ground = Rect64::from(around).within(&self.ground.rect());
+        on_ground.is_some_and(|around| {
+            self.zone_cells.any_in(&around, |index, _| {
+                let Zone { rect, from } = self.zones[index as usize];
+                from <= arrival && is_near(place, &rect)
+            })
+        })
+    }
+
+    /// Keeps account of a sample of the pattern that has become doubtful. Returns `true`.
+    #[inline(never)]
+    pub(super) fn doubt(&mut self, id: u32) -> bool {
+        self.doubt_inserted(id);
+        self.release(id);
+        true
+    }
+
+    /// Keeps account of a dart that is doubtful.
+    pub(super) fn doubt_inserted(&mut self, id: u32) {
+        let sample = &mut self.samples[id as usize];
+        sample.is_left_out = true;
+        self.doubtful.push(sample.place);
+    }
+
+    /// Adds a zone, whose darts arrive `from` then on. Later samples of the pattern that they may cover are decided when their
+    /// turn comes.
+    pub(super) fn add_zone(&mut self, clipper: &Clipper, tile: u32, rect: Rect, from: Arrival) {
+        self.zone_cells.add(rect.min, self.zones.len() as u32);
+        self.zones.push(Zone { rect, from });
+
+        // What covers a place of the zone is in the list of the place's cell. A zone is at most R wide, so that its corners lie in
+        // all cells that it touches.
+        let (low, high) = (rect.min, Point::new(rect.max.x - 1, rect.max.y - 1));
+        let corners = [
+            low,
+            Point::new(high.x, low.y),
+            Point::new(low.x, high.y),
+            high,
+        ];
+        let mut ids = Vec::new();
+        for corner in corners {
+            let cell = self.whole_cell(clipper, corner, tile);
+            self.disks.each_in(cell, |id| ids.push(id));
+        }
+
+        // Most zones lie in one cell.
+        ids.sort_unstable();
+        ids.dedup();
+        for id in ids {
+            let sample = &self.samples[id as usize];
+            if sample.pattern().is_some() && is_near(sample.place, &rect) {
+                let dart = self.dart(id);
+                // Earlier samples stay, whatever darts the zone has.
+                if from <= dart.arrival {
+                    self.agenda.add(dart, What::Sample(id));
+                }
+            }
+        }
+    }
+}
+
+/// Returns whether a place is at most R from a rectangle.
+fn is_near(place: Point, rect: &Rect) -> bool {
+    let offset = place - rect.min;
+    let extent = IVec2::new(rect.width() - 1, rect.height() - 1);
+    covers_offset(offset - offset.clamp(IVec2::ZERO, extent))
+}

@@ -1,0 +1,224 @@
+//! Cells that throw darts of the later levels. A cell of a piece is known by where the frame has it: quarters of a cell are
+//! the same cells under all symmetries, so that only the draws of its darts need to know where the pattern has it.
+
+use fearless_simd::Simd;
+
+use crate::engine::parallel::clip::Clipper;
+use crate::exact::agenda::What;
+use crate::exact::bare::{MARK_SIDE, PieceCell};
+use crate::exact::darts::{Arrival, DrawnDart, LANES, PlacedDart};
+use crate::exact::pieces::SourcePiece;
+use crate::exact::seams::SeamTiling;
+use crate::exact::seams::disks::{ALL_QUARTERS, Coverage};
+use crate::lattice::{Point, R, Rect};
+
+/// A cell of the pattern in a piece. Its side goes with the level.
+#[derive(Clone, Copy)]
+pub(super) struct OpenCell {
+    /// The lowest place of the cell in the frame, which may lie outside of the piece.
+    min: Point,
+    /// The index of the piece, and that of its tile.
+    piece: u32,
+    tile: u32,
+}
+
+/// The level whose cells have sides of [`MARK_SIDE`].
+const MARK_LEVEL: u32 = (R / MARK_SIDE).ilog2();
+
+impl SeamTiling<'_> {
+    /// Marks the cells whose darts may lack a first blocker beyond the border of their block.
+    pub(super) fn open_borders(&mut self) {
+        let history = self.history;
+        for held in &self.tiles {
+            for piece in held.first_piece..held.end_piece {
+                let source_piece = &self.marked.pieces()[piece as usize];
+                // A sample of the pattern that is in the block, too, covers its whole cell: no dart of the cell can be one.
+                // That leaves out three of four cells.
+                let inside = source_piece.sources_around(&held.whole, R);
+                let is_closed =
+                    |column, row| history.is_covered(column, row, &inside, &held.missing);
+                self.marked
+                    .mark_border(piece, &held.whole, is_closed, &mut self.fresh);
+            }
+        }
+    }
+
+    /// Cuts all cells for a level: those that throw darts, and those that were marked.
+    #[inline(always)]
+    pub(super) fn cut<S: Simd>(&mut self, simd: S, clipper: &Clipper, level: u32) {
+        let mut cells = std::mem::replace(&mut self.open, std::mem::take(&mut self.spare));
+        self.open.clear();
+        let from = Arrival::new(level, 0, 0);
+        for &cell in &cells {
+            self.quarter(simd, clipper, cell, level - 1, from);
+        }
+        cells.clear();
+        self.spare = cells;
+        self.cut_fresh(simd, clipper, level, from);
+    }
+
+    /// Cuts the cells that were marked for a level, whose darts arrive `from` then on.
+    #[inline(always)]
+    pub(super) fn cut_fresh<S: Simd>(
+        &mut self,
+        simd: S,
+        clipper: &Clipper,
+        level: u32,
+        from: Arrival,
+    ) {
+        let first = self.open.len();
+        for index in 0..self.fresh.len() {
+            let cell = self.placed(self.fresh[index]);
+            self.quarter(simd, clipper, cell, MARK_LEVEL, from);
+        }
+        self.fresh.clear();
+
+        // Cells that were marked late are cut several times.
+        for of_level in MARK_LEVEL + 1..level {
+            let cells = self.open.split_off(first);
+            for cell in cells {
+                self.quarter(simd, clipper, cell, of_level, from);
+            }
+        }
+    }
+
+    /// Returns where the frame has a marked cell.
+    fn placed(&self, PieceCell { piece, min }: PieceCell) -> OpenCell {
+        let held = &self.marked.pieces()[piece as usize];
+        let last = Point::new(min.x + MARK_SIDE - 1, min.y + MARK_SIDE - 1);
+        OpenCell {
+            min: lowest(held.place(min), held.place(last)),
+            piece,
+            tile: held.tile,
+        }
+    }
+
+    /// Appends to the open cells the quarters of a cell of a level in which no sample of the levels before that of `from` covers
+    /// all places alone: in all others every dart is refused. Quarters that one doubtful sample covers become zones.
+    #[inline(always)]
+    fn quarter<S: Simd>(
+        &mut self,
+        simd: S,
+        clipper: &Clipper,
+        OpenCell { min, piece, tile }: OpenCell,
+        level: u32,
+        from: Arrival,
+    ) {
+        let (side, bounds) = (R >> level, self.bounds[piece as usize]);
+        let half = side / 2;
+        // The first and the last places of both halves, of those that the piece has.
+        let halves = |min: i32, low: i32, end: i32| {
+            [
+                [min.max(low), (min + half).min(end) - 1],
+                [(min + half).max(low), (min + side).min(end) - 1],
+            ]
+        };
+        let xs = halves(min.x, bounds.min.x, bounds.max.x);
+        let ys = halves(min.y, bounds.min.y, bounds.max.y);
+
+        // What covers a quarter covers its corner at the middle. If the middle lies at the border of two lists, the quarter may
+        // stay open in vain.
+        let middle = Point::new(
+            (min.x + half).clamp(bounds.min.x, bounds.max.x - 1),
+            (min.y + half).clamp(bounds.min.y, bounds.max.y - 1),
+        );
+        let cell = self.whole_cell(clipper, middle, tile);
+        let latest = Arrival::new(from.level(), 0, 0).when() - 1;
+        let halves = [xs, ys];
+        let [covered, doubtful] = self.disks.covered_quarters(simd, cell, halves, latest);
+        if covered == ALL_QUARTERS {
+            return;
+        }
+
+        for (quarter, (column, row)) in [(0, 0), (1, 0), (0, 1), (1, 1)].into_iter().enumerate() {
+            let ([left, right], [bottom, top]) = (xs[column], ys[row]);
+            // At the border of a piece some quarters have no places.
+            if covered >> quarter & 1 == 1 || left > right || bottom > top {
+                continue;
+            }
+            if doubtful >> quarter & 1 == 1 {
+                let rect = Rect {
+                    min: Point::new(left, bottom),
+                    max: Point::new(right + 1, top + 1),
+                };
+                self.add_zone(clipper, tile, rect, from);
+                continue;
+            }
+            let min = Point::new(min.x + half * column as i32, min.y + half * row as i32);
+            self.open.push(OpenCell { min, piece, tile });
+        }
+    }
+
+    /// Throws the darts of a level into the open cells from the one at `first` on, those later than `after`.
+    #[inline(always)]
+    pub(super) fn throw<S: Simd>(
+        &mut self,
+        simd: S,
+        clipper: &Clipper,
+        first: usize,
+        level: u32,
+        after: Option<&PlacedDart>,
+    ) {
+        let first_arrival = Arrival::new(level, 0, 0).when();
+        let history = self.history;
+        for begin in (first..self.open.len()).step_by(LANES) {
+            let end = self.open.len().min(begin + LANES);
+            let mut sources = [Point::default(); LANES];
+            for (source, cell) in sources.iter_mut().zip(&self.open[begin..end]) {
+                *source = source_of(&self.marked.pieces()[cell.piece as usize], *cell, level);
+            }
+
+            self.drawn.clear();
+            let sources = &sources[..end - begin];
+            history
+                .darts()
+                .of_cells(simd, level, sources, &mut self.drawn);
+
+            for index in 0..self.drawn.len() {
+                let DrawnDart {
+                    cell,
+                    arrival,
+                    place: source,
+                } = self.drawn[index];
+                let cell = self.open[begin + cell as usize];
+                let piece = self.marked.pieces()[cell.piece as usize];
+                // A cell at the border of a piece reaches beyond it, to darts that the piece does not have.
+                let place = piece.place(source);
+                if !self.bounds[cell.piece as usize].contains(place) {
+                    continue;
+                }
+
+                // A filter: samples of earlier levels are final, and a dart that one of them covers need not wait for its turn.
+                let list = self.whole_cell(clipper, place, piece.tile);
+                let coverage = self
+                    .disks
+                    .coverage(simd, list, place, first_arrival, |_| false);
+                if coverage == Coverage::Certain {
+                    continue;
+                }
+
+                let dart = PlacedDart {
+                    arrival,
+                    source,
+                    place: self.in_domain(piece.tile, place),
+                };
+                // `after` is the dart of a lost sample, which refused later darts alone: other samples cover the earlier ones.
+                if after.is_none_or(|after| dart > *after) {
+                    self.agenda.add(dart, What::Dart(piece.tile));
+                }
+            }
+        }
+    }
+}
+
+/// Returns the lowest place of a cell of a level in the pattern.
+fn source_of(piece: &SourcePiece, cell: OpenCell, level: u32) -> Point {
+    let reach = (R >> level) - 1;
+    let last = Point::new(cell.min.x + reach, cell.min.y + reach);
+    lowest(piece.source(cell.min), piece.source(last))
+}
+
+/// Returns the lowest corner of the rectangle with two places in opposite corners.
+fn lowest(a: Point, b: Point) -> Point {
+    Point::new(a.x.min(b.x), a.y.min(b.y))
+}
