@@ -28,7 +28,7 @@ use crate::exact::bare::{MarkedCells, PieceCell};
 use crate::exact::cells::NumberCells;
 use crate::exact::darts::{DrawnDart, PlacedDart};
 use crate::exact::filter::SampleFilter;
-use crate::exact::ground::Ground;
+use crate::exact::ground::{Ground, LATE_MARGIN};
 use crate::exact::history::{LATE_LEVEL, PatternHistory};
 use crate::exact::pieces::pieces;
 use crate::lattice::{Point, R, Rect, Rect64};
@@ -40,9 +40,11 @@ use doubt::Zone;
 use open::OpenCell;
 
 /// Samples deeper in their block than this are listed only where they are asked about. So deep no disk touches a cell that
-/// two blocks share, so that a cell's list has deep samples of one block alone; and a cell that is asked about because of its
-/// distance from the border has none at all.
+/// two blocks share, so that a cell's list has deep samples of one block alone.
 const DEEP: i64 = 5 * R as i64 / 2;
+
+/// Late samples of the pattern this near to the end of what is known may depend on what is beyond, and must be listed.
+const LATE_REACH: i64 = (LATE_MARGIN + R) as i64;
 
 /// No place of a frame is so far from another one, and sums of two still fit.
 const FAR: i64 = 1 << 28;
@@ -93,7 +95,7 @@ impl ListedSample {
 }
 
 /// A sample of the pattern that an earlier one covers.
-struct LostSample {
+struct MissingSample {
     place: Point,
     /// Whether an interior has it.
     is_deep: bool,
@@ -108,12 +110,14 @@ pub(super) struct SeamTiling<'a> {
     samples: Vec<ListedSample>,
     inserted: Vec<PlacedDart>,
     disks: DiskLists,
-    lost: Vec<LostSample>,
+    lost: Vec<MissingSample>,
     /// Where doubtful samples are.
     doubtful: Vec<Point>,
     zones: Vec<Zone>,
     /// The indices of the zones, at their lowest places.
     zone_cells: NumberCells,
+    /// Samples that a zone reaches.
+    reached: Vec<u32>,
     agenda: Agenda,
     marked: MarkedCells,
     /// Where the frame has each piece of the tiles.
@@ -142,6 +146,7 @@ impl<'a> SeamTiling<'a> {
             doubtful: Vec::new(),
             zones: Vec::new(),
             zone_cells: NumberCells::default(),
+            reached: Vec::new(),
             agenda: Agenda::default(),
             marked: MarkedCells::default(),
             bounds: Vec::new(),
@@ -255,7 +260,7 @@ impl<'a> SeamTiling<'a> {
         let SeamTile { whole, .. } = self.tiles[tile as usize];
         let target = self.ground.rect();
 
-        for part in Rect64::from(whole).without(&interior(&whole)) {
+        for part in Rect64::from(whole).without(&self.interior(&whole)) {
             clipper.clip(block, &part, &target, |x, y, pattern| {
                 let place = Point::new(x, y);
                 let id = self.list_near(place, tile, pattern);
@@ -383,7 +388,7 @@ impl<'a> SeamTiling<'a> {
         let sample = &mut self.samples[id as usize];
         let is_deep = std::mem::replace(&mut sample.is_left_out, true);
         let place = sample.place;
-        self.lost.push(LostSample { place, is_deep });
+        self.lost.push(MissingSample { place, is_deep });
         self.release(id);
         true
     }
@@ -479,12 +484,13 @@ impl<'a> SeamTiling<'a> {
         };
         // Most cells that are asked about lie near the border.
         let deepest = whole.depth(Point::new(min.x + R / 2, min.y + R / 2)) + R / 2;
-        if i64::from(deepest + R) < DEEP {
+        if i64::from(deepest + R) < self.deep() {
             return;
         }
 
         let block = self.blocks[placed as usize];
-        clipper.clip(&block, &interior(&whole), &around, |x, y, pattern| {
+        let interior = self.interior(&whole);
+        clipper.clip(&block, &interior, &around, |x, y, pattern| {
             let at = Point::new(x, y);
             // Other samples may have the filter's bits of a lost one.
             let is_lost = || self.lost.iter().any(|lost| lost.place == at);
@@ -503,19 +509,28 @@ impl<'a> SeamTiling<'a> {
             self.disks.add_to(cell, at, when, id);
         });
     }
-}
 
-/// Returns the places that are deeper than [`DEEP`] in a block; none, at its lowest place, of a block that is not so deep.
-#[inline(always)]
-fn interior(whole: &Rect) -> Rect64 {
-    let whole = Rect64::from(*whole);
-    let Rect64 { min, max } = whole.grown(-DEEP - 1, -DEEP);
-    if min.cmplt(max).all() {
-        Rect64 { min, max }
-    } else {
-        Rect64 {
-            min: whole.min,
-            max: whole.min,
+    /// Returns how deep in their tiles samples are listed.
+    fn deep(&self) -> i64 {
+        if self.ground.has_unknown() {
+            DEEP.max(LATE_REACH)
+        } else {
+            DEEP
+        }
+    }
+
+    /// Returns the places that are deeper in a tile than those that are listed; none, at its lowest place, of a small tile.
+    #[inline(always)]
+    fn interior(&self, whole: &Rect) -> Rect64 {
+        let (whole, deep) = (Rect64::from(*whole), self.deep());
+        let Rect64 { min, max } = whole.grown(-deep - 1, -deep);
+        if min.cmplt(max).all() {
+            Rect64 { min, max }
+        } else {
+            Rect64 {
+                min: whole.min,
+                max: whole.min,
+            }
         }
     }
 }

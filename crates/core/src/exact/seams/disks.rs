@@ -20,7 +20,7 @@ pub(super) const ALL_QUARTERS: u32 = 0b1111;
 
 /// Eight samples of a list.
 #[derive(Clone, Copy)]
-struct Group {
+struct DiskGroup {
     xs: [i32; LANES],
     ys: [i32; LANES],
     /// The first bits of their arrivals.
@@ -41,7 +41,7 @@ pub(super) enum Coverage {
     Certain,
 }
 
-impl Group {
+impl DiskGroup {
     const EMPTY: Self = Self {
         xs: [FAR; LANES],
         ys: [FAR; LANES],
@@ -62,7 +62,7 @@ impl Group {
 
 /// The list of a cell: groups one after another, of which the last may have free lanes.
 #[derive(Clone, Copy, Default)]
-struct Held {
+struct HeldList {
     /// The first group; 0, which stays empty, of a cell without samples.
     first: u32,
     last: u32,
@@ -76,8 +76,8 @@ struct Held {
 #[derive(Default)]
 pub(super) struct DiskLists {
     stride: i32,
-    cells: Vec<Held>,
-    groups: Vec<Group>,
+    cells: Vec<HeldList>,
+    groups: Vec<DiskGroup>,
     /// Of each group the next one of its list, or 0.
     nexts: Vec<u32>,
     has_doubtful: bool,
@@ -90,7 +90,7 @@ impl DiskLists {
         self.stride = cells(end.x);
         let count = self.stride * cells(end.y);
         self.cells.clear();
-        self.cells.resize(count as usize, Held::default());
+        self.cells.resize(count as usize, HeldList::default());
         self.groups.clear();
         self.nexts.clear();
         self.has_doubtful = false;
@@ -99,7 +99,7 @@ impl DiskLists {
 
     /// Adds an empty group, and returns its index.
     fn append(&mut self) -> u32 {
-        self.groups.push(Group::EMPTY);
+        self.groups.push(DiskGroup::EMPTY);
         self.nexts.push(0);
         self.groups.len() as u32 - 1
     }
@@ -151,7 +151,7 @@ impl DiskLists {
 
     /// Gives a list one more group.
     #[inline(never)]
-    fn extend(&mut self, held: &mut Held) {
+    fn extend(&mut self, held: &mut HeldList) {
         let group = self.append();
         if held.first == 0 {
             held.first = group;
@@ -191,7 +191,7 @@ impl DiskLists {
         &mut self,
         simd: S,
         place: Point,
-        mut visit: impl FnMut(&mut Group, usize),
+        mut visit: impl FnMut(&mut DiskGroup, usize),
     ) {
         let (x, y) = (i32x8::splat(simd, place.x), i32x8::splat(simd, place.y));
         let (cells, count) = self.touched(place);
@@ -301,14 +301,15 @@ impl DiskLists {
         }
     }
 
-    /// Calls `visit` with the ids of all samples of a cell's list.
-    pub(super) fn each_in(&self, cell: usize, mut visit: impl FnMut(u32)) {
+    /// Calls `visit` with the ids of the samples of a cell's list that have a `when` of at least `earliest`.
+    pub(super) fn each_from(&self, cell: usize, earliest: u32, mut visit: impl FnMut(u32)) {
         let mut index = self.cells[cell].first as usize;
         while index != 0 {
             let group = &self.groups[index];
-            for (&id, &x) in group.ids.iter().zip(&group.xs) {
-                if x != FAR {
-                    visit(id % DOUBTFUL);
+            for lane in 0..LANES {
+                // Free lanes have the latest of all.
+                if group.whens[lane] >= earliest && group.xs[lane] != FAR {
+                    visit(group.ids[lane] % DOUBTFUL);
                 }
             }
             index = self.nexts[index] as usize;

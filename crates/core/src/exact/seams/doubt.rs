@@ -27,20 +27,16 @@ impl SeamTiling<'_> {
 
     /// Returns whether a late dart that is not thrown may cover a sample of the pattern.
     pub(super) fn is_late_near_unknown(&self, place: Point, pattern: u32) -> bool {
-        self.ground.is_near_unknown(place, 2 * R)
+        let is_late = true;
+        self.ground.is_near_unknown(place, is_late)
             && self.history.arrival(pattern).level() >= LATE_LEVEL
     }
 
     /// Returns whether a dart that is no sample yet may be covered by one that was not thrown.
     #[inline]
     pub(super) fn is_in_doubt(&self, place: Point, arrival: Arrival) -> bool {
-        // Late darts are not thrown within R of the unknown: any place there may be a sample.
-        let reach = if arrival.level() < LATE_LEVEL {
-            R
-        } else {
-            2 * R
-        };
-        self.ground.is_near_unknown(place, reach)
+        let is_late = arrival.level() >= LATE_LEVEL;
+        self.ground.is_near_unknown(place, is_late)
             || !self.zones.is_empty() && self.is_near_zone(place, arrival)
     }
 
@@ -76,36 +72,41 @@ impl SeamTiling<'_> {
 
     /// Adds a zone, whose darts arrive `from` then on. Later samples of the pattern that they may cover are decided when their
     /// turn comes.
+    #[inline(never)]
     pub(super) fn add_zone(&mut self, clipper: &Clipper, tile: u32, rect: Rect, from: Arrival) {
         self.zone_cells.add(rect.min, self.zones.len() as u32);
         self.zones.push(Zone { rect, from });
 
         // What covers a place of the zone is in the list of the place's cell. A zone is at most R wide, so that its corners lie in
-        // all cells that it touches.
+        // all cells that it touches: nearly always in one.
         let (low, high) = (rect.min, Point::new(rect.max.x - 1, rect.max.y - 1));
         let corners = [
             low,
+            high,
             Point::new(high.x, low.y),
             Point::new(low.x, high.y),
-            high,
         ];
-        let mut ids = Vec::new();
-        for corner in corners {
-            let cell = self.whole_cell(clipper, corner, tile);
-            self.disks.each_in(cell, |id| ids.push(id));
-        }
+        let count = if self.disks.cell(low) == self.disks.cell(high) {
+            1
+        } else {
+            corners.len()
+        };
 
-        // Most zones lie in one cell.
-        ids.sort_unstable();
-        ids.dedup();
-        for id in ids {
-            let sample = &self.samples[id as usize];
-            if sample.pattern().is_some() && is_near(sample.place, &rect) {
-                let dart = self.dart(id);
+        for &corner in &corners[..count] {
+            let cell = self.whole_cell(clipper, corner, tile);
+            let (samples, history) = (&self.samples, self.history);
+            self.reached.clear();
+            self.disks.each_from(cell, from.when(), |id| {
+                let sample = &samples[id as usize];
                 // Earlier samples stay, whatever darts the zone has.
-                if from <= dart.arrival {
-                    self.agenda.add(dart, What::Sample(id));
+                let is_later = |pattern| from <= history.arrival(pattern);
+                if is_near(sample.place, &rect) && sample.pattern().is_some_and(is_later) {
+                    self.reached.push(id);
                 }
+            });
+            for index in 0..self.reached.len() {
+                let id = self.reached[index];
+                self.agenda.add(self.dart(id), What::Sample(id));
             }
         }
     }

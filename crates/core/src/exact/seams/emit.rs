@@ -10,7 +10,7 @@ use crate::engine::parallel::instructions::InstructionSet;
 use crate::engine::parallel::region::{Region, push, unpack};
 use crate::engine::parallel::window_maker::WindowSamples;
 use crate::exact::engine::iteration_of;
-use crate::exact::seams::{FIRST_INSERTED, ListedSample, SeamTiling, interior};
+use crate::exact::seams::{FIRST_INSERTED, ListedSample, SeamTiling};
 use crate::lattice::{Point, R, Rect64};
 
 impl SeamTiling<'_> {
@@ -67,23 +67,18 @@ impl SeamTiling<'_> {
         let ground = self.ground.rect();
         for tile in &self.tiles {
             let block = &self.blocks[tile.placed as usize];
+            let interior = self.interior(&tile.whole);
             // Samples without tags are computed eight at a time. With tags they are inserted one by one, since the tag is kept
             // beside the slot.
             if TAGS {
-                clipper.clip(block, &interior(&tile.whole), &ground, |x, y, id| {
+                clipper.clip(block, &interior, &ground, |x, y, id| {
                     region.insert(x, y, tiled_tag(block.index, id));
                 });
             } else {
                 let slots = &mut region.slots;
-                clipper.clip_slots(
-                    simd,
-                    block,
-                    &interior(&tile.whole),
-                    &self.ground.frame,
-                    |cell, slot| {
-                        push(&mut slots[cell], slot);
-                    },
-                );
+                clipper.clip_slots(simd, block, &interior, &self.ground.frame, |cell, slot| {
+                    push(&mut slots[cell], slot);
+                });
             }
         }
 
