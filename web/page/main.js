@@ -9,6 +9,7 @@ import { missing, showMissing } from "./{{asset:missing.js}}";
 import { keepOffline } from "./{{asset:offline.js}}";
 import { comesIntoView, goOn, inView } from "./{{asset:view.js}}";
 import { announce, element, failure, hasFailed, loaded, loading, progress } from "./{{asset:sheets.js}}";
+import { mirror } from "./{{asset:tree.js}}";
 
 const WORKER = new URL("./{{asset:worker.js}}", import.meta.url).href;
 const LESSONS = new URL("./{{asset:lessons.json}}", import.meta.url).href;
@@ -56,6 +57,9 @@ let failed = "";
 
 /** Whether the page shows the texts of lessons; in a frame the page around may bring its own. */
 const hasText = asked.get("text") !== "none";
+
+/** The controls of the canvas as elements. */
+const tree = mirror(element("tree"), () => app);
 
 const frame = embed ? bridge(namedOrigin(asked.get("origin")), ask) : null;
 
@@ -221,6 +225,11 @@ async function turnFullScreen() {
 /** The functions that the program calls (`hooks.rs` of `web/app`). */
 const hooks = {
   announce,
+  // Where the focus is on an element, screen readers say what that is by themselves.
+  /** @param {string} text */
+  announce_focus: (text) => tree.holds() || announce(text),
+  /** @param {string} json */
+  tree: (json) => tree.change(JSON.parse(json)),
   // One element takes the text input of all fields, so it is labelled with the field's name.
   /** @param {string} name */
   field: (name) => textField()?.setAttribute("aria-label", name || FIELD),

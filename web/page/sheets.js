@@ -44,6 +44,7 @@ export function failure(reason) {
   sheet.hidden = false;
   // The stopped program must not be reachable by keyboard either.
   element("canvas").inert = true;
+  element("tree").hidden = true;
   element("failure-reload").focus();
 }
 
@@ -73,10 +74,18 @@ export function announce(text) {
   said.push(text);
   if (said.length === 1) {
     queueMicrotask(() => {
-      const [announcer, text] = [element("announcer"), said.filter(Boolean).join(" ")];
+      // What two sources say at one moment is said once.
+      const [announcer, text] = [element("announcer"), [...new Set(said)].filter(Boolean).join(" ")];
       // A repeated sentence is announced only if the text differs.
       announcer.textContent = text && announcer.textContent === text ? `${text}\u00a0` : text;
       said = [];
     });
+  }
+}
+
+/** Announces a sentence unless it was part of the last announcement. @param {string} text */
+export function announceNew(text) {
+  if (![...said, element("announcer").textContent].some((sentence) => sentence?.includes(text))) {
+    announce(text);
   }
 }

@@ -32,11 +32,15 @@ export default async function init() {}
 export async function start(canvas, options, hooks) {
   const calls = (window.calls ??= []);
   window.options = JSON.parse(options);
+  window.change = (changes) => hooks.tree(JSON.stringify({ all: false, language: "en", elements: [], gone: [], focus: 0, ...changes }));
   window.show = (lesson) => hooks.state(JSON.stringify({ parameters: { seed: 1, radius: 0.02 }, view: { look: "dark" }, lesson }));
   return {
     ask: (request) => { calls.push(JSON.parse(request)); return JSON.stringify({ ok: true, lesson: window.lesson ?? null }); },
     takes_key: () => false, leaves_by_tab: () => false, open_link: () => {}, destroy: () => {}, left_out: () => "",
     keep: () => calls.push("keep"),
+    ask_control: (...asked) => calls.push(asked),
+    press_key: (...pressed) => calls.push(["press", ...pressed]),
+    hold_focus: (holds) => calls.push(holds ? "held" : "left"),
     take_results: (stored) => calls.push(["results", stored]),
   };
 }`;
@@ -550,4 +554,169 @@ test("the plan shows what the class sees without scrolling", async (t) => {
   // Negative control: below the plan it is not seen.
   await page.evaluate(() => document.body.classList.remove("plan"));
   assert.ok((await ends()).some((end) => end > 900));
+});
+
+/** A window with one element of each kind that the program describes. */
+const PLACE = [100, 20, 50, 20];
+const CONTROLS = [
+  { role: "button", name: "Play", focusable: true, place: [10, 20, 80, 30] },
+  { role: "button", name: "Lasso", on: "true", focusable: true },
+  { role: "button", name: "File", opens: "menu", expanded: true, focusable: true },
+  { role: "menu", children: [5, 6] },
+  { role: "menuitem", name: "Export", focusable: true, place: [0, 0, 90, 30] },
+  { role: "menuitemcheckbox", name: "Grid", on: "false", disabled: true, focusable: true },
+  { role: "label", value: "Radius" },
+  { role: "text", labels: [7], value: "0.02", focusable: true },
+  { role: "number", name: "Event", steps: true, number: 7, least: 0, most: 99, value: "7", focusable: true },
+  { role: "range", name: "Time", steps: true, number: 0.5, least: 0, most: 1, focusable: true },
+  { role: "checkbox", name: "Live", on: "mixed", focusable: true },
+  { role: "radio", name: "Periodic", on: "true", focusable: true },
+  { role: "combobox", name: "Clock", value: "event", opens: "listbox", expanded: false, focusable: true },
+  { role: "listbox", name: "Passes", children: [15], focusable: true },
+  { role: "option", name: "Pass 1", on: "true", focusable: true },
+  { role: "link", name: "The paper", focusable: true },
+  { role: "heading", name: "Samples" },
+  { role: "img", name: "Canvas A", description: "Sample 7", focusable: true },
+  { role: "dialog", name: "Export", children: [20] },
+  { role: "area", name: "Notes", value: "a", focusable: true },
+  { role: "progressbar", name: "Sampling", number: 0.25, least: 0, most: 1 },
+].map((element, at) => [at + 1, { place: PLACE, ...element }]);
+/** Those at the top. */
+const TOP = CONTROLS.map(([number]) => number).filter((number) => ![5, 6, 15, 20].includes(number));
+
+/** Opens the page with those controls. */
+async function controls(t) {
+  const page = await shown(t, null);
+  await page.evaluate((changes) => window.change(changes), { all: true, elements: CONTROLS, top: TOP });
+  return page;
+}
+
+/** Counts what a change of the tree does to the elements. */
+function operations(page, changes) {
+  return page.evaluate((changes) => {
+    const observer = new MutationObserver(() => {});
+    observer.observe(document.getElementById("tree"), { attributes: true, characterData: true, childList: true, subtree: true });
+    window.change(changes);
+    return observer.takeRecords().map((record) => record.attributeName ?? record.type);
+  }, changes);
+}
+
+test("controls of the canvas are elements with role, name, value and state, where they are drawn", async (t) => {
+  const page = await controls(t);
+  const snapshot = await page.locator("#tree").ariaSnapshot();
+  assert.equal(
+    snapshot,
+    `- region "Controls of Tilescope":
+  - button "Play"
+  - button "Lasso" [pressed]
+  - button "File" [expanded]
+  - menu:
+    - menuitem "Export"
+    - menuitemcheckbox "Grid" [disabled]
+  - text: Radius
+  - textbox "Radius": "0.02"
+  - spinbutton "Event": "7"
+  - slider "Time": "0.5"
+  - checkbox "Live" [checked=mixed]
+  - radio "Periodic" [checked]
+  - combobox "Clock": event
+  - listbox "Passes":
+    - option "Pass 1" [selected]
+  - link "The paper"
+  - heading "Samples" [level=2]
+  - img "Canvas A"
+  - dialog "Export":
+    - textbox "Notes": a
+  - progressbar "Sampling"`,
+  );
+  assert.deepEqual(await page.getByRole("button", { name: "Play" }).boundingBox(), { x: 10, y: 20, width: 80, height: 30 });
+  // The pointer belongs to the canvas.
+  assert.equal(await page.evaluate(() => document.elementFromPoint(30, 30).id), "canvas");
+  // Tab does not lead through the elements: their order is the program's.
+  const inTabOrder = () => page.locator("#tree *").evaluateAll((all) => all.filter((one) => one.tabIndex >= 0).length);
+  assert.equal(await inTabOrder(), 0);
+  // Negative control: a button is in the order by itself.
+  await page.evaluate(() => document.getElementById("t1").removeAttribute("tabindex"));
+  assert.equal(await inTabOrder(), 1);
+});
+
+test("a change touches what has changed and nothing else", async (t) => {
+  const page = await controls(t);
+  assert.deepEqual(await operations(page, {}), []);
+  assert.deepEqual(await operations(page, { elements: CONTROLS }), []);
+  assert.deepEqual(await operations(page, { elements: [[7, { role: "label", value: "Radius r" }]] }), ["childList"]);
+  assert.deepEqual(await operations(page, { elements: [[1, { ...CONTROLS[0][1], place: [10, 21, 80, 30] }]] }), ["style"]);
+  // An element that comes between others moves none of them.
+  const top = [TOP[0], 30, ...TOP.slice(1)];
+  assert.deepEqual(await operations(page, { elements: [[30, { role: "label", value: "New" }]], top }), ["childList"]);
+  assert.deepEqual(await operations(page, { gone: [30], top: TOP }), ["childList"]);
+});
+
+test("what is done to an element is asked of the program", async (t) => {
+  const page = await controls(t);
+  const calls = async (act) => {
+    await page.evaluate(() => (window.calls.length = 0));
+    await act();
+    return page.evaluate(() => window.calls.splice(0));
+  };
+  const role = (name, options) => page.getByRole(name, options);
+  assert.deepEqual(await calls(() => role("button", { name: "Play" }).press("Enter")), ["held", [1, "focus", ""], [1, "click", ""]]);
+  assert.deepEqual(await calls(() => role("checkbox").press("Space")), ["held", [11, "focus", ""], [11, "click", ""]]);
+  // A click without a key is what screen readers and voice control send.
+  assert.deepEqual(await calls(() => role("option").dispatchEvent("click")), [[15, "click", ""]]);
+  assert.deepEqual(await calls(() => role("menuitemcheckbox").dispatchEvent("click")), [], "it is disabled");
+  assert.deepEqual(await calls(() => role("slider").press("ArrowRight")), ["held", [10, "focus", ""], [10, "increment", ""]]);
+  assert.deepEqual(await calls(() => role("spinbutton").press("ArrowDown")), ["held", [9, "focus", ""], [9, "decrement", ""]]);
+  assert.deepEqual(await calls(() => role("spinbutton").fill("12")), [[9, "number", "12"]]);
+  assert.deepEqual(await calls(() => role("textbox", { name: "Radius" }).press("End")), ["held", [8, "focus", ""]]);
+  assert.deepEqual(await calls(() => page.keyboard.type("5")), [[8, "text", "0.025"]]);
+  // All other keys are the program's.
+  assert.deepEqual(await calls(() => page.keyboard.press("Enter")), [["press", "Enter", "Enter", false, false, false]]);
+  assert.deepEqual(await calls(() => page.keyboard.press("Shift+Tab")), [["press", "Tab", "Tab", false, true, false]]);
+  assert.deepEqual(await calls(() => role("img").press("ArrowUp")), ["held", [18, "focus", ""], ["press", "ArrowUp", "ArrowUp", false, false, false]]);
+  assert.deepEqual(await calls(() => page.focus("#canvas")), ["left"]);
+  // What was scrolled out of the window comes into view.
+  await page.evaluate(() => (document.getElementById("t16").style.top = "2000px"));
+  assert.deepEqual(await calls(() => role("link").focus()), ["held", [16, "focus", ""], [16, "show", ""]]);
+});
+
+test("the page's focus follows the program's while it is on an element, and outlives elements", async (t) => {
+  const page = await controls(t);
+  const focused = () => page.evaluate(() => document.activeElement.id);
+  const change = (changes) => page.evaluate((changes) => window.change(changes), changes);
+  await page.focus("#canvas");
+  await change({ focus: 1 });
+  assert.equal(await focused(), "canvas");
+  await page.getByRole("button", { name: "File" }).focus();
+  await change({ focus: 5 });
+  assert.equal(await focused(), "t5");
+  // The menu is closed: the focus returns to the button that had it before.
+  await change({ gone: [4, 5, 6], top: TOP.filter((number) => number !== 4) });
+  assert.equal(await focused(), "t3");
+  assert.deepEqual(await page.evaluate(() => window.calls.at(-1)), [3, "focus", ""]);
+  // An element whose kind changes keeps it, too.
+  await change({ elements: [[3, { role: "text", name: "File", focusable: true }]], focus: 3 });
+  assert.equal(await focused(), "t3");
+  assert.equal(await page.evaluate(() => document.activeElement.tagName), "INPUT");
+});
+
+test("what is being typed is not replaced by what the program had before", async (t) => {
+  const page = await controls(t);
+  const field = page.getByRole("textbox", { name: "Radius" });
+  await field.fill("0.0");
+  await page.evaluate(() => window.change({ elements: [[8, { role: "text", labels: [7], value: "0", focusable: true }]] }));
+  assert.equal(await field.inputValue(), "0.0");
+  // Later the field shows what the program made of it.
+  await page.waitForFunction(() => document.getElementById("t8").value === "0");
+});
+
+test("a live text is announced once", async (t) => {
+  const page = await controls(t);
+  const tell = (value) => page.evaluate((value) => window.change({ elements: [[40, { role: "label", value, live: true }]], top: [40] }), value);
+  const said = () => page.textContent("#announcer");
+  await tell("Event 1");
+  assert.equal(await said(), "Event 1");
+  await page.evaluate(() => (document.getElementById("announcer").textContent = "A verdict. Event 2"));
+  await tell("Event 2");
+  assert.equal(await said(), "A verdict. Event 2");
 });

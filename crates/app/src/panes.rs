@@ -18,6 +18,7 @@ use tilescope_canvas::{hint, hover, overlay};
 use tilescope_drawing::palette::Palette;
 use tilescope_drawing::subject::Subject;
 use tilescope_session::look::Look;
+use tilescope_session::sentence::happened;
 use tilescope_ui::language::Worded;
 use tilescope_ui::widgets::Known;
 use tilescope_workbench::command::{Command, ViewCommand, Which};
@@ -210,6 +211,11 @@ impl PaneSide<'_> {
         overlay::cursor(&painter, rect, subject, pointer, palette);
         overlay::note(&painter, rect, subject, note.as_deref(), palette);
         hint::show(&painter, rect, palette);
+
+        // Who does not see the picture reads which moment it shows. A pointer over it names what lies there instead.
+        let moment = ui.words(happened(Some(&subject.shown)));
+        ui.ctx()
+            .accesskit_node_builder(response.id, |node| node.set_description(moment));
 
         // A projector's type is large, so that a whole card would cover the picture.
         let is_brief = context.look.is_projector();

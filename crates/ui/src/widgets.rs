@@ -3,6 +3,7 @@
 
 use std::fmt::{self, Debug, Display, Formatter, Write};
 
+use egui::accesskit::HasPopup;
 use egui::{
     Align2, Color32, CursorIcon, FontId, Painter, Pos2, Rect, Response, RichText, Role, Sense,
     Shape, Stroke, StrokeKind, Ui, Vec2, Widget, WidgetInfo, vec2,
@@ -21,6 +22,9 @@ pub trait Known {
     /// Sets an id that is unique on the screen. The accessible name and role are unchanged.
     fn known_as(&self, id: impl Display) -> &Self;
 
+    /// Says to screen readers that the widget opens a menu, and whether it is open.
+    fn opens_menu(&self, is_open: bool) -> &Self;
+
     /// Sets such an id, and adds `command` to `commands` if the widget was clicked.
     fn issues<C>(&self, id: impl Display, command: C, commands: &mut Vec<C>);
 }
@@ -36,6 +40,14 @@ impl Known for Response {
     fn known_as(&self, id: impl Display) -> &Self {
         self.ctx
             .accesskit_node_builder(self.id, |node| node.set_author_id(id.to_string()));
+        self
+    }
+
+    fn opens_menu(&self, is_open: bool) -> &Self {
+        self.ctx.accesskit_node_builder(self.id, |node| {
+            node.set_has_popup(HasPopup::Menu);
+            node.set_expanded(is_open);
+        });
         self
     }
 
@@ -80,7 +92,14 @@ const READ: f32 = 24.0;
 /// Shows a heading of a section of a panel, in the language of the window.
 pub fn heading(ui: &mut Ui, text: &str) -> Response {
     ui.add_space(4.0);
-    let response = ui.label(RichText::new(ui.words(text)).font(FontId::new(13.5, semibold())));
+    let words = ui.words(text);
+    let response = ui.label(RichText::new(&words).font(FontId::new(13.5, semibold())));
+    ui.ctx().accesskit_node_builder(response.id, |node| {
+        node.set_role(Role::Heading);
+        // Only labels have their text as a value.
+        node.clear_value();
+        node.set_label(words);
+    });
     ui.add_space(2.0);
     response
 }

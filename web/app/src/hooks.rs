@@ -36,6 +36,16 @@ pub fn announce(text: &str) {
     let _ = call("announce", text);
 }
 
+/// Announces what the focus is on, unless the page's own focus is there already.
+pub fn announce_focus(text: &str) {
+    let _ = call("announce_focus", text);
+}
+
+/// Reports changes of the tree of controls.
+pub fn tree(json: &str) {
+    let _ = call("tree", json);
+}
+
 /// Reports the name of the text field that has the focus; empty if there is none.
 pub fn field(name: &str) {
     let _ = call("field", name);

@@ -1,5 +1,5 @@
 //! The app on a page. `page` is the interface to the page's JavaScript, `pool` sends tasks to workers, `worker` is the
-//! code that runs in one.
+//! code that runs in one, and `tree` describes the controls for screen readers.
 
 #![cfg(target_arch = "wasm32")]
 
@@ -7,6 +7,7 @@ mod hooks;
 mod local;
 mod page;
 mod pool;
+mod tree;
 mod worker;
 
 use std::cell::RefCell;

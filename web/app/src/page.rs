@@ -30,6 +30,7 @@ use web_sys::HtmlCanvasElement;
 use crate::hooks;
 use crate::local::LocalStore;
 use crate::pool::{Pool, Program};
+use crate::tree::Tree;
 
 /// Changes are reported to the page at most once in so many seconds.
 const TELLS_SECS: f64 = 0.25;
@@ -196,15 +197,9 @@ impl Tilescope {
 
     /// Returns whether the app uses a key, so that the browser must not handle it.
     pub fn takes_key(&self, key: &str, command: bool, shift: bool, alt: bool) -> bool {
-        let modifiers = egui::Modifiers {
-            alt,
-            ctrl: command,
-            shift,
-            mac_cmd: false,
-            command,
-        };
+        let held = modifiers(command, shift, alt);
         let page = self.runner.app_mut::<Page>();
-        page.is_some_and(|page| tilescope_app::actions::takes_key(&page.app.state, key, modifiers))
+        page.is_some_and(|page| tilescope_app::actions::takes_key(&page.app.state, key, held))
     }
 
     /// Returns whether one finger at a place of the canvas is left to the page around, which scrolls.
@@ -235,6 +230,30 @@ impl Tilescope {
         let page = self.runner.app_mut::<Page>();
         let end = if backwards { End::First } else { End::Last };
         page.is_some_and(|page| focus::leave(&page.ctx, end))
+    }
+
+    /// Does something to the control that the page shows as the element of a number, as if by hand: "click", "focus",
+    /// "increment", "decrement", "show" (scrolls to it), "number" or "text" (sets its value).
+    pub fn ask_control(&self, number: u32, action: &str, text: Option<String>) {
+        self.with_tree(|tree| tree.ask(number, action, text));
+    }
+
+    /// Presses a key whose event has come to one of those elements.
+    pub fn press_key(&self, name: &str, code: &str, command: bool, shift: bool, alt: bool) {
+        self.with_tree(|tree| tree.press(name, code, modifiers(command, shift, alt)));
+    }
+
+    /// Takes whether the page's focus is on one of those elements.
+    pub fn hold_focus(&self, holds: bool) {
+        self.with_tree(|tree| tree.hold_focus(holds));
+    }
+
+    /// Changes the tree and draws a frame, which takes what it holds.
+    fn with_tree(&self, change: impl FnOnce(&mut Tree)) {
+        if let Some(page) = self.runner.app_mut::<Page>() {
+            page.ctx.with_plugin(change);
+            page.ctx.request_repaint();
+        }
     }
 
     /// Takes the lessons that the page has loaded.
@@ -309,6 +328,17 @@ impl Tilescope {
         set_task_pool(None);
         self.pool.close();
         self.runner.destroy();
+    }
+}
+
+/// Returns modifiers, with Ctrl and the command key of a Mac as one.
+fn modifiers(command: bool, shift: bool, alt: bool) -> egui::Modifiers {
+    egui::Modifiers {
+        alt,
+        ctrl: command,
+        shift,
+        mac_cmd: false,
+        command,
     }
 }
 
@@ -556,6 +586,16 @@ impl eframe::App for Page {
         }
         self.frames = self.frames.saturating_add(1);
         eframe::App::ui(&mut self.app, ui, frame);
+        let lessons = self.app.state.lessons();
+        // The window is in a lesson's language while one is open, and else in English.
+        let is_translated = lessons.shown_language().is_some();
+        let language = if is_translated {
+            &lessons.language
+        } else {
+            "en"
+        };
+        ui.ctx()
+            .with_plugin(|tree: &mut Tree| language.clone_into(&mut tree.language));
         self.store_results();
         self.store_language();
         self.shared.has_list.set(egui::Popup::is_any_open(ui.ctx()));
@@ -600,9 +640,11 @@ fn connect(app: &mut App, creation: &eframe::CreationContext<'_>) -> String {
         hooks::field(&spoken.field);
         // The field may change without a text to announce.
         if !spoken.text.is_empty() {
-            hooks::announce(&spoken.text);
+            hooks::announce_focus(&spoken.text);
         }
     });
+    // After the speaker, which reads the same tree, and which this takes.
+    creation.egui_ctx.add_plugin(Tree::default());
     app.turn_full_screen_with(hooks::full_screen);
     display
 }

@@ -112,6 +112,7 @@ fn words(ui: &mut Ui, text: &str) -> Option<String> {
         });
     });
 
+    button.response.opens_menu(button.inner.is_some());
     let button = button.response;
     button.known_as("query-words");
     button.on_hover_text("The words that a query can have");

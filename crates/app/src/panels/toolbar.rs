@@ -324,8 +324,9 @@ fn menus(ui: &mut Ui, state: &State, commands: &mut Vec<Command>) {
                 }
             });
         });
-        let button = button.response;
-        button.known_as(format_args!("menu.{}", Kebab(menu)));
+        button.response.opens_menu(button.inner.is_some());
+        let id = format_args!("menu.{}", Kebab(menu));
+        button.response.known_as(id);
     }
 }
 
@@ -362,8 +363,9 @@ fn submenu(ui: &mut Ui, part: &[Action], commands: &mut Vec<Command>) {
     let button = ui.menu_button(ui.words(submenu.name()), |ui| {
         scrolled_if_low(ui, |ui| entries(ui, part, commands));
     });
-    let button = button.response;
-    button.known_as(format_args!("submenu.{}", Kebab(submenu)));
+    button.response.opens_menu(button.inner.is_some());
+    let id = format_args!("submenu.{}", Kebab(submenu));
+    button.response.known_as(id);
 }
 
 /// Shows entries, with room for check marks if any of them can have one.

@@ -3,9 +3,10 @@
 
 use std::ops::Range;
 
+use egui::accesskit::{Action, ActionData};
 use egui::{
-    Color32, CursorIcon, FontId, Painter, Rect, Role, Sense, Shape, Stroke, Ui, WidgetInfo, pos2,
-    vec2,
+    Color32, CursorIcon, FontId, Painter, Rect, Response, Role, Sense, Shape, Stroke, Ui,
+    WidgetInfo, pos2, vec2,
 };
 use tilescope_core::Stage;
 use tilescope_debugger::{Marked, Recording};
@@ -147,6 +148,25 @@ pub(super) fn cursor_at(segments: &[Segment], x: f32) -> usize {
     segment.events.start + (part * segment.events.len() as f32).round() as usize
 }
 
+/// Tells assistive tools the range of the track, up to `most`; returns the value that one of them has set.
+fn asked_for(ui: &Ui, response: &Response, most: usize) -> Option<usize> {
+    ui.ctx().accesskit_node_builder(response.id, |node| {
+        node.set_min_numeric_value(0.0);
+        node.set_max_numeric_value(most as f64);
+        node.add_action(Action::SetValue);
+    });
+
+    ui.input(|input| {
+        let requests = input.accesskit_action_requests(response.id, Action::SetValue);
+        let values = requests.filter_map(|request| match request.data {
+            // What is not a number becomes 0.
+            Some(ActionData::NumericValue(value)) => Some((value.round() as usize).min(most)),
+            _ => None,
+        });
+        values.last()
+    })
+}
+
 /// Shows the track; returns where it is.
 pub fn show(ui: &mut Ui, context: &TimeContext<'_>, commands: &mut Vec<Command>) -> Rect {
     let palette = context.palette;
@@ -169,10 +189,14 @@ pub fn show(ui: &mut Ui, context: &TimeContext<'_>, commands: &mut Vec<Command>)
     response.widget_info(|| WidgetInfo::slider(ENABLED, cursor as f64, &name));
     response.known_as("moment");
 
-    if response.dragged()
-        && let Some(pos) = response.interact_pointer_pos()
-    {
-        let target = cursor_at(&segments, pos.x);
+    let dragged = response.interact_pointer_pos();
+    let dragged = dragged.filter(|_| response.dragged());
+    let asked = asked_for(
+        ui,
+        &response,
+        segments.last().map_or(0, |last| last.events.end),
+    );
+    if let Some(target) = dragged.map(|pos| cursor_at(&segments, pos.x)).or(asked) {
         match context.run.cursor() {
             Some(_) => commands.push(Command::Time(TimeCommand::Jump(target))),
             // Without events there are only stages to go to.

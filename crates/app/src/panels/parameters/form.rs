@@ -501,6 +501,7 @@ fn preset_menu(ui: &mut Ui, commands: &mut Vec<Command>) {
             }
         }
     });
+    menu.response.opens_menu(menu.inner.is_some());
     menu.response.known_as("presets");
 }
 
