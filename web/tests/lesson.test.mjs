@@ -176,6 +176,9 @@ function textsOf(value) {
   return [...new Set(within(value))].filter((text) => text.length > 1 || text === "\u00d7").sort((a, b) => b.length - a.length);
 }
 
+/** The stages of a run, as its timeline names them. */
+const STAGES = ["Pattern", "Blocks", "Tile", "Eliminate", "Iterate", "Finish"];
+
 /** What is left of a text without the known ones, numbers, the unit r, letters of answers, and marks. @param {string} text @param {string[]} known */
 function unknownPart(text, known) {
   const rest = known.reduce((rest, one) => rest.replaceAll(one, " "), text);
@@ -194,7 +197,9 @@ for (const [k, [lesson, step]] of [["survivors", "one-of-two"], ["survivors", "n
     assert.equal((await ask(page, { do: "lesson", open: lesson, step })).ok, true);
     const told = await state(page, (told) => told.lesson?.step === step && told.lesson.question?.open);
     await page.getByRole("heading", { name: told.lesson.heading, exact: true }).waitFor();
-    const parts = ["Lesson", "Steps", "\u00d7"];
+    // What the timeline draws is of the frame, too; a native test reads all texts of such frames.
+    const timeline = ["To the end of stage", ...STAGES, "the question of the lesson", "samples", "events", "event"];
+    const parts = ["Lesson", "Steps", "\u00d7", ...timeline];
     const known = textsOf([ofPage, parts, told.lesson, told.sentence, told.caption]);
     const beside = async () => (await readAloud(page)).filter((text) => unknownPart(text, known) !== "");
     // The run that was shown before may be announced still.

@@ -124,11 +124,25 @@ impl Plugin for Tree {
         ctx.enable_accesskit();
     }
 
-    fn input_hook(&mut self, _: &Context, input: &mut RawInput) {
+    fn input_hook(&mut self, ctx: &Context, input: &mut RawInput) {
         // The browser's focus is not on the canvas then, and eframe would count the window as left.
         input.focused |= self.holds_focus;
         self.answers |= !self.asked.is_empty();
+
+        // egui takes either a request for the focus or the keys of a frame, so that keys after one wait for the next frame.
+        let is_focus = |event: &Event| matches!(event, Event::AccessKitActionRequest(request) if request.action == Action::Focus);
+        let mut has_focus = false;
+        let is_late = |event: &Event| {
+            has_focus |= is_focus(event);
+            has_focus && matches!(event, Event::Key { .. })
+        };
+        let first_late = self.asked.iter().position(is_late);
+        let late = first_late.map(|at| self.asked.split_off(at));
         input.events.append(&mut self.asked);
+        if let Some(late) = late {
+            self.asked = late;
+            ctx.request_repaint();
+        }
     }
 
     fn output_hook(&mut self, ctx: &Context, output: &mut FullOutput) {

@@ -1,0 +1,245 @@
+// The controls of the canvas as elements of the page: the program is used by roles and names alone, as a screen reader
+// does, and what that costs is counted.
+
+import assert from "node:assert/strict";
+import { readFileSync } from "node:fs";
+import { createRequire } from "node:module";
+import { test } from "node:test";
+import { ask, state, until } from "./harness.mjs";
+import { opened, reused, started } from "./shared.mjs";
+
+/** The checks of axe-core, to be run on a page. */
+const AXE = readFileSync(createRequire(import.meta.url).resolve("axe-core/axe.min.js"), "utf8");
+
+/** The region with the elements. @param {import("playwright-core").Page} page */
+const controls = (page) => page.getByRole("region", { name: "Controls of Tilescope" });
+
+/** Waits until an element of the page's focus has a name, and returns its role and name. @param {import("playwright-core").Page} page @param {RegExp} name */
+async function focused(page, name) {
+  await page.waitForFunction((name) => new RegExp(name).test(document.activeElement?.getAttribute("aria-label") ?? document.activeElement?.textContent ?? ""), name.source);
+}
+
+/** The names of the elements that can be used and have none, by their tags. @param {import("playwright-core").Page} page */
+async function nameless(page) {
+  const client = await page.context().newCDPSession(page);
+  const { nodes } = await client.send("Accessibility.getFullAXTree");
+  await client.detach();
+  const used = ["button", "checkbox", "radio", "slider", "spinbutton", "textbox", "combobox", "ComboBoxSelect", "link", "menuitem", "menuitemcheckbox", "option", "image", "dialog"];
+  const without = nodes.filter(({ ignored, role, name }) => !ignored && used.includes(role?.value) && !String(name?.value ?? "").trim());
+  return without.map(({ role }) => role.value);
+}
+
+/** What axe-core finds on a page, each with its first place. @param {import("playwright-core").Page} page */
+async function findings(page) {
+  await page.evaluate(AXE);
+  const violations = await page.evaluate(async () => (await window.axe.run(document)).violations);
+  return violations.map(({ id, nodes }) => `${id}: ${nodes[0].html}`);
+}
+
+/** Counts changes of the elements from now on. @param {import("playwright-core").Page} page */
+function count(page) {
+  return page.evaluate(() => {
+    window.changes = [];
+    const observer = new MutationObserver((records) => window.changes.push(...records.map(({ target, attributeName, type }) => `${attributeName ?? type} of ${target.id}`)));
+    observer.observe(document.getElementById("tree"), { attributes: true, characterData: true, childList: true, subtree: true });
+  });
+}
+
+/** The changes since the last call. @param {import("playwright-core").Page} page @returns {Promise<string[]>} */
+const changes = (page) => page.evaluate(() => window.changes.splice(0));
+
+test("a run is changed, made, stepped through and judged by roles and names alone", async (t) => {
+  const { page } = await reused(t);
+  const tree = controls(page);
+  const seed = tree.getByRole("textbox", { name: "Seed", exact: true });
+  await seed.fill("7");
+  await tree.getByRole("button", { name: "Run to apply" }).press("Enter");
+  await state(page, (told) => told.seed === 7 && told.verified);
+  await tree.getByRole("button", { name: "Verdict: verified" }).waitFor();
+  // The verdict's panel has its parts.
+  await tree.getByRole("group").filter({ hasText: "Conflict-free" }).filter({ hasText: "yes" }).waitFor();
+
+  await tree.getByRole("button", { name: "First stage (Home)", disabled: false }).press("Enter");
+  await state(page, (told) => told.cursor === 0);
+  await tree.getByRole("button", { name: "Stage forward (Right)" }).press("Enter");
+  const { cursor } = await state(page, (told) => told.cursor > 0);
+  // A slider is set by its value, as by a swipe with a screen reader.
+  const moment = tree.getByRole("slider", { name: "Moment" });
+  await until("the moment on the slider", async () => Number(await moment.inputValue()) === cursor);
+  await moment.fill("1000");
+  await state(page, (told) => told.cursor === 1000);
+  // The picture says what has happened.
+  const { sentence } = await state(page);
+  await until("the sentence", async () => (await tree.getByRole("img", { name: "Canvas of samples" }).getAttribute("aria-description")) === sentence);
+
+  // A list opens, is chosen from, and closes.
+  const boundary = tree.getByRole("combobox", { name: "Boundary", exact: true });
+  assert.equal(await boundary.getAttribute("aria-expanded"), "false");
+  await boundary.press("Enter");
+  await tree.getByRole("option", { name: "bounded" }).press("Enter");
+  await until("the choice", async () => (await boundary.textContent()) === "bounded");
+  await until("the end of the list", async () => (await tree.getByRole("option").count()) === 0);
+  await until("the focus on the list's button", () => boundary.evaluate((one) => one === document.activeElement));
+});
+
+test("each menu opens and closes, and leads to the export and to a lesson", async (t) => {
+  const { page } = await started(t, "?engine=cpu#v=1&radius=0.02");
+  const tree = controls(page);
+  const menus = tree.locator("[aria-haspopup=menu]");
+  const names = await menus.allTextContents();
+  for (const name of ["File", "Edit", "View", "Go", "Debug", "Analyze", "Compare", "Help", "Presets"]) {
+    assert.ok(names.includes(name), `${name} in ${names}`);
+    const button = menus.getByText(name, { exact: true });
+    await button.press("Enter");
+    await tree.getByRole("menu").waitFor();
+    assert.equal(await button.getAttribute("aria-expanded"), "true");
+    assert.ok((await tree.getByRole("menuitem").or(tree.getByRole("menuitemcheckbox")).count()) > 1, name);
+    assert.deepEqual(await nameless(page), []);
+    await page.keyboard.press("Escape");
+    await until("the end of the menu", async () => (await tree.getByRole("menu").count()) === 0);
+    assert.equal(await button.getAttribute("aria-expanded"), "false");
+    // The focus comes back to where it was.
+    await focused(page, new RegExp(name));
+  }
+
+  await tree.getByRole("button", { name: "File", exact: true }).press("Enter");
+  await tree.getByRole("menuitem", { name: /^Export samples…/ }).press("Enter");
+  const dialog = tree.getByRole("dialog", { name: "Export" });
+  await dialog.getByRole("textbox", { name: "File name" }).waitFor();
+  assert.deepEqual(await nameless(page), []);
+  await dialog.getByRole("button", { name: "Close window" }).press("Enter");
+  await until("the end of the sheet", async () => (await dialog.count()) === 0);
+
+  await tree.getByRole("button", { name: "Help", exact: true }).press("Enter");
+  await tree.getByRole("menuitem", { name: "Lessons…" }).press("Enter");
+  const lesson = page.getByRole("complementary", { name: "Lesson" });
+  await lesson.getByRole("button", { name: /Who survives/ }).click();
+  await lesson.getByRole("button", { name: "Next" }).click();
+  await lesson.getByRole("button", { name: /Sample \d+$/ }).first().click();
+  await lesson.getByRole("button", { name: "Answer" }).click();
+  await until("a verdict", async () => /\S/.test(await lesson.getByRole("status").first().textContent()));
+});
+
+test("a still frame changes no element, a step few, and a run that plays only texts and states", async (t) => {
+  const { page } = await reused(t);
+  const tree = controls(page);
+  await count(page);
+  const rest = () => until("elements at rest", async () => (await page.waitForTimeout(600), (await changes(page)).length === 0));
+  await rest();
+  /** Draws frames by moving the pointer where nothing is. */
+  const draw = async () => {
+    for (let step = 0; step < 10; step++) {
+      await page.mouse.move(5 + (step % 2), 795);
+      await page.evaluate(() => new Promise((resolve) => requestAnimationFrame(() => requestAnimationFrame(resolve))));
+    }
+  };
+  await draw();
+  assert.deepEqual(await changes(page), []);
+
+  // Negative control: a step is counted.
+  const all = await tree.locator("*").count();
+  await ask(page, { do: "seek", event: 1000 });
+  await until("a change", () => page.evaluate(() => window.changes.length > 0));
+  await rest();
+  await ask(page, { do: "step", by: 1, unit: "event" });
+  await until("a change", () => page.evaluate(() => window.changes.length > 0));
+  await page.waitForTimeout(1000);
+  const ofStep = await changes(page);
+  assert.ok(ofStep.length < all / 4, `${ofStep.length} changes for a step, of ${all} elements`);
+
+  await tree.getByRole("button", { name: /^Play/ }).press("Enter");
+  await until("a run that plays", async () => (await state(page)).cursor > 1100);
+  await changes(page);
+  const before = await tree.locator("*").evaluateAll((elements) => elements.map((one) => one.id));
+  await page.waitForTimeout(2000);
+  const ofPlay = await changes(page);
+  const after = await tree.locator("*").evaluateAll((elements) => elements.map((one) => one.id));
+  t.diagnostic(`${ofStep.length} changes for a step, ${ofPlay.length} in two seconds of play, of ${all} elements`);
+  assert.ok(ofPlay.length > 0);
+  // Texts change within their elements, which stay.
+  assert.deepEqual(after, before);
+  await page.keyboard.press("Space");
+});
+
+test("the focus of page and program follow each other, and keys stay the program's", async (t) => {
+  const { page } = await reused(t);
+  const tree = controls(page);
+  // Elements follow the program within a quarter of a second.
+  await tree.getByRole("button", { name: "First stage (Home)", disabled: false }).focus();
+  await page.keyboard.press("Tab");
+  // The order is the program's. What cannot be used is left out.
+  await focused(page, /^Stage back/);
+  await page.keyboard.press("Shift+Tab");
+  await focused(page, /^First stage/);
+  await page.keyboard.press("Home");
+  await state(page, (told) => told.cursor === 0);
+  await page.keyboard.press("Control+k");
+  await focused(page, /^Find an action/);
+  await page.keyboard.type("fit the");
+  await tree.getByRole("dialog").getByRole("button", { name: "Fit the domain" }).waitFor();
+  await page.keyboard.press("Escape");
+  await until("the end of the list", async () => (await tree.getByRole("dialog").count()) === 0);
+  // On the canvas the keys work as before, and the page's focus stays there.
+  await page.focus("#canvas");
+  await page.keyboard.press("End");
+  await state(page, (told) => told.cursor === told.events);
+  await page.keyboard.press("Tab");
+  await page.waitForFunction(() => document.getElementById("announcer").textContent.length > 3);
+  assert.equal(await page.evaluate(() => document.activeElement.id), "canvas");
+  // Escape and then Tab lead out of the elements, too.
+  await tree.getByRole("button", { name: "First stage (Home)", disabled: false }).focus();
+  await page.keyboard.press("Escape");
+  await page.keyboard.press("Tab");
+  await page.waitForFunction(() => !document.getElementById("tree").contains(document.activeElement));
+});
+
+test("elements lie over their pictures, where the pointer finds what is drawn", async (t) => {
+  const { page } = await reused(t);
+  await ask(page, { do: "seek", event: 1000 });
+  // A click by the mouse at the middle of an element reaches the button that is drawn there.
+  const { x, y, width, height } = await controls(page).getByRole("button", { name: "First stage (Home)", disabled: false }).boundingBox();
+  await page.mouse.click(x + width / 2, y + height / 2);
+  await state(page, (told) => told.cursor === 0);
+  assert.equal(await page.evaluate(() => document.activeElement.id), "canvas");
+});
+
+test("the first screen is read in this order", async (t) => {
+  const { page } = await reused(t);
+  await controls(page).getByRole("button", { name: "Verdict: verified", exact: true }).waitFor();
+  // Of each part the first element, and those that lead on.
+  const read = (await controls(page).ariaSnapshot()).split("\n").map((line) => line.trim().replace(/^- '?/, "").replace(/'?:?$/, ""));
+  const marks = ["text: Tilescope", 'button "File"', 'button "Help"', 'button "Verdict: verified"', 'button "Parameters" [pressed]', 'heading "Domain" [level=2]', 'textbox "Width"', 'textbox "Seed"', 'button "Run"', 'img "Canvas of samples"', 'button "Pseudocode" [pressed]', 'heading "Verification" [level=2]', 'button "Play (Space)"', 'slider "Moment"', 'button "Finish" [pressed]'];
+  const order = marks.map((mark) => read.findIndex((line) => line.startsWith(mark)));
+  assert.ok(!order.includes(-1), `${marks[order.indexOf(-1)]} in ${read.join("\n")}`);
+  assert.deepEqual(order, [...order].sort((a, b) => a - b));
+});
+
+test("everything that can be used has a name, and axe-core finds nothing, in both looks", async (t) => {
+  const { page } = await reused(t);
+  for (const look of ["dark", "light"]) {
+    await ask(page, { do: "load", link: `v=1&radius=0.02&look=${look}` });
+    await state(page, (told) => told.ready && told.view.look === look);
+    assert.deepEqual(await nameless(page), []);
+    assert.deepEqual(await findings(page), [], look);
+  }
+  // Negative control: an element without a name is found by both.
+  await page.evaluate(() => document.querySelector("#tree button").replaceChildren());
+  assert.deepEqual(await nameless(page), ["button"]);
+  assert.match(String(await findings(page)), /^button-name/);
+  await page.reload();
+});
+
+test("axe-core finds nothing on the first page and on the page of a lesson", async (t) => {
+  const { page, server } = await opened(t);
+  for (const address of ["", "lesson/survivors/", "lesson/survivors/de/"]) {
+    await page.goto(`${server.address}/${address}`);
+    assert.deepEqual(await findings(page), [], address);
+  }
+});
+
+test("a page in a frame and a phone have elements, too", async (t) => {
+  const { page } = await started(t, "?engine=cpu&embed=player#v=1&radius=0.05", { clip: { x: 200, y: 100, width: 800, height: 500 } });
+  assert.deepEqual(await nameless(page), []);
+  await controls(page).getByRole("button", { name: /^Play/ }).waitFor({ state: "attached" });
+  assert.deepEqual(await findings(page), []);
+});
