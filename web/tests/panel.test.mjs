@@ -1,5 +1,5 @@
-// The lesson's panel and what main.js does around the program, with a program that only records: its state is given by
-// the test. It needs neither web/build nor the native program.
+// The lesson's panel, the elements of controls, and what main.js does around the program, with a program that only
+// records: its state is given by the test. It needs neither web/build nor the native program.
 
 import assert from "node:assert/strict";
 import { once } from "node:events";
