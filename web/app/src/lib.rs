@@ -3,6 +3,7 @@
 
 #![cfg(target_arch = "wasm32")]
 
+mod elements;
 mod hooks;
 mod local;
 mod page;

@@ -3,78 +3,17 @@
 
 use std::collections::HashMap;
 
-use egui::accesskit::{
-    Action, ActionData, ActionRequest, HasPopup, Live, Node, NodeId, Role, Toggled, TreeId,
-    TreeUpdate,
-};
+use egui::accesskit::{Action, ActionData, ActionRequest, Node, NodeId, TreeId, TreeUpdate};
 use egui::{Context, Event, FullOutput, Key, Modifiers, Plugin, RawInput};
 use js_sys::Date;
 use serde::Serialize;
 
+use crate::elements::{Element, Elements};
 use crate::hooks;
 
-/// Changes are sent at most once in so many seconds, except those of the focus and those that answer a request. While a
-/// run plays its numbers change in each frame, and no screen reader could follow.
-const SENDS_SECS: f64 = 0.25;
-
-/// Values are rounded to so many parts of one, since those of egui's numbers in `f32` have digits without meaning.
-const PARTS: f64 = 1e6;
-
-/// An element that the page shows for a node.
-#[derive(Clone, Debug, Default, PartialEq, Serialize)]
-struct Element {
-    /// What it is, by the names that `tree.js` has for it.
-    role: &'static str,
-    #[serde(skip_serializing_if = "String::is_empty")]
-    name: String,
-    /// The elements whose texts are its name, in the place of `name`.
-    #[serde(skip_serializing_if = "Vec::is_empty")]
-    labels: Vec<u32>,
-    #[serde(skip_serializing_if = "String::is_empty")]
-    description: String,
-    #[serde(skip_serializing_if = "Option::is_none")]
-    value: Option<String>,
-    #[serde(skip_serializing_if = "String::is_empty")]
-    hint: String,
-    #[serde(skip_serializing_if = "Option::is_none")]
-    number: Option<f64>,
-    #[serde(skip_serializing_if = "Option::is_none")]
-    least: Option<f64>,
-    #[serde(skip_serializing_if = "Option::is_none")]
-    most: Option<f64>,
-    /// "true", "false" or "mixed", as in ARIA; empty for what cannot be on.
-    #[serde(skip_serializing_if = "str::is_empty")]
-    on: &'static str,
-    #[serde(skip_serializing_if = "Option::is_none")]
-    expanded: Option<bool>,
-    /// What it opens, as in ARIA.
-    #[serde(skip_serializing_if = "str::is_empty")]
-    opens: &'static str,
-    #[serde(skip_serializing_if = "is_false")]
-    disabled: bool,
-    #[serde(skip_serializing_if = "is_false")]
-    fixed: bool,
-    #[serde(skip_serializing_if = "is_false")]
-    focusable: bool,
-    /// Whether it can be told to take the next value; otherwise arrows are the program's, as they are on the canvas.
-    #[serde(skip_serializing_if = "is_false")]
-    steps: bool,
-    #[serde(skip_serializing_if = "is_false")]
-    live: bool,
-    /// Left, top, width and height in pixels of the page, from the parent's corner.
-    #[serde(skip_serializing_if = "Option::is_none")]
-    place: Option<[i32; 4]>,
-    /// The row that is chosen while the focus stays here.
-    #[serde(skip_serializing_if = "Option::is_none")]
-    active: Option<u32>,
-    #[serde(skip_serializing_if = "Vec::is_empty")]
-    children: Vec<u32>,
-}
-
-#[expect(clippy::trivially_copy_pass_by_ref, reason = "serde passes references")]
-const fn is_false(value: &bool) -> bool {
-    !*value
-}
+/// Changes are looked for at most once in so many seconds, unless the focus has moved or the frame answers a request. While
+/// a run plays its numbers change in each frame, and no screen reader could follow.
+const LOOKS_SECS: f64 = 0.25;
 
 /// Changes of the tree, for the page.
 #[derive(Serialize)]
@@ -108,7 +47,9 @@ pub struct Tree {
     elements: HashMap<u32, Element>,
     top: Vec<u32>,
     focus: u32,
-    sent_secs: f64,
+    /// The node of egui's focus at the last look; the whole window if nothing has it.
+    focused: Option<NodeId>,
+    looked_secs: f64,
     /// Requests and keys of the page for the next frame.
     asked: Vec<Event>,
     /// Whether the frame has taken requests, so that what it changes is sent at once.
@@ -130,7 +71,10 @@ impl Plugin for Tree {
         self.answers |= !self.asked.is_empty();
 
         // egui takes either a request for the focus or the keys of a frame, so that keys after one wait for the next frame.
-        let is_focus = |event: &Event| matches!(event, Event::AccessKitActionRequest(request) if request.action == Action::Focus);
+        let is_focus = |event: &Event| match event {
+            Event::AccessKitActionRequest(request) => request.action == Action::Focus,
+            _ => false,
+        };
         let mut has_focus = false;
         let is_late = |event: &Event| {
             has_focus |= is_focus(event);
@@ -151,18 +95,18 @@ impl Plugin for Tree {
             return;
         };
 
-        let has_moved = self.numbers.get(&update.focus).copied().unwrap_or_default() != self.focus;
+        let has_moved = self.focused != Some(update.focus);
         let now_secs = Date::now() / 1e3;
-        let due_secs = self.sent_secs + SENDS_SECS - now_secs;
+        let due_secs = self.looked_secs + LOOKS_SECS - now_secs;
         if due_secs > 0.0 && !has_moved && !self.answers {
             ctx.request_repaint_after(std::time::Duration::from_secs_f64(due_secs));
             return;
         }
 
         self.answers = false;
-        if self.send(&update, f64::from(ctx.zoom_factor())) {
-            self.sent_secs = now_secs;
-        }
+        self.focused = Some(update.focus);
+        self.looked_secs = now_secs;
+        self.send(&update, f64::from(ctx.zoom_factor()));
     }
 }
 
@@ -226,32 +170,27 @@ impl Tree {
         self.holds_focus = holds;
     }
 
-    /// Sends what has changed to the page; returns whether there was anything.
-    fn send(&mut self, update: &TreeUpdate, zoom: f64) -> bool {
-        let is_first = self.sent_secs == 0.0;
+    /// Sends what has changed to the page, if anything has.
+    fn send(&mut self, update: &TreeUpdate, zoom: f64) {
+        // The page may still have elements of a program that was replaced after its display was lost.
+        let is_first = self.elements.is_empty();
         let nodes: HashMap<NodeId, &Node> = (update.nodes.iter())
             .map(|(id, node)| (*id, node))
             .collect();
         self.keep_numbers(update, &nodes);
 
-        let mut walk = Walk {
-            tree: self,
-            nodes: &nodes,
-            zoom,
-            elements: HashMap::new(),
-        };
-        let mut top = Vec::new();
-        if let Some(root) = update.tree.as_ref().and_then(|tree| nodes.get(&tree.root)) {
-            walk.add(root.children(), Place::default(), &mut top);
-        }
-        let elements = walk.elements;
+        let root = update.tree.as_ref().map(|tree| tree.root);
+        let elements = root.map_or_else(Elements::default, |root| {
+            Elements::of(&nodes, root, &self.numbers, zoom)
+        });
+        let Elements { all, top } = elements;
 
         // A request for the focus may name a node that has no element.
         let focus = self.numbers.get(&update.focus).copied();
-        let focus = focus.filter(|number| elements.contains_key(number));
+        let focus = focus.filter(|number| all.contains_key(number));
         let focus = focus.unwrap_or_default();
 
-        let changed = (elements.iter())
+        let changed = (all.iter())
             .filter(|(number, element)| self.elements.get(number) != Some(element))
             .map(|(number, element)| (*number, element));
         let mut changed: Vec<(u32, &Element)> = changed.collect();
@@ -260,12 +199,12 @@ impl Tree {
         let gone = self
             .elements
             .keys()
-            .filter(|number| !elements.contains_key(number));
+            .filter(|number| !all.contains_key(number));
         let gone: Vec<u32> = gone.copied().collect();
 
         let is_changed =
             !changed.is_empty() || !gone.is_empty() || top != self.top || focus != self.focus;
-        if is_changed || is_first {
+        if is_changed {
             let changes = Changes {
                 all: is_first,
                 language: &self.language,
@@ -277,10 +216,9 @@ impl Tree {
             hooks::tree(&serde_json::to_string(&changes).unwrap_or_default());
         }
 
-        self.elements = elements;
+        self.elements = all;
         self.top = top;
         self.focus = focus;
-        is_changed || is_first
     }
 
     /// Gives numbers to new nodes, and forgets those of nodes that are gone.
@@ -294,211 +232,5 @@ impl Tree {
                 self.nodes.insert(self.last_number, *id);
             }
         }
-    }
-}
-
-/// Where the children of a node are shown.
-#[derive(Clone, Copy, Default)]
-struct Place {
-    /// The corner from which their places count, in points of the window.
-    x: f64,
-    y: f64,
-    /// The list or menu that they stand in, if they do.
-    list: &'static str,
-}
-
-/// A walk through the tree of a frame.
-struct Walk<'a> {
-    tree: &'a Tree,
-    nodes: &'a HashMap<NodeId, &'a Node>,
-    /// How many pixels of the page a point of the window has.
-    zoom: f64,
-    elements: HashMap<u32, Element>,
-}
-
-impl Walk<'_> {
-    /// Adds the elements of nodes to those of their parent.
-    fn add(&mut self, ids: &[NodeId], place: Place, siblings: &mut Vec<u32>) {
-        for id in ids {
-            let (Some(node), Some(number)) = (self.nodes.get(id), self.tree.numbers.get(id)) else {
-                continue;
-            };
-            let role = role(node, place.list);
-            // Text runs are the letters of their parent's text, with places of their own.
-            if node.role() == Role::TextRun {
-                continue;
-            }
-            // Without a role of its own a node only groups others.
-            if role.is_empty() {
-                self.add(node.children(), place, siblings);
-                continue;
-            }
-
-            siblings.push(*number);
-            let mut element = self.element(node, role, place);
-            if holds_others(role) {
-                let within = within(node, role, place);
-                self.add(node.children(), within, &mut element.children);
-                if element.place.is_none() {
-                    element.place = self.surround(&element.children);
-                }
-                // A sheet without a title is named by what it begins with.
-                if role == "dialog" && element.name.is_empty() && element.labels.is_empty() {
-                    element.labels.extend(element.children.first());
-                }
-            } else {
-                // A list that a button has opened stands in egui's tree below the button, and on the page beside it.
-                let before = siblings.len();
-                let beside = Place { list: "", ..place };
-                self.add(node.children(), beside, siblings);
-                let is_open = (siblings[before..].iter())
-                    .filter_map(|child| self.elements.get(child))
-                    .any(|child| matches!(child.role, "menu" | "listbox" | "dialog"));
-                // What is known to open something says whether it is open, and so does what has something open.
-                if is_open || (!element.opens.is_empty() && element.expanded.is_none()) {
-                    element.expanded = Some(is_open);
-                }
-            }
-            self.elements.insert(*number, element);
-        }
-    }
-
-    /// Returns the place around those of children, which then count from its corner. egui has no place for menus and lists.
-    fn surround(&mut self, children: &[u32]) -> Option<[i32; 4]> {
-        let places = children
-            .iter()
-            .filter_map(|child| self.elements.get(child)?.place);
-        let ends = places.map(|[x, y, width, height]| [x, y, x + width, y + height]);
-        let [left, top, right, bottom] = ends.reduce(|a, b| {
-            [
-                a[0].min(b[0]),
-                a[1].min(b[1]),
-                a[2].max(b[2]),
-                a[3].max(b[3]),
-            ]
-        })?;
-
-        for child in children {
-            let element = self.elements.get_mut(child);
-            if let Some(place) = element.and_then(|element| element.place.as_mut()) {
-                place[0] -= left;
-                place[1] -= top;
-            }
-        }
-        Some([left, top, right - left, bottom - top])
-    }
-
-    /// Returns the element of a node, without its children.
-    fn element(&self, node: &Node, role: &'static str, place: Place) -> Element {
-        let number_of = |id: &NodeId| self.tree.numbers.get(id).copied();
-        let labels: Vec<u32> = match node.label() {
-            Some(_) => Vec::new(),
-            None => node.labelled_by().iter().filter_map(number_of).collect(),
-        };
-        let rounded = |value: f64| (value * PARTS).round() / PARTS;
-        let pixels = |length: f64| (length * self.zoom).round() as i32;
-
-        Element {
-            role,
-            name: node.label().unwrap_or_default().to_owned(),
-            labels,
-            // Tooltips of buttons without a text repeat the name.
-            description: (node.description().filter(|text| node.label() != Some(text)))
-                .unwrap_or_default()
-                .to_owned(),
-            value: node.value().map(str::to_owned),
-            hint: node.placeholder().unwrap_or_default().to_owned(),
-            number: node.numeric_value().map(rounded),
-            least: node.min_numeric_value().map(rounded),
-            most: node.max_numeric_value().map(rounded),
-            on: match node.toggled() {
-                None => "",
-                Some(Toggled::True) => "true",
-                Some(Toggled::False) => "false",
-                Some(Toggled::Mixed) => "mixed",
-            },
-            expanded: node.is_expanded(),
-            opens: match (role, node.has_popup()) {
-                ("combobox", _) | (_, Some(HasPopup::Listbox)) => "listbox",
-                (_, Some(HasPopup::Dialog)) => "dialog",
-                (_, Some(_)) => "menu",
-                (_, None) => "",
-            },
-            disabled: node.is_disabled(),
-            fixed: node.is_read_only(),
-            focusable: node.supports_action(Action::Focus),
-            steps: node.supports_action(Action::Increment)
-                || node.supports_action(Action::Decrement),
-            live: node.live().is_some_and(|live| live != Live::Off),
-            place: node.bounds().map(|bounds| {
-                [
-                    pixels(bounds.x0 - place.x),
-                    pixels(bounds.y0 - place.y),
-                    pixels(bounds.width()).max(1),
-                    pixels(bounds.height()).max(1),
-                ]
-            }),
-            active: node.active_descendant().as_ref().and_then(number_of),
-            children: Vec::new(),
-        }
-    }
-}
-
-/// Returns where the children of a node are shown.
-fn within(node: &Node, role: &'static str, place: Place) -> Place {
-    let corner = node.bounds().map(|bounds| (bounds.x0, bounds.y0));
-    let (x, y) = corner.unwrap_or((place.x, place.y));
-    let list = match role {
-        "menu" | "listbox" => role,
-        _ => "",
-    };
-    Place { x, y, list }
-}
-
-/// Returns whether other elements stand within those of a role.
-fn holds_others(role: &str) -> bool {
-    matches!(role, "menu" | "listbox" | "dialog" | "group" | "tooltip")
-}
-
-/// Returns the role of a node within a list or menu, by the names that `tree.js` has for roles; empty for what groups
-/// others without a name, and for what nothing can be said of.
-fn role(node: &Node, list: &str) -> &'static str {
-    let is_named = node.label().is_some() || !node.labelled_by().is_empty();
-    match node.role() {
-        Role::Button
-        | Role::DefaultButton
-        | Role::DisclosureTriangle
-        | Role::Row
-        | Role::ListBoxOption
-        | Role::MenuItem
-        | Role::Tab => match (list, node.toggled()) {
-            ("menu", None) => "menuitem",
-            ("menu", Some(_)) => "menuitemcheckbox",
-            ("listbox", _) => "option",
-            // Rows are pressed, and they have no table around them.
-            _ => "button",
-        },
-        Role::CheckBox if list == "menu" => "menuitemcheckbox",
-        Role::CheckBox | Role::Switch => "checkbox",
-        Role::RadioButton => "radio",
-        Role::Link => "link",
-        Role::Slider => "range",
-        Role::SpinButton if node.numeric_value().is_some() => "number",
-        // Some fields for numbers also take other texts.
-        Role::SpinButton | Role::TextInput | Role::PasswordInput | Role::SearchInput => "text",
-        Role::MultilineTextInput => "area",
-        Role::ComboBox => "combobox",
-        Role::ListBox => "listbox",
-        Role::Menu => "menu",
-        Role::Dialog | Role::AlertDialog | Role::Window => "dialog",
-        Role::Tooltip => "tooltip",
-        Role::Heading => "heading",
-        Role::Image | Role::Canvas => "img",
-        Role::ProgressIndicator => "progressbar",
-        Role::Label if node.value().is_some_and(|text| !text.trim().is_empty()) => "label",
-        // What can be pressed and has a name is a button, whatever egui's widget is.
-        Role::Unknown if is_named && node.supports_action(Action::Click) => "button",
-        Role::Pane | Role::GenericContainer if is_named => "group",
-        _ => "",
     }
 }
