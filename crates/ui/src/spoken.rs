@@ -1,5 +1,6 @@
-//! Announcements for screen readers where they cannot read the window's AccessKit tree, as on a page: name, role, state
-//! and value of the focused widget, whenever one of them changes. They are taken from that same tree.
+//! Announcements for screen readers where they do not follow the focus of the window's AccessKit tree, as while a page's focus
+//! is on its canvas: name, role, state and value of the focused widget, whenever one of them changes. They are taken from
+//! that same tree.
 
 use egui::accesskit::{Node, NodeId, Role, Toggled, TreeUpdate};
 use egui::{Context, FullOutput, Plugin};

@@ -266,6 +266,7 @@ fn holds_others(role: &str) -> bool {
 /// others without a name, and for what nothing can be said of.
 fn role(node: &Node, list: &str) -> &'static str {
     let is_named = node.label().is_some() || !node.labelled_by().is_empty();
+
     match node.role() {
         Role::Button
         | Role::DefaultButton
