@@ -193,6 +193,8 @@ for (const [k, [lesson, step]] of [["survivors", "one-of-two"], ["survivors", "n
     const page = await context.newPage();
     await page.goto(`${server.address}/?engine=cpu#radius=0.05`);
     await state(page, (told) => told.ready);
+    // The elements of controls follow the program a moment later.
+    await page.getByRole("slider", { name: "Moment" }).waitFor();
     const ofPage = await readAloud(page);
     assert.equal((await ask(page, { do: "lesson", open: lesson, step })).ok, true);
     const told = await state(page, (told) => told.lesson?.step === step && told.lesson.question?.open);
