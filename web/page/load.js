@@ -22,8 +22,8 @@ export async function load(progress) {
   return module;
 }
 
-/** @param {Response} response @returns {Promise<WebAssembly.Module>} */
-async function compile(response) {
+/** Compiles a module while it arrives. @param {Response} response @returns {Promise<WebAssembly.Module>} */
+export async function compile(response) {
   const kind = response.headers.get("Content-Type") ?? "";
   // Streaming compilation requires this content type, which some servers do not send.
   if (kind.trim().toLowerCase() === "application/wasm") {

@@ -4,6 +4,7 @@
 
 import { bridge, namedOrigin } from "./{{asset:embed.js}}";
 import { connectLesson, restoreDraft, showLesson, wishedHeight } from "./{{asset:lesson.js}}";
+import { fetchLater, fetchLaterNow, join, NOT_THERE } from "./{{asset:later.js}}";
 import { load } from "./{{asset:load.js}}";
 import { missing, showMissing } from "./{{asset:missing.js}}";
 import { keepOffline } from "./{{asset:offline.js}}";
@@ -24,6 +25,9 @@ const embed = oneOf(asked.get("embed"), ["canvas", "player"]);
 
 /** The longest that a browser usually takes to report the size of the canvas. */
 const SIZED_MS = 1_000;
+
+/** The rest of the program is asked for again after so long, if it did not come. */
+const AGAIN_MS = 10_000;
 
 /** The address changes at most once in so long, because some browsers allow only a hundred changes in half a minute. */
 const LINK_MS = 400;
@@ -50,6 +54,10 @@ let leaves = false;
 let scrolls = false;
 /** @type {WebAssembly.Module | undefined} */
 let module;
+/** The program's exports. @type {any} */
+let exported;
+/** The compiled later part of the program. @type {WebAssembly.Module | undefined} */
+let later;
 /** When a lost display was replaced last. */
 let restarted_ms = -Infinity;
 /** Why the program failed, if it did. */
@@ -256,8 +264,11 @@ const hooks = {
   // The program calls this while its state is borrowed, so it is ended a moment later.
   /** @param {string} reason */
   lost: (reason) => setTimeout(() => restart(reason)),
-  // For measurements of the start time.
-  drawn: () => performance.mark("tilescope: first frame"),
+  drawn: () => {
+    // For measurements of the start time.
+    performance.mark("tilescope: first frame");
+    loadLater();
+  },
   failed: fail,
 };
 
@@ -314,6 +325,51 @@ async function loadLessons() {
   }
 }
 
+/** Loads the rest of the program, once the first frame is there. Without a network it is asked for until there is one. */
+async function loadLater() {
+  while (!later) {
+    try {
+      take(await fetchLater());
+    } catch (error) {
+      console.warn("The rest of the program did not come yet:", error);
+      await new Promise((resolve) => {
+        setTimeout(resolve, AGAIN_MS);
+        window.addEventListener("online", resolve, { once: true });
+      });
+    }
+  }
+}
+
+/** Joins the rest of the program with it, and sends it to the workers. @param {WebAssembly.Module} arrived */
+function take(arrived) {
+  if (later) {
+    return;
+  }
+  join(exported, arrived);
+  later = arrived;
+  performance.mark("tilescope: all is there");
+  // Deferred, as in `lost`.
+  setTimeout(() => app?.take_later(arrived));
+}
+
+/** Loads the rest of the program while the program waits for it. The user may try again as often as they like. */
+function loadLaterNow() {
+  for (;;) {
+    try {
+      take(fetchLaterNow());
+      return;
+    } catch (error) {
+      const reason = `${NOT_THERE}: ${told(error)}`;
+      // Only a dialog of the browser waits. A frame of another origin may have none, and the answer is then no.
+      if (!window.confirm(`${reason}. Is there a network? OK tries again.`)) {
+        // What was answered is stored, and the address has the view.
+        fail(`${reason}. Your results are kept, and this address leads back here.`);
+        throw new Error(reason);
+      }
+    }
+  }
+}
+
 /** Sets a title by which tabs and bookmarks can be distinguished. @param {any} told */
 function entitle({ parameters: { seed, radius }, lesson }) {
   const ofLesson = lesson?.list ? lesson.labels.lessons : lesson && `${lesson.heading}, ${lesson.title}`;
@@ -365,12 +421,16 @@ async function begin(display, reason) {
   keepFocus(embed !== null);
   draws = false;
   try {
-    app = await start(canvas, JSON.stringify(options), { ...hooks, module });
+    app = await start(canvas, JSON.stringify(options), { ...hooks, module, later });
   } finally {
     keepFocus(false);
   }
 
   awaitDrawing(canvas);
+  // It may have come while the program started, and so missed the workers.
+  if (later) {
+    app.take_later(later);
+  }
   // A link may have been followed meanwhile.
   if (fragment() !== link) {
     app.open_link(fragment());
@@ -555,8 +615,9 @@ async function main() {
     module = await load(progress);
     loading("Starting");
     await mendSizes();
-    const { default: init } = await import("./{{asset:tilescope.js}}");
-    await init({ module_or_path: module });
+    const { default: init, load_later_with } = await import("./{{asset:tilescope.js}}");
+    exported = await init({ module_or_path: module });
+    load_later_with(loadLaterNow);
     await beginAnyhow(oneOf(asked.get("display"), ["webgpu", "webgl"]) ?? "auto");
   } catch (error) {
     fail(`Tilescope could not start: ${told(error)}`);

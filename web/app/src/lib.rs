@@ -1,10 +1,11 @@
 //! The app on a page. `page` is the interface to the page's JavaScript, `pool` sends tasks to workers, `worker` is the
-//! code that runs in one, and `tree` describes the controls for screen readers.
+//! code that runs in one, `later` loads what the start does without, and `tree` describes the controls for screen readers.
 
 #![cfg(target_arch = "wasm32")]
 
 mod elements;
 mod hooks;
+mod later;
 mod local;
 mod page;
 mod pool;

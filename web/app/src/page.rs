@@ -112,6 +112,7 @@ pub async fn start(
         worker: options.worker.clone(),
         bindings: options.bindings.clone(),
         module: hooks::given("module").unwrap_or(JsValue::UNDEFINED),
+        later: hooks::given("later"),
         // One processor is left to the page.
         workers: ((cores as usize).saturating_sub(1)).clamp(1, MAX_WORKERS),
     });
@@ -287,6 +288,11 @@ impl Tilescope {
             }
             Err(error) => error.to_string(),
         }
+    }
+
+    /// Passes the compiled later part of the program on to the workers.
+    pub fn take_later(&self, later: JsValue) {
+        self.pool.take_later(later);
     }
 
     /// Shows a notice that copying failed.

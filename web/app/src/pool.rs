@@ -27,6 +27,8 @@ pub struct Program {
     pub bindings: String,
     /// The compiled program, which workers need not compile again.
     pub module: JsValue,
+    /// The compiled later part of the program, once the page has it.
+    pub later: Option<JsValue>,
     /// The largest number of workers.
     pub workers: usize,
 }
@@ -56,6 +58,14 @@ struct Slot {
     /// The worker calls these for as long as it lives.
     _on_message: Closure<dyn FnMut(MessageEvent)>,
     _on_error: Closure<dyn FnMut(Event)>,
+}
+
+/// Why a worker is of no more use.
+enum Break {
+    /// A fault of the program or the browser.
+    Fault(String),
+    /// The later part of the program could not be loaded: a sentence.
+    Lacking(String),
 }
 
 struct Busy {
@@ -88,6 +98,17 @@ impl Pool {
         self.0.borrow_mut().is_open = true;
         self.tick();
         self.send_waiting();
+    }
+
+    /// Sends the later part of the program to all workers, and to those that start from now on.
+    pub fn take_later(&self, later: JsValue) {
+        let mut inner = self.0.borrow_mut();
+        let message = object(&[("later", later.clone())]);
+        for slot in &inner.slots {
+            // A worker that does not get it loads it by itself.
+            let _ = slot.worker.post_message(&message);
+        }
+        inner.program.later = Some(later);
     }
 
     /// Ends all workers and cancels their tasks.
@@ -211,7 +232,7 @@ impl Pool {
             let message = (Reflect::get(&event, &"message".into()).ok())
                 .and_then(|message| message.as_string());
             let why = message.unwrap_or_else(|| "its script cannot be loaded".to_owned());
-            pool.remove_broken(&from, &why);
+            pool.remove_broken(&from, &Break::Fault(why));
         });
         worker.set_onerror(Some(on_error.as_ref().unchecked_ref()));
         worker.set_onmessageerror(Some(on_error.as_ref().unchecked_ref()));
@@ -219,6 +240,7 @@ impl Pool {
         let first = object(&[
             ("bindings", program.bindings.as_str().into()),
             ("module", program.module.clone()),
+            ("later", program.later.clone().unwrap_or(JsValue::UNDEFINED)),
         ]);
         worker.post_message(&first)?;
         Ok(Slot {
@@ -232,7 +254,7 @@ impl Pool {
     }
 
     /// Removes a broken worker: its task fails; the next task starts a new worker.
-    fn remove_broken(&self, worker: &Worker, why: &str) {
+    fn remove_broken(&self, worker: &Worker, why: &Break) {
         let slot = {
             let mut inner = self.0.borrow_mut();
             let place = inner.slots.iter().position(|slot| slot.worker == *worker);
@@ -241,16 +263,22 @@ impl Pool {
         let Some(slot) = slot else {
             return;
         };
-        let is_hopeless = self.0.borrow_mut().note_broken(&slot);
+        let (text, is_hopeless) = match why {
+            Break::Fault(why) => (
+                format!("a background job failed ({why}); this is a fault of the program"),
+                self.0.borrow_mut().note_broken(&slot),
+            ),
+            // Once there is a network, workers work again.
+            Break::Lacking(why) => (why.clone(), false),
+        };
         slot.worker.terminate();
         if let Some(busy) = slot.busy {
-            let text = format!("a background job failed ({why}); this is a fault of the program");
-            (busy.task.answer)(TaskEnd::Failed(text));
+            (busy.task.answer)(TaskEnd::Failed(text.clone()));
         }
         if is_hopeless {
             let waiting = std::mem::take(&mut self.0.borrow_mut().waiting);
             for task in waiting {
-                (task.answer)(TaskEnd::Failed(no_worker(&why.into())));
+                (task.answer)(TaskEnd::Failed(no_worker(&text.as_str().into())));
             }
         }
         self.send_waiting();
@@ -263,7 +291,9 @@ impl Pool {
             (!value.is_undefined()).then_some(value)
         };
         if let Some(why) = get("broken").or_else(|| get("fault")) {
-            self.remove_broken(worker, &why.as_string().unwrap_or_default());
+            self.remove_broken(worker, &Break::Fault(why.as_string().unwrap_or_default()));
+        } else if let Some(why) = get("lacking") {
+            self.remove_broken(worker, &Break::Lacking(why.as_string().unwrap_or_default()));
         } else if let Some(fraction) = get("fraction") {
             let activity = get("activity").and_then(|activity| activity.as_string());
             let monitor = self.monitor_of(worker);
@@ -274,7 +304,7 @@ impl Pool {
         } else if let Some(unknown) = get("unknown") {
             let sent = self.send_sessions(worker, &generations(&unknown));
             if let Err(why) = sent {
-                self.remove_broken(worker, &why);
+                self.remove_broken(worker, &Break::Fault(why));
             }
         } else if let Some(outcome) = get("outcome") {
             let bytes = Uint8Array::new(&outcome).to_vec();

@@ -1,19 +1,31 @@
-//! Makes the JavaScript bindings of the module, and strips the names of functions. `wasm-opt` is not used: its output
+//! Makes the JavaScript bindings of the module, cuts it in two, and strips the names of functions. `wasm-opt` is not used: its output
 //! is smaller but compresses to more bytes, and the compressed file is downloaded.
 
 use anyhow::{Context, Result, ensure};
 use wasm_bindgen_cli_support::Bindgen;
 
+use crate::cut::{self, Weights, rule};
+use crate::names;
+
 /// The stem of both files' names, without hashes.
 const NAME: &str = "tilescope";
 
-/// Returns `tilescope.js` and `tilescope_bg.wasm`.
-pub fn bind(module: Vec<u8>) -> Result<[(String, Vec<u8>); 2]> {
+/// The files of the program.
+pub struct Bound {
+    /// `tilescope.js`, `tilescope_bg.wasm` and the later part, with their names.
+    pub files: [(String, Vec<u8>); 3],
+    /// Which crate needs how many bytes.
+    pub weights: Weights,
+}
+
+/// Binds and cuts a module as cargo built it.
+pub fn bind(module: Vec<u8>) -> Result<Bound> {
     let mut output = Bindgen::new()
         .input_bytes(NAME, module)
         .web(true)?
         .typescript(false)
-        .remove_name_section(true)
+        // The rule by which the module is cut needs the names. What is written then has none.
+        .remove_name_section(false)
         .remove_producers_section(true)
         // The page loads the module itself, since loading it by the bindings would bypass the progress bar.
         .omit_default_module_path(true)
@@ -26,6 +38,14 @@ pub fn bind(module: Vec<u8>) -> Result<[(String, Vec<u8>); 2]> {
         "the module brings JavaScript of its own, in {extra} files, which this does not pack"
     );
     let script = output.js().as_bytes().to_vec();
-    let wasm = (format!("{NAME}_bg.wasm"), output.wasm_mut().emit_wasm());
-    Ok([(format!("{NAME}.js"), script), wasm])
+    let halves = cut::cut(&output.wasm_mut().emit_wasm(), rule::is_later)?;
+
+    Ok(Bound {
+        files: [
+            (format!("{NAME}.js"), script),
+            (format!("{NAME}_bg.wasm"), halves.first),
+            (names::LATER_PART.to_owned(), halves.later),
+        ],
+        weights: halves.weights,
+    })
 }

@@ -4,6 +4,7 @@
 mod binding;
 mod budget;
 mod compress;
+mod cut;
 mod folder;
 mod names;
 mod page;
@@ -70,7 +71,8 @@ fn pack(arguments: &Arguments) -> Result<()> {
     let mut sources = page::read(&arguments.page)?;
     let module = std::fs::read(&arguments.wasm)
         .with_context(|| format!("cannot read the module {}", arguments.wasm.display()))?;
-    for (name, bytes) in binding::bind(module)? {
+    let bound = binding::bind(module)?;
+    for (name, bytes) in bound.files {
         sources.insert(name, page::Source::made(bytes));
     }
 
@@ -98,6 +100,7 @@ fn pack(arguments: &Arguments) -> Result<()> {
 
     let packed = compress::all(files, &arguments.out);
     let table = budget::Table::of(&packed, first_page);
+    println!("{}", bound.weights);
     print!("{table}");
     // The table is most useful where the budget is exceeded, so that it is printed before the check.
     table.check(arguments.most)?;

@@ -1,0 +1,140 @@
+//! Which function goes to which module.
+
+use std::collections::{BTreeMap, BTreeSet};
+
+use anyhow::{Context, Result, ensure};
+
+use super::program::Program;
+use super::{LOADER, SETTER};
+
+/// Functions with at most so many bytes of code that call no others are in both modules, where the later one needs them: a copy
+/// costs the start nothing, and an export would.
+const MAX_COPIED: usize = 160;
+
+/// Where each function goes. All indices are the program's.
+pub struct Plan {
+    /// The functions of the later module.
+    pub later: BTreeSet<u32>,
+    /// Functions of the first module of which the later one has a copy.
+    pub copied: BTreeSet<u32>,
+    /// The slots of the later functions that the first module refers to.
+    pub slots: BTreeMap<u32, u32>,
+    /// The functions of the first module that the later one calls, with the names by which they are exported.
+    pub shared: BTreeMap<u32, String>,
+    /// The function that loads the later module.
+    pub loader: u32,
+}
+
+impl Plan {
+    /// Chooses by a rule for names, and by who calls whom.
+    pub fn of(program: &Program<'_>, is_later: impl Fn(&str, usize) -> bool) -> Result<Self> {
+        let chosen: BTreeSet<u32> = program
+            .own()
+            .zip(&program.functions)
+            .filter(|(_, function)| is_later(&function.name, function.body.as_bytes().len()))
+            .map(|(index, _)| index)
+            .collect();
+
+        // Outside code can call what is exported, and the program can call what is in a table. What it reaches from there
+        // without a chosen function on the way is needed early, all else is not.
+        let exported = program.exported.values().copied();
+        let in_table = program.entries.iter().map(|entry| entry.function);
+        let roots: Vec<u32> = exported.chain(in_table).chain(program.start).collect();
+        let first = reached(program, &roots, &chosen);
+        let later: BTreeSet<u32> = program
+            .own()
+            .filter(|index| !first.contains(index))
+            .collect();
+
+        let loader = *program
+            .exported
+            .get(LOADER)
+            .with_context(|| format!("the program does not export {LOADER}"))?;
+        for name in [LOADER, SETTER] {
+            if let Some(function) = program.exported.get(name) {
+                check_loader(program, name, *function, &later)?;
+            }
+        }
+
+        // Stubs stand for later functions that outside code, a table or the first module's own code refer to.
+        let called = first.iter().filter_map(|index| program.function(*index));
+        let called = called.flat_map(|function| function.calls.iter().copied());
+        let referred: BTreeSet<u32> = called
+            .chain(roots)
+            .filter(|index| later.contains(index))
+            .collect();
+
+        let (copied, shared) = needed_by(program, &later);
+        Ok(Self {
+            slots: referred.into_iter().zip(0..).collect(),
+            shared: shared.into_iter().zip(NAMES.map(name)).collect(),
+            later,
+            copied,
+            loader,
+        })
+    }
+}
+
+/// The names of exports are numbered from here on: first come those of tables, memories and globals.
+const NAMES: std::ops::RangeFrom<u32> = 0..;
+
+/// Returns the functions that roots reach by calls, which do not go on through `chosen` functions.
+fn reached(program: &Program<'_>, roots: &[u32], chosen: &BTreeSet<u32>) -> BTreeSet<u32> {
+    let mut found = BTreeSet::new();
+    let mut waiting = roots.to_vec();
+    while let Some(index) = waiting.pop() {
+        if chosen.contains(&index) || !found.insert(index) {
+            continue;
+        }
+        if let Some(function) = program.function(index) {
+            waiting.extend(&function.calls);
+        }
+    }
+    found
+}
+
+/// Fails if an export that loads would call a stub, which would call the loader before it can work, or without end.
+fn check_loader(
+    program: &Program<'_>,
+    export: &str,
+    loader: u32,
+    later: &BTreeSet<u32>,
+) -> Result<()> {
+    let needed = reached(program, &[loader], &BTreeSet::new());
+    let stub = needed.iter().find(|index| later.contains(index));
+    let name = stub
+        .and_then(|index| program.function(*index))
+        .map(|function| &function.name);
+    ensure!(
+        name.is_none(),
+        "{export} calls {}, which is in the module that it loads",
+        name.map_or("", String::as_str)
+    );
+    Ok(())
+}
+
+/// Returns the functions of the first module that later ones call: those that are copied, and those that are exported.
+fn needed_by(program: &Program<'_>, later: &BTreeSet<u32>) -> (BTreeSet<u32>, BTreeSet<u32>) {
+    let functions = later.iter().filter_map(|index| program.function(*index));
+    let called = functions.flat_map(|function| function.calls.iter().copied());
+    let needed: BTreeSet<u32> = called.filter(|index| !later.contains(index)).collect();
+
+    needed.into_iter().partition(|index| {
+        program.function(*index).is_some_and(|function| {
+            function.calls.is_empty() && function.body.as_bytes().len() <= MAX_COPIED
+        })
+    })
+}
+
+/// Returns a short name for a number, a different one for each.
+pub fn name(mut number: u32) -> String {
+    const DIGITS: &[u8; 62] = b"0123456789abcdefghijklmnopqrstuvwxyzABCDEFGHIJKLMNOPQRSTUVWXYZ";
+    let mut name = String::new();
+    loop {
+        name.push(char::from(DIGITS[number as usize % DIGITS.len()]));
+        number /= DIGITS.len() as u32;
+        if number == 0 {
+            return name;
+        }
+    }
+}
