@@ -87,7 +87,8 @@ impl Marked {
 /// A cursor over a recording, with all that a user keeps beside it.
 pub struct Debugger {
     recording: Arc<Recording>,
-    evaluator: Evaluator,
+    /// Made when an expression first needs it: most runs have none, and its functions take a while to register.
+    evaluator: OnceLock<Evaluator>,
     budget: usize,
     state: State,
     run_id: OnceLock<String>,
@@ -107,7 +108,7 @@ impl Debugger {
     #[must_use]
     pub fn new(recording: Arc<Recording>, budget: usize) -> Self {
         Self {
-            evaluator: Evaluator::new(Arc::clone(&recording)),
+            evaluator: OnceLock::new(),
             state: State::default(),
             recording,
             budget,
@@ -118,6 +119,11 @@ impl Debugger {
             view: serde_json::Value::Null,
             pattern: None,
         }
+    }
+
+    fn evaluator(&self) -> &Evaluator {
+        let made = || Evaluator::new(Arc::clone(&self.recording));
+        self.evaluator.get_or_init(made)
     }
 
     /// Returns the recording that the cursor moves over.
@@ -148,7 +154,7 @@ impl Debugger {
     /// for watches alone, is kept with its error.
     pub fn add_breakpoint(&mut self, line: LineId, condition: &str) {
         let text = condition.trim();
-        let parsed = (!text.is_empty()).then(|| self.evaluator.parse_condition(text));
+        let parsed = (!text.is_empty()).then(|| self.evaluator().parse_condition(text));
         self.breakpoints.push(Breakpoint {
             line,
             condition: text.to_owned(),
@@ -177,8 +183,9 @@ impl Debugger {
     pub fn watch_values(&self, steps: u64) -> Vec<(&str, Result<String, ExpressionError>)> {
         let each = steps / self.watches.len().max(1) as u64;
         let value = |text: &String| {
-            let expression = self.evaluator.parse(text)?;
-            self.evaluator.value_within(&expression, &self.state, each)
+            let expression = self.evaluator().parse(text)?;
+            self.evaluator()
+                .value_within(&expression, &self.state, each)
         };
         let watches = self.watches.iter();
         watches.map(|text| (text.as_str(), value(text))).collect()
@@ -186,8 +193,8 @@ impl Debugger {
 
     /// Returns the value of an expression at the cursor.
     pub fn evaluate(&self, text: &str) -> Result<String, ExpressionError> {
-        let expression = self.evaluator.parse(text)?;
-        self.evaluator.value(&expression, &self.state)
+        let expression = self.evaluator().parse(text)?;
+        self.evaluator().value(&expression, &self.state)
     }
 
     /// Moves to a cursor, at most the number of events.
@@ -259,7 +266,7 @@ impl Debugger {
             let holds = match &breakpoint.parsed {
                 None => Ok(true),
                 Some(Err(error)) => Err(error.clone()),
-                Some(Ok(expression)) => self.evaluator.holds(expression, &self.state),
+                Some(Ok(expression)) => self.evaluator().holds(expression, &self.state),
             };
 
             match holds {
