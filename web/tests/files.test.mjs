@@ -8,12 +8,13 @@ import { PATIENCE_MS, ask, folder, load, native, shows, state, stored, typing } 
 import { reused } from "./shared.mjs";
 
 
-/** Drops files on the middle of the canvas. */
+/** Drops files on the middle of the canvas: texts, or bytes in base64. */
 async function drop(page, files) {
   const transfer = await page.evaluateHandle((files) => {
     const transfer = new DataTransfer();
-    for (const { name, text } of files) {
-      transfer.items.add(new File([text], name));
+    for (const { name, text, base64 } of files) {
+      const bytes = base64 && Uint8Array.from(atob(base64), (character) => character.charCodeAt(0));
+      transfer.items.add(new File([bytes ?? text], name));
     }
     return transfer;
   }, files);
@@ -78,6 +79,52 @@ test("a point set and its certificate are dropped as a pattern, and other bytes 
   await drop(page, [{ name: "noise.csv", text: "\u0000\u0001no points here" }]);
   const refused = await state(page, (told) => told.notice?.includes("noise.csv"));
   assert.match(refused.notice, /^noise\.csv: .*no column is named x/);
+});
+
+/** A radius that is smallest at the centre. */
+const FORMULA = "0.02 + 0.06*hypot(x - 0.5, y - 0.5)";
+
+/** A polygon with a hole, at coordinates that cannot be degrees. */
+const PARK = {
+  type: "Polygon",
+  coordinates: [
+    [[200, 250], [201, 250], [201, 251], [200.5, 250.8], [200, 251], [200, 250]],
+    [[200.3, 250.2], [200.7, 250.2], [200.5, 250.5], [200.3, 250.2]],
+  ],
+};
+
+/** 16 by 8 pixels, from black on the left to white on the right. */
+const GREY =
+  "iVBORw0KGgoAAAANSUhEUgAAABAAAAAICAAAAADVHSBLAAAAHUlEQVR42mNgEFAwcAhIKGiYsGDDgQsPPjAMjAAAR2k8AZrih9sAAAAASUVORK5CYII=";
+
+test("a set of a formula has the native program's points", async (t) => {
+  const set = path.join(await folder(t), "field.csv");
+  // Links begin with a periodic domain, and the command line with a bounded one.
+  await native("sample", "--radius-expression", FORMULA, "--boundary", "periodic", "--out", set);
+  const certificate = JSON.parse(await readFile(`${set}.certificate.json`, "utf8"));
+  const { page } = await reused(t);
+  const told = await load(page, `v=1&radius-expression=${encodeURIComponent(FORMULA)}`);
+  assert.deepEqual([told.notice, told.verified], [null, true]);
+  assert.equal(told.positions_digest, certificate.positions_digest);
+  // Every dart is an event that can be visited.
+  await ask(page, { do: "seek", event: 100 });
+  assert.equal((await state(page)).cursor, 100);
+  await shows(page);
+});
+
+test("a polygon and an image that are dropped become sets, and a damaged image is refused in words", async (t) => {
+  const { page } = await reused(t);
+  let before = (await state(page)).positions_digest;
+  for (const file of [{ name: "park.geojson", text: JSON.stringify(PARK) }, { name: "grey.png", base64: GREY }]) {
+    await drop(page, [file]);
+    const told = await state(page, (told) => told.ready && told.verified !== null && told.positions_digest !== before);
+    assert.equal(told.verified, true, file.name);
+    before = told.positions_digest;
+    await shows(page);
+  }
+  await drop(page, [{ name: "half.png", base64: GREY.slice(0, 60) }]);
+  const refused = await state(page, (told) => told.notice?.includes("half.png"));
+  assert.equal(refused.positions_digest, before);
 });
 
 test("a file dropped beside the canvas does not replace the page", async (t) => {

@@ -13,13 +13,6 @@ use crate::words::counted;
 /// cells: a tape holds the events of this number of samples without leaving any out.
 pub const MAX_RECORDED: f64 = 50_000.0;
 
-/// Whether this program makes sets in fields and shapes. In a browser it does not: with their sampler, their judge and the readers of
-/// images a page needed 112,000 bytes more than the 2,950,000 that it may take to start.
-pub const IS_OFFERED: bool = cfg!(not(target_arch = "wasm32"));
-/// Why sets in fields and shapes are refused where they are not made.
-pub const NOT_OFFERED: &str =
-    "sets in fields and shapes are made by the program outside the browser alone";
-
 /// The most corners of a polygon in a saved session or a link.
 const MAX_PORTABLE_CORNERS: usize = 10_000;
 

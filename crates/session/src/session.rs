@@ -19,7 +19,7 @@ use tilescope_gpu::GpuError;
 use tilescope_live::MOMENT_NUMBERS;
 
 use crate::combination::Combination;
-use crate::ground::{IS_OFFERED, MadeGround};
+use crate::ground::MadeGround;
 use crate::index::SampleIndex;
 use crate::jobs::Monitor;
 use crate::layers::{Layers, SessionKind};
@@ -147,13 +147,6 @@ impl Session {
             own: recipe.own.clone(),
             ..self
         }
-    }
-
-    /// Returns what the session's set was made on, if such sets are offered at all: what makes a ground again is then left out of
-    /// the program elsewhere.
-    #[must_use]
-    pub fn offered_ground(&self) -> Option<&MadeGround> {
-        self.ground.as_ref().filter(|_| IS_OFFERED)
     }
 
     /// Returns the recipe it was made from, if [`Self::has_recipe`].

@@ -11,7 +11,7 @@ use tilescope_sets::{
     GivenGround, GivenRadius, GrayImage, Ground, RadiusSource, VaryingError, VaryingRecipe,
 };
 
-use crate::ground::{GroundRequest, IS_OFFERED, MAX_RECORDED, MadeGround, NOT_OFFERED};
+use crate::ground::{GroundRequest, MAX_RECORDED, MadeGround};
 use crate::incoming::Incoming;
 use crate::jobs::Monitor;
 use crate::recipe::Recipe;
@@ -26,10 +26,6 @@ pub fn sample(
     generation: u64,
     monitor: &Monitor,
 ) -> Result<Session, MakeError> {
-    if !IS_OFFERED {
-        return Err(MakeError::Ground(NOT_OFFERED.to_owned()));
-    }
-
     let wanted = request.recipe(&recipe.parameters);
     // Both may be refused here; after that only the user stops the work.
     let expected = wanted.expected_samples().map_err(of_ground)?;
@@ -91,10 +87,6 @@ pub fn locality(recipe: &VaryingRecipe) -> Result<Arc<Locality>, MakeError> {
 /// Fails when the certificate's field or shape cannot be made, as when its image did not come with the file.
 #[must_use]
 pub fn of_file(incoming: &Incoming, generation: u64) -> Option<Result<Session, String>> {
-    if !IS_OFFERED {
-        return None;
-    }
-
     let read = incoming.varying_set()?;
     let stated = read.certificate.as_ref()?;
     let named = |error: &dyn std::fmt::Display| format!("{}: {error}", incoming.name);

@@ -193,7 +193,7 @@ impl Task for VerifyTask {
     fn run(self, monitor: &Monitor) -> Self::Outcome {
         let session = &self.session;
         let run = session.run();
-        if let Some(made) = session.offered_ground() {
+        if let Some(made) = &session.ground {
             return Verdict::on_ground(&run.positions(), made, monitor);
         }
         let region = region(&run.domain);

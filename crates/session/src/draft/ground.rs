@@ -8,7 +8,7 @@ use tilescope_sets::{
 
 use super::refusal::part_of;
 use super::{Draft, DraftRefusal, FormPart};
-use crate::ground::{GroundRequest, IS_OFFERED};
+use crate::ground::GroundRequest;
 use crate::typed;
 use crate::words::sentence;
 
@@ -70,7 +70,7 @@ impl GroundDraft {
     /// Returns whether a field or a shape is asked for.
     #[must_use]
     pub fn is_asked(&self) -> bool {
-        IS_OFFERED && (self.by != RadiusBy::Constant || self.shape.is_some())
+        self.by != RadiusBy::Constant || self.shape.is_some()
     }
 
     /// Returns the request, if one is asked for and can be read; `black` is the radius of the form.

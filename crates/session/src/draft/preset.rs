@@ -6,7 +6,7 @@ use tilescope_core::{
     Boundary, Insertion, NestedRequest, Parameters, Search, TilingMethod, WithinLevel,
 };
 
-use crate::ground::{GroundRequest, IS_OFFERED, PortableGround};
+use crate::ground::{GroundRequest, PortableGround};
 
 /// Parameters to begin with.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, serde::Serialize, serde::Deserialize)]
@@ -102,11 +102,7 @@ const STAR: &str = "0.012 + 0.06*hypot(x - 0.5, y - 0.5)";
 impl Preset {
     /// Returns every preset, in the order of the menu.
     pub fn all() -> impl Iterator<Item = Self> {
-        let is_offered = |preset: &Self| match preset {
-            Self::Ramp | Self::Star => IS_OFFERED,
-            _ => true,
-        };
-        ROWS.iter().map(|row| row.preset).filter(is_offered)
+        ROWS.iter().map(|row| row.preset)
     }
 
     /// Returns its name in the menu.
@@ -154,8 +150,8 @@ impl Preset {
     #[must_use]
     pub fn ground(self) -> Option<GroundRequest> {
         let (text, rings) = match self {
-            Self::Ramp if IS_OFFERED => (RAMP, Vec::new()),
-            Self::Star if IS_OFFERED => (STAR, star()),
+            Self::Ramp => (RAMP, Vec::new()),
+            Self::Star => (STAR, star()),
             _ => return None,
         };
         let ground = PortableGround {

@@ -29,7 +29,7 @@ pub(crate) fn parameter_map(session: &Session) -> Stated {
         return nested.stated.clone();
     }
 
-    if let Some(made) = session.offered_ground() {
+    if let Some(made) = &session.ground {
         let recipe = made.recipe();
         // The set was made on this ground, so that it is not refused here.
         let ground = recipe.ground().map(|ground| recipe.stated_on(&ground));

@@ -243,7 +243,7 @@ fn samples(
     let mut context = ExportContext::new(region(&run.domain), run.domain.radius());
     method(session).clone_into(&mut context.method);
     context.parameters = parameter_map(session);
-    if let Some(made) = session.offered_ground() {
+    if let Some(made) = &session.ground {
         // The certificate states the field and the shape, in which the set is judged.
         let ground = made
             .recipe()

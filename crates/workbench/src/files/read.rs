@@ -13,7 +13,7 @@ use tilescope_debugger::{Debugger, PatternFile, Session as Saved, SessionError};
 use tilescope_formats::CERTIFICATE_SUFFIX;
 use tilescope_session::combining::{SavedCombination, make};
 use tilescope_session::encoding::as_json;
-use tilescope_session::ground::{IS_OFFERED, NOT_OFFERED, PortableGround};
+use tilescope_session::ground::PortableGround;
 use tilescope_session::incoming::holds_combination;
 use tilescope_session::jobs::Monitor;
 use tilescope_session::nesting;
@@ -205,10 +205,6 @@ fn opened(gathered: (Incoming, Vec<String>)) -> Result<(Incoming, Vec<String>), 
 
 /// Reads an image or a polygon; `None` for other files.
 fn ground_file(incoming: &Incoming) -> Option<Made> {
-    if !IS_OFFERED {
-        return None;
-    }
-
     let (name, bytes) = (last_part(&incoming.name), &incoming.bytes);
     if GrayImage::is_image(bytes) {
         let image = GrayImage::read(name, bytes).map_err(|error| error.to_string());
@@ -355,9 +351,6 @@ fn session_on_ground(
 ) -> Made {
     let named = |error: &dyn std::fmt::Display| format!("{}: {error}", incoming.name);
     let refused = |why: String| named(&SessionError::NoGround(why));
-    if !IS_OFFERED {
-        return Err(refused(NOT_OFFERED.to_owned()));
-    }
 
     // The file may come from anywhere: its formula and its corners are checked like those of the form.
     let portable: Option<PortableGround> =

@@ -12,7 +12,7 @@ use tilescope_core::{MAXIMAL_DENSITY, NestedRequest, Parameters, PatternSpec, Wi
 use tilescope_debugger::{Listings, SavedBreakpoint, SavedScene};
 use tilescope_drawing::camera::Camera;
 use tilescope_session::combination::NINE;
-use tilescope_session::ground::{GroundRequest, IS_OFFERED, NOT_OFFERED, PortableGround};
+use tilescope_session::ground::{GroundRequest, PortableGround};
 use tilescope_session::language;
 use tilescope_session::layers::Colouring;
 use tilescope_session::look::Look;
@@ -256,12 +256,6 @@ impl LinkReader {
         let origin = self.take(origin_key, numbers);
         // A corner of the domain alone asks for nothing.
         if radius_expression.is_none() && rings.is_none() {
-            return None;
-        }
-
-        if !IS_OFFERED {
-            let why = format!("The link's field or shape was left out: {NOT_OFFERED}.");
-            self.warnings.add(why);
             return None;
         }
 

@@ -7,7 +7,6 @@ use tilescope_core::{
 };
 use tilescope_drawing::palette::Palette;
 use tilescope_session::glossary;
-use tilescope_session::ground::IS_OFFERED;
 use tilescope_session::words::{capital, counted, grouped};
 use tilescope_ui::widgets::{Kebab, Known, heading};
 
@@ -87,11 +86,6 @@ impl Fields<'_> {
 
     /// Shows how the radius is given, and its number, its formula or its image.
     fn radius(&mut self, ui: &mut Ui) {
-        if !IS_OFFERED {
-            self.number(ui, Parameter::Radius);
-            return self.samples(ui);
-        }
-
         let ground = &self.context.form.draft.ground;
         // Images come from files, and only with one are its choices offered.
         let offered = if ground.image.is_some() {
