@@ -325,7 +325,7 @@ async function loadLessons() {
   }
 }
 
-/** Loads the rest of the program, once the first frame is there. Without a network it is asked for until there is one. */
+/** Loads the rest of the program after the first frame. Without a network it is asked for again until it comes. */
 async function loadLater() {
   while (!later) {
     try {

@@ -1,5 +1,5 @@
-// The part of the program that the start does without: it arrives after the first frame, at once where it is needed before, and
-// where it cannot be had the page says so and nothing is lost.
+// The part of the program that the start does without: it arrives after the first frame, at once where it is needed
+// before, and where it cannot be had the page says so and nothing is lost.
 
 import assert from "node:assert/strict";
 import { test } from "node:test";
@@ -10,9 +10,6 @@ const LATER = /\/tilescope_later-[0-9a-f]{12}\.wasm$/;
 
 /** The start of all parts of the program, of a small run. */
 const LINK = "?engine=cpu#v=1&radius=0.03&seed=5";
-
-/** Chromium warns of a request for which the page waits. */
-const WAITS = /Synchronous XMLHttpRequest/;
 
 /** Opens the page, and does something else with each request for the later part. */
 async function openedWith(t, handle, expected = []) {
@@ -61,7 +58,7 @@ test("the later part comes at once where it is needed before", async (t) => {
     held += isWaitedFor ? 0 : 1;
     await (isWaitedFor ? route.continue() : undefined);
   };
-  const { page } = await openedWith(t, hold, [WAITS]);
+  const { page } = await openedWith(t, hold);
   await begun(page);
   await until("a request that is held back", async () => held > 0);
   assert.equal(await isThere(page), false);
@@ -71,7 +68,7 @@ test("the later part comes at once where it is needed before", async (t) => {
 });
 
 test("without its later part the page asks, says what is missing, and loses nothing", async (t) => {
-  const refused = [/net::ERR_FAILED/, /did not come yet/, WAITS, /could not be loaded/];
+  const refused = [/net::ERR_FAILED/, /did not come yet/, /could not be loaded/];
   const { context, page } = await openedWith(t, (route) => route.abort(), refused);
   await begun(page);
   await page.evaluate(() => localStorage.setItem("lessons", '{"kept":"as it was"}'));

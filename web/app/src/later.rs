@@ -1,5 +1,5 @@
-//! The part of the program that is loaded after the start. The packer cuts it off (`web/pack/src/cut.rs`), and puts a call of
-//! [`load_later`] where the rest of the program would run it before it has arrived.
+//! The part of the program that is loaded after the start. The packer cuts it off (`web/pack/src/cut.rs`), and puts a
+//! call of [`load_later`] where the rest of the program would run it before it has arrived.
 
 use std::cell::RefCell;
 
