@@ -29,6 +29,7 @@ const TYPES = { ".txt": "text/plain", ".html": "text/html", ".js": "text/javascr
 /** Stands for the program: it records what it is asked and told, and shows the state that `show` is given. */
 const PROGRAM = `
 export default async function init() {}
+export function load_later_with() {}
 export async function start(canvas, options, hooks) {
   const calls = (window.calls ??= []);
   window.options = JSON.parse(options);
