@@ -1,5 +1,5 @@
-// @ts-check
-// Loads the part of the program that the start does without, such as exports, measures and pictures (`web/pack/src/cut.rs`).
+// @ts-check Loads the part of the program that the start does without, such as exports, measures and pictures
+// (`web/pack/src/cut.rs`).
 
 import { compile } from "./{{asset:load.js}}";
 

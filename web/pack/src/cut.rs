@@ -1,10 +1,11 @@
-//! Cuts the program in two: the first module has what the start and ordinary play need, the later one what only exports,
-//! measures, pictures and the GPU need. A rule by names chooses, and it decides nothing but speed: where the first module calls
-//! a function of the later one, it has a stub in its place, which loads the later module if that is not there yet.
+//! Cuts the program in two: the first module has what the start and ordinary play need, the later one what only
+//! exports, measures, pictures and the GPU need. A rule by names chooses, and it decides nothing but speed: where the
+//! first module calls a function of the later one, it has a stub in its place, which loads the later module if that is
+//! not there yet.
 //!
-//! Both share the memory, the tables and the globals of the first. A table of its own, the slots, has the functions of the later
-//! module that stubs call. The later module fills it when it is instantiated, which takes no more than the exports of the
-//! first: `new WebAssembly.Instance(later, { "": exports })`.
+//! Both share the memory, the tables and the globals of the first. A table of its own, the slots, has the functions of
+//! the later module that stubs call. The later module fills it when it is instantiated, which takes no more than the
+//! exports of the first: `new WebAssembly.Instance(later, { "": exports })`.
 
 mod encode;
 mod first;
@@ -33,8 +34,8 @@ pub struct Halves {
     pub weights: Weights,
 }
 
-/// Cuts a module that has the names of its functions. Functions for whose names and bytes of code `is_later` holds, and those that only such functions
-/// call, go to the later module.
+/// Cuts a module that has the names of its functions. Functions for whose names and bytes of code `is_later` holds, and
+/// those that only such functions call, go to the later module.
 ///
 /// # Errors
 ///

@@ -229,8 +229,8 @@ impl<'a> Program<'a> {
                 Operator::Call { function_index }
                 | Operator::ReturnCall { function_index }
                 | Operator::RefFunc { function_index } => calls.push(function_index),
-                // No other operator of today names a function. One that does fails when it is written again, as its function
-                // is then in neither module.
+                // No other operator of today names a function. One that does fails when it is written again, as its
+                // function is then in neither module.
                 _ => {}
             }
         }
@@ -258,8 +258,8 @@ fn function_names(section: wasmparser::NameSectionReader<'_>) -> Result<BTreeMap
     Ok(names)
 }
 
-/// Returns a name without the hashes of crates: `core[2e0298893db3e084]::fmt` becomes `core::fmt`. They change with every compiler, and
-/// names without them lie next to each other.
+/// Returns a name without the hashes of crates: `core[2e0298893db3e084]::fmt` becomes `core::fmt`. They change with
+/// every compiler, and names without them lie next to each other.
 fn without_hashes(name: &str) -> String {
     let mut bare = String::with_capacity(name.len());
     let mut rest = name;

@@ -7,8 +7,8 @@ use anyhow::{Context, Result, ensure};
 use super::program::Program;
 use super::{LOADER, SETTER};
 
-/// Functions with at most so many bytes of code that call no others are in both modules, where the later one needs them: a copy
-/// costs the start nothing, and an export would.
+/// Functions with at most so many bytes of code that call no others are in both modules, where the later one needs
+/// them: a copy costs the start nothing, and an export would.
 const MAX_COPIED: usize = 160;
 
 /// Where each function goes. All indices are the program's.
@@ -35,8 +35,8 @@ impl Plan {
             .map(|(index, _)| index)
             .collect();
 
-        // Outside code can call what is exported, and the program can call what is in a table. What it reaches from there
-        // without a chosen function on the way is needed early, all else is not.
+        // Outside code can call what is exported, and the program can call what is in a table. What it reaches from
+        // there without a chosen function on the way is needed early, all else is not.
         let exported = program.exported.values().copied();
         let in_table = program.entries.iter().map(|entry| entry.function);
         let roots: Vec<u32> = exported.chain(in_table).chain(program.start).collect();

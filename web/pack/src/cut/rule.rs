@@ -1,7 +1,7 @@
 //! Which functions the start does without, by their names.
 
-/// Crates and modules of which the start and ordinary play need nothing, but for [`EARLY`]. A function that is named in error is
-/// still found: the rest of the program is then loaded for it at once.
+/// Crates and modules of which the start and ordinary play need nothing, but for [`EARLY`]. A function that is named in
+/// error is still found: the rest of the program is then loaded for it at once.
 const LATER: &[&str] = &[
     // Spectra and other measures, the second judge, and what they compute with.
     "tilescope_analysis::grid",
@@ -56,7 +56,8 @@ const LATER: &[&str] = &[
     "sha1_smol",
 ];
 
-/// Exceptions, as measured in Chromium from the start to the first steps: what is copied, dropped or asked for with every run.
+/// Exceptions, as measured in Chromium from the start to the first steps: what is copied, dropped or asked for with
+/// every run.
 const EARLY: &[&str] = &[
     // A sort of the sampler's samples is the same function as one of these crates', and has its name.
     "core::slice::sort",
@@ -72,12 +73,13 @@ const EARLY: &[&str] = &[
     "tilescope_sets::varying::source",
 ];
 
-/// Functions with at most so many bytes of code go where they are called. The linker makes one of functions that are equal, as many
-/// small ones are, so that their names say little: the drop of any handle may have the name of a rare one.
+/// Functions with at most so many bytes of code go where they are called. The linker makes one of functions that are
+/// equal, as many small ones are, so that their names say little: the drop of any handle may have the name of a rare
+/// one.
 const MAX_SMALL: usize = 128;
 
-/// Whether the start does without a function of so many bytes of code. One that is generic is named with the types that it was made
-/// for, and counts for each of them.
+/// Whether the start does without a function of so many bytes of code. One that is generic is named with the types that
+/// it was made for, and counts for each of them.
 pub fn is_later(name: &str, bytes: usize) -> bool {
     let is_named = |paths: &[&str]| paths.iter().any(|path| names(name, path));
     bytes > MAX_SMALL && is_named(LATER) && !is_named(EARLY)
@@ -88,7 +90,8 @@ fn names(name: &str, path: &str) -> bool {
     let is_word = |sign: char| sign.is_alphanumeric() || sign == '_';
     name.match_indices(path).any(|(at, _)| {
         let (before, after) = (&name[..at], &name[at + path.len()..]);
-        // A path begins a word, is not part of a longer path, and ends with a word: `png` is not in `tilescope::png::write`.
+        // A path begins a word, is not part of a longer path, and ends with a word: `png` is not in
+        // `tilescope::png::write`.
         let begins = !before.ends_with(|sign| is_word(sign) || sign == ':');
         // The path of a module may end with a type.
         let is_type = path.contains("::") && !after.starts_with(is_word);

@@ -29,8 +29,9 @@ fn is_later(name: &str, _bytes: usize) -> bool {
     name.starts_with("late::")
 }
 
-/// Returns a program: `run(x)` is `double(x)`, called directly, plus `square(x)`, called by way of a table, plus `shared(x)`. The first two are late. They
-/// need a global, the memory, two functions of the first module and one that no other needs. `loader` calls this function.
+/// Returns a program: `run(x)` is `double(x)`, called directly, plus `square(x)`, called by way of a table, plus
+/// `shared(x)`. The first two are late. They need a global, the memory, two functions of the first module and one that
+/// no other needs. `loader` calls this function.
 fn program(loader: u32) -> Vec<u8> {
     use Instruction::{
         Call, CallIndirect, End, GlobalGet, I32Add, I32Const, I32Load8U, I32Mul, LocalGet,
