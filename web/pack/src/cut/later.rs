@@ -3,12 +3,11 @@
 use anyhow::{Result, anyhow};
 use wasm_encoder::reencode::Reencode;
 use wasm_encoder::{
-    CodeSection, ElementSection, EntityType, FunctionSection, ImportSection, Module, RefType,
-    TableType, TypeSection,
+    CodeSection, ElementSection, EntityType, FunctionSection, ImportSection, Module, TypeSection,
 };
 
 use super::encode::{self, Indices};
-use super::first::{by_name, shared_places};
+use super::first::{by_name, shared_places, slots_type};
 use super::program::Program;
 use super::reach::Plan;
 
@@ -42,8 +41,8 @@ pub fn encode(program: &Program<'_>, plan: &Plan) -> Result<Vec<u8>> {
     Ok(module.finish())
 }
 
-/// Imports the functions that are called, and all tables, memories and globals in the first module's order, so that their
-/// indices stay.
+/// Imports the functions that are called, and all tables, memories and globals in the first module's order, so that
+/// their indices stay.
 fn imports(program: &Program<'_>, plan: &Plan, indices: &mut Indices) -> Result<ImportSection> {
     let mut imports = ImportSection::new();
     for (index, name) in &plan.shared {
@@ -58,13 +57,7 @@ fn imports(program: &Program<'_>, plan: &Plan, indices: &mut Indices) -> Result<
             indices.table_type(table?.ty).map_err(failed)?,
         ));
     }
-    kinds.push(EntityType::Table(TableType {
-        element_type: RefType::FUNCREF,
-        table64: false,
-        minimum: plan.slots.len() as u64,
-        maximum: Some(plan.slots.len().max(1) as u64),
-        shared: false,
-    }));
+    kinds.push(EntityType::Table(slots_type(plan)));
     for memory in sections.memories.iter().flat_map(Clone::clone) {
         kinds.push(EntityType::Memory(
             indices.memory_type(memory?).map_err(failed)?,
@@ -82,8 +75,8 @@ fn imports(program: &Program<'_>, plan: &Plan, indices: &mut Indices) -> Result<
     Ok(imports)
 }
 
-/// Fills the slots. Later functions in the program's own tables replace their stubs there, so that calls by way of a table need
-/// no slot any more.
+/// Fills the slots. Later functions in the program's own tables replace their stubs there, so that calls by way of a
+/// table need no slot any more.
 fn elements(program: &Program<'_>, plan: &Plan, indices: &Indices) -> Result<ElementSection> {
     let mut elements = ElementSection::new();
     let [slots_table, ..] = program.counts();
