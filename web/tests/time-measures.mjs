@@ -28,11 +28,15 @@ async function pageOf(radii) {
   };
   const bindings = one(/^tilescope-\w+\.js$/);
   const program = one(/^tilescope_bg-\w+\.wasm$/);
+  const later = one(/^later-\w+\.js$/);
   return `<!doctype html><title>Timing</title><script type="module">
     const send = (path, text) => fetch(path, { method: "POST", body: text });
     try {
       const program = await import("./${bindings}");
-      await program.default({ module_or_path: "./${program}" });
+      const { fetchLater, join } = await import("./${later}");
+      const exports = await program.default({ module_or_path: "./${program}" });
+      // Measures are in the program's later part, as they are where the page is just opened.
+      join(exports, await fetchLater());
       const rows = ${JSON.stringify(radii)}.flatMap((radius) => JSON.parse(program.time_measures(radius)));
       await send("/rows", JSON.stringify(rows));
     } catch (error) {

@@ -151,6 +151,13 @@ struct PaneSide<'a> {
     subject: Option<Subject<'a>>,
 }
 
+/// Describes a picture by its moment, for those who do not see it. A pointer over it names what lies there instead.
+fn describe(ui: &Ui, response: &egui::Response, subject: &Subject<'_>) {
+    let moment = ui.words(happened(Some(&subject.shown)));
+    ui.ctx()
+        .accesskit_node_builder(response.id, |node| node.set_description(moment));
+}
+
 impl PaneSide<'_> {
     /// Shows one picture with its input, and returns its response. On the stage of a talk, nothing but the scale lies over it.
     fn show(
@@ -212,11 +219,7 @@ impl PaneSide<'_> {
         overlay::note(&painter, rect, subject, note.as_deref(), palette);
         hint::show(&painter, rect, palette);
 
-        // Who does not see the picture reads which moment it shows. A pointer over it names what lies there instead.
-        let moment = ui.words(happened(Some(&subject.shown)));
-        ui.ctx()
-            .accesskit_node_builder(response.id, |node| node.set_description(moment));
-
+        describe(ui, &response, subject);
         // A projector's type is large, so that a whole card would cover the picture.
         let is_brief = context.look.is_projector();
         if pointer.is_some() {

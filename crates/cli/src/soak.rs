@@ -182,6 +182,7 @@ fn text(sum: &Tally) -> String {
             sum.covering_radius_r
         );
     }
+
     if sum.failed > 0 {
         let _ = writeln!(out, "rounds that failed {}", sum.failed);
     }
@@ -253,6 +254,36 @@ const ORDERS: [Order; 4] = [
 ];
 
 /// Draws the parameters of a round.
+/// Returns the pattern of a round.
+fn pattern(dice: &Dice, leaf: f64, seed: u64) -> PatternSpec {
+    // Such a pattern is made for this round alone, which takes longer than most rounds.
+    if dice.has(Feature::BoundedPattern) && dice.share(4) < 0.3 {
+        // A bounded pattern must hold every clip: a block has less than two leaves along a side, and its clip r more on
+        // either side.
+        PatternSpec {
+            side: (2.0 * leaf + 3.0) * (1.0 + dice.share(5)),
+            boundary: Boundary::Bounded,
+            seed,
+        }
+    } else {
+        // Mostly a few sides and seeds, whose patterns are kept: to make one takes longer than a small round.
+        let any = dice.scale(5, [MIN_PATTERN_SIDE_RADII, 160.0]);
+        let side = if dice.has(Feature::AnyPattern) {
+            dice.pick(10, &[20.0, 30.0, 50.0, 200.0, any, any])
+        } else {
+            100.0
+        };
+
+        // The side that users have unless they ask for another is tried with eight seeds.
+        let is_default = (side - 100.0).abs() < 1e-9;
+        PatternSpec {
+            side,
+            boundary: Boundary::Periodic,
+            seed: if is_default { seed & 7 } else { 0 },
+        }
+    }
+}
+
 fn parameters(dice: &Dice, seed: u64) -> Parameters {
     // A draw has an index of its own, so that a new one changes no other. A maximal set has about 0.7 samples for each
     // r^2.
@@ -274,32 +305,6 @@ fn parameters(dice: &Dice, seed: u64) -> Parameters {
         Parameters::default().leaf
     };
 
-    // Such a pattern is made for this round alone, which takes longer than most rounds.
-    let pattern = if dice.has(Feature::BoundedPattern) && dice.share(4) < 0.3 {
-        // A bounded pattern must hold every clip: a block has less than two leaves along a side, and its clip r more on
-        // either side.
-        PatternSpec {
-            side: (2.0 * leaf + 3.0) * (1.0 + dice.share(5)),
-            boundary: Boundary::Bounded,
-            seed,
-        }
-    } else {
-        // Mostly a few sides and seeds, whose patterns are kept: to make one takes longer than a small round.
-        let any = dice.scale(5, [MIN_PATTERN_SIDE_RADII, 160.0]);
-        let side = if dice.has(Feature::AnyPattern) {
-            dice.pick(10, &[20.0, 30.0, 50.0, 200.0, any, any])
-        } else {
-            100.0
-        };
-        // The side that users have unless they ask for another is tried with eight seeds.
-        let is_default = (side - 100.0).abs() < 1e-9;
-        PatternSpec {
-            side,
-            boundary: Boundary::Periodic,
-            seed: if is_default { seed & 7 } else { 0 },
-        }
-    };
-
     // A reach of two radii may leave gaps: an experiment of the paper, for a few rounds.
     let has_two_radii = dice.has(Feature::TwoRadii) && dice.share(9) < 0.2;
     let search = if has_two_radii {
@@ -316,7 +321,7 @@ fn parameters(dice: &Dice, seed: u64) -> Parameters {
         boundary: Boundary::of(!dice.has(Feature::Bounded)),
         seed,
         leaf,
-        pattern,
+        pattern: pattern(dice, leaf, seed),
         dihedral: dice.has(Feature::Dihedral),
         order: if dice.has(Feature::Order) {
             dice.pick(7, &ORDERS)

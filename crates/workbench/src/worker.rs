@@ -1,5 +1,11 @@
 //! Every kind of background task, by its name, for workers on a page. A new task needs a line here.
 
+use std::error::Error;
+use std::sync::Arc;
+
+use tilescope_core::{Parameters, Unobserved};
+use tilescope_debugger::{DEFAULT_BUDGET, Recording};
+use tilescope_live::{Course, Motion, timed};
 use tilescope_session::jobs::Monitor;
 use tilescope_session::task::{Task, TaskError, run};
 
@@ -45,6 +51,33 @@ tasks! {
     crate::thumbnails::ThumbnailTask,
     tilescope_classroom::lesson_picture::StepPictureTask,
     tilescope_classroom::handout::HandoutTask,
+}
+
+/// Times the measures that move with the run of default parameters and this radius, without drawing, by `seconds`, a clock that never
+/// goes back. Returns a JSON array with an object for each motion without and with the analysis.
+///
+/// # Errors
+///
+/// A sentence, if there is no such run.
+pub fn time_measures(radius: f64, seconds: &dyn Fn() -> f64) -> Result<String, String> {
+    timed_rows(radius, seconds).map_err(|error| error.to_string())
+}
+
+fn timed_rows(radius: f64, seconds: &dyn Fn() -> f64) -> Result<String, Box<dyn Error>> {
+    let parameters = Parameters {
+        radius,
+        ..Parameters::default()
+    };
+    let recording = Recording::new(&parameters, DEFAULT_BUDGET, &mut Unobserved)?;
+    let course = Arc::new(Course::of_recording(&recording));
+
+    let mut rows = Vec::new();
+    for motion in Motion::ALL {
+        for analysis in [false, true] {
+            rows.push(timed(&recording, &course, motion, analysis, seconds)?);
+        }
+    }
+    Ok(serde_json::to_string(&rows)?)
 }
 
 #[cfg(test)]

@@ -263,6 +263,7 @@ impl Pool {
         let Some(slot) = slot else {
             return;
         };
+
         let (text, is_hopeless) = match why {
             Break::Fault(why) => (
                 format!("a background job failed ({why}); this is a fault of the program"),
@@ -271,6 +272,7 @@ impl Pool {
             // Once there is a network, workers work again.
             Break::Lacking(why) => (why.clone(), false),
         };
+
         slot.worker.terminate();
         if let Some(busy) = slot.busy {
             (busy.task.answer)(TaskEnd::Failed(text.clone()));
@@ -290,6 +292,7 @@ impl Pool {
             let value = Reflect::get(message, &name.into()).unwrap_or(JsValue::UNDEFINED);
             (!value.is_undefined()).then_some(value)
         };
+
         if let Some(why) = get("broken").or_else(|| get("fault")) {
             self.remove_broken(worker, &Break::Fault(why.as_string().unwrap_or_default()));
         } else if let Some(why) = get("lacking") {

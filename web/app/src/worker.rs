@@ -1,13 +1,8 @@
 //! The side of a web worker: runs tasks, one at a time, from bytes to bytes.
 
 use std::cell::{Cell, RefCell};
-use std::error::Error;
-use std::sync::Arc;
 
 use js_sys::{Array, Date, Function, Uint8Array};
-use tilescope_core::{Parameters, Unobserved};
-use tilescope_debugger::{DEFAULT_BUDGET, Recording};
-use tilescope_live::{Course, Motion, timed};
 use tilescope_session::jobs::Monitor;
 use tilescope_session::task::{self, TaskError};
 use wasm_bindgen::prelude::{JsValue, wasm_bindgen};
@@ -70,33 +65,16 @@ pub fn kept_sessions() -> Array {
     numbers(&task::kept_sessions())
 }
 
-/// Times the measures that move with the run of default parameters and this radius, on this thread, without drawing. Returns a
-/// JSON array: an object for each motion, without and with the analysis, as of `tilescope bench --live --json`.
+/// Times the measures that move with the run of default parameters and this radius, on this thread, as
+/// `tilescope bench --live --json` does.
 ///
 /// # Errors
 ///
 /// A sentence, if there is no such run.
 #[wasm_bindgen]
 pub fn time_measures(radius: f64) -> Result<String, JsValue> {
-    timed_measures(radius).map_err(|error| error.to_string().into())
-}
-
-fn timed_measures(radius: f64) -> Result<String, Box<dyn Error>> {
-    let parameters = Parameters {
-        radius,
-        ..Parameters::default()
-    };
-    let recording = Recording::new(&parameters, DEFAULT_BUDGET, &mut Unobserved)?;
-    let course = Arc::new(Course::of_recording(&recording));
     let seconds = || Date::now() / 1e3;
-
-    let mut rows = Vec::new();
-    for motion in Motion::ALL {
-        for analysis in [false, true] {
-            rows.push(timed(&recording, &course, motion, analysis, &seconds)?);
-        }
-    }
-    Ok(serde_json::to_string(&rows)?)
+    tilescope_workbench::worker::time_measures(radius, &seconds).map_err(JsValue::from)
 }
 
 fn numbers(generations: &[u64]) -> Array {

@@ -229,7 +229,12 @@ pub fn show(ui: &mut Ui, context: &TimeContext<'_>, commands: &mut Vec<Command>)
     // Marks lie over the density of events, and the cursor over both.
     marks(&painter, context, &segments, rect, palette);
 
-    let x = x_of(&segments, cursor);
+    draw_cursor(&painter, x_of(&segments, cursor), rect, palette);
+    rect
+}
+
+/// Draws the cursor at `x`: a line through the bars, with a tip above.
+fn draw_cursor(painter: &Painter, x: f32, rect: Rect, palette: &Palette) {
     let ends = [pos2(x, rect.top() - 2.0), pos2(x, rect.top() + BAR + 4.0)];
     painter.line_segment(ends, Stroke::new(2.0, palette.halo));
     let tip = [vec2(-5.0, -4.0), vec2(5.0, -4.0), vec2(0.0, 4.0)].map(|v| ends[0] + v);
@@ -238,7 +243,6 @@ pub fn show(ui: &mut Ui, context: &TimeContext<'_>, commands: &mut Vec<Command>)
         palette.halo,
         Stroke::NONE,
     ));
-    rect
 }
 
 /// Draws the bar of a segment, and shows its label; a click on the label goes to the end of the segment.

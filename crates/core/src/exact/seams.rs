@@ -147,6 +147,7 @@ impl<'a> SeamTiling<'a> {
             zones: Vec::new(),
             zone_cells: NumberCells::default(),
             reached: Vec::new(),
+
             agenda: Agenda::default(),
             marked: MarkedCells::default(),
             bounds: Vec::new(),

@@ -16,6 +16,7 @@ use super::reach::{Plan, name};
 
 /// Returns the first module.
 pub fn encode(program: &Program<'_>, plan: &Plan) -> Result<Vec<u8>> {
+    // Imported functions keep their indices, as the format has them first. Stubs come last, as there is code for none of them yet.
     let imported = 0..program.imported.len() as u32;
     let kept = by_name(program, |index| !plan.later.contains(&index));
     let stubs = plan.slots.keys().copied();
@@ -97,6 +98,7 @@ fn functions(
     let functions = kept.iter().filter_map(|index| program.function(*index));
     encode::code(functions, indices, &mut kinds, &mut code)?;
 
+    // Its index, which stubs need before it is written.
     let check = (program.imported.len() + kept.len() + plan.slots.len()) as u32;
     let [slots_table, ..] = program.counts();
     for (index, slot) in &plan.slots {
@@ -149,6 +151,7 @@ fn exports(program: &Program<'_>, plan: &Plan, indices: &mut Indices) -> Result<
             .map_err(|error| anyhow!("exports: {error}"))?;
     }
 
+    // In this order, since names are given by number: the later module counts in the same way.
     for (name, kind, index) in shared_places(program, plan) {
         exports.export(&name, kind, index);
     }

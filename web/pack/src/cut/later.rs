@@ -23,6 +23,7 @@ pub fn encode(program: &Program<'_>, plan: &Plan) -> Result<Vec<u8>> {
     let mut indices = Indices::of(program, order);
 
     let mut module = Module::new();
+    // All types, also those that nothing here needs: they are few, and their indices stay.
     if let Some(section) = program.sections.types.clone() {
         let mut types = TypeSection::new();
         indices
@@ -49,6 +50,7 @@ fn imports(program: &Program<'_>, plan: &Plan, indices: &mut Indices) -> Result<
         imports.import(FROM, name, EntityType::Function(program.kind(*index)));
     }
 
+    // Types of places have to be those of the first module, or the browser refuses to join the two.
     let failed = |error| anyhow!("imports: {error}");
     let sections = &program.sections;
     let mut kinds = Vec::new();
@@ -82,6 +84,7 @@ fn elements(program: &Program<'_>, plan: &Plan, indices: &Indices) -> Result<Ele
     let [slots_table, ..] = program.counts();
     let in_slots = plan.slots.keys().map(|index| indices.get(*index));
     let in_slots: Vec<u32> = in_slots.collect::<Result<_>>()?;
+    // The first module looks at slot 0 alone: all are filled at once, when the later module is instantiated.
     encode::fill(&mut elements, slots_table, 0, &in_slots);
 
     // Places that follow each other become one segment.

@@ -91,6 +91,7 @@ impl<'a> Program<'a> {
                 Payload::DataCountSection { count, .. } => program.data_count = Some(count),
                 Payload::DataSection(section) => program.sections.data = Some(section),
                 Payload::CodeSectionEntry(body) => {
+                    // Types and bodies of functions are in two sections, in the same order.
                     let kind = *kinds
                         .get(program.functions.len())
                         .context("a function has code and no type")?;
@@ -107,6 +108,7 @@ impl<'a> Program<'a> {
             }
         }
 
+        // Names count functions from the imported ones on, and the linker leaves some without a name.
         let imported = program.imported.len();
         for (index, function) in program.functions.iter_mut().enumerate() {
             function.name = names
@@ -156,6 +158,7 @@ impl<'a> Program<'a> {
     fn take_types(&mut self, section: TypeSectionReader<'a>) -> Result<()> {
         for group in section.clone() {
             for kind in group?.into_types() {
+                // Rust makes no types of the garbage-collected kind, of which stubs would know nothing.
                 let CompositeInnerType::Func(function) = kind.composite_type.inner else {
                     bail!("the module has a type that is not a function's");
                 };
@@ -169,6 +172,7 @@ impl<'a> Program<'a> {
     fn take_imports(&mut self, section: ImportSectionReader<'a>) -> Result<()> {
         for import in section.clone().into_imports() {
             let import = import?;
+            // Imported tables, memories and globals would come before the own ones and shift their indices.
             let TypeRef::Func(kind) = import.ty else {
                 bail!(
                     "the module imports {}, which is not a function",
@@ -196,6 +200,8 @@ impl<'a> Program<'a> {
     fn take_elements(&mut self, section: ElementSectionReader<'a>) -> Result<()> {
         for element in section.clone() {
             let element = element?;
+            // The linker puts all functions into the table where the module begins, at places that are numbers. The places of
+            // others would not be known here.
             let ElementKind::Active {
                 table_index,
                 offset_expr,
@@ -210,6 +216,7 @@ impl<'a> Program<'a> {
             let ElementItems::Functions(functions) = element.items else {
                 bail!("a table has elements that are no functions");
             };
+
             for (place, function) in (first as u32..).zip(functions) {
                 self.entries.push(Entry {
                     table: table_index.unwrap_or(0),
@@ -234,6 +241,7 @@ impl<'a> Program<'a> {
                 _ => {}
             }
         }
+        // Types are indexed without a check later.
         ensure!((kind as usize) < self.types.len(), "type {kind} is missing");
         self.functions.push(Function {
             kind,
@@ -248,6 +256,7 @@ impl<'a> Program<'a> {
 fn function_names(section: wasmparser::NameSectionReader<'_>) -> Result<BTreeMap<u32, String>> {
     let mut names = BTreeMap::new();
     for subsection in section {
+        // Names of locals and the like choose nothing.
         if let Name::Function(map) = subsection? {
             for naming in map {
                 let naming = naming?;

@@ -104,6 +104,7 @@ pub fn crate_of(name: &str) -> &str {
     let ends = name.match_indices("::").map(|(at, _)| &name[..at]);
     let is_word = |sign: char| sign.is_alphanumeric() || sign == '_';
     for before in ends {
+        // The word before this `::`, which is a crate unless another path goes before it.
         let begin = before.rfind(|sign| !is_word(sign)).map_or(0, |at| at + 1);
         let word = &before[begin..];
         let is_path = before[..begin].ends_with(':');

@@ -262,6 +262,8 @@ impl DiskLists {
                 let lane = found.trailing_zeros() as usize % LANES;
                 found &= found - 1;
                 let id = group.ids[lane];
+
+                // A certain sample settles it, and a doubtful one stands only where no certain one follows.
                 if group.whens[lane] < when || is_earlier(id % DOUBTFUL) {
                     if id < DOUBTFUL {
                         return Coverage::Certain;
@@ -269,6 +271,7 @@ impl DiskLists {
                     coverage = Coverage::Doubtful;
                 }
             }
+
             index = self.nexts[index] as usize;
             if index == 0 {
                 return coverage;
