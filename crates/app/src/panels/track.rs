@@ -296,9 +296,12 @@ fn show_segment(
         ui.painter().layout_no_wrap(text.to_owned(), font, ink)
     };
 
-    // A name that does not fit is left out rather than cut off; the tooltip has it. Names of neighbours stay apart.
-    let fits = |galley: &std::sync::Arc<egui::Galley>| galley.size().x <= label.width() - 2.0;
-    if let Some(galley) = names.iter().map(|name| laid(name)).find(fits) {
+    // A name that does not fit is left out rather than cut off; the tooltip has it. Names of neighbours stay apart, and only the
+    // shortest may come as near to the next one as bars do.
+    let rooms = [-2.0, -2.0, 2.0].map(|beyond| label.width() + beyond);
+    let mut galleys = names.iter().map(|name| laid(name)).zip(rooms);
+    let fitting = galleys.find(|(galley, room)| galley.size().x <= *room);
+    if let Some((galley, _)) = fitting {
         let at = label.center_top() + vec2(-galley.size().x / 2.0, 4.0);
         ui.painter().galley(at, galley, ink);
     }
