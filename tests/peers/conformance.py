@@ -143,19 +143,19 @@ class Judge:
         """Returns what `tilescope verify` says of a set of a sampler, by name."""
         sides = ["--width", str(sampler.side), "--height", str(sampler.side), "--boundary", sampler.boundary]
         command = [self.program, "verify", path, "--radius", str(RADIUS * sampler.side), *sides]
-        told = subprocess.run(command, capture_output=True, text=True, check=False)
+        verdict = subprocess.run(command, capture_output=True, text=True, check=False, timeout=PATIENCE_S)
         number = r"([0-9.]+(?:e-?[0-9]+)?)"
         found = {
-            "samples": re.search(r"^samples +([0-9,]+)", told.stdout, re.M),
-            "density": re.search(rf"^density +{number}", told.stdout, re.M),
-            "conflicts": re.search(r"^conflict-free +(?:yes|NO, ([0-9,]+))", told.stdout, re.M),
-            "distance": re.search(rf"min distance {number} r", told.stdout),
-            "gaps": re.search(r"^maximal +(?:yes|NO, ([0-9,]+))", told.stdout, re.M),
-            "covering": re.search(rf"covering radius {number} r", told.stdout),
+            "samples": re.search(r"^samples +([0-9,]+)", verdict.stdout, re.M),
+            "density": re.search(rf"^density +{number}", verdict.stdout, re.M),
+            "conflicts": re.search(r"^conflict-free +(?:yes|NO, ([0-9,]+))", verdict.stdout, re.M),
+            "distance": re.search(rf"min distance {number} r", verdict.stdout),
+            "gaps": re.search(r"^maximal +(?:yes|NO, ([0-9,]+))", verdict.stdout, re.M),
+            "covering": re.search(rf"covering radius {number} r", verdict.stdout),
         }
         # Code 1 is the verdict "not valid"; anything else is no verdict.
-        if told.returncode not in (0, 1) or None in found.values():
-            raise ValueError((told.stderr or told.stdout).strip().splitlines()[0])
+        if verdict.returncode not in (0, 1) or None in found.values():
+            raise ValueError((verdict.stderr or verdict.stdout).strip().splitlines()[0])
         return {name: float((match.group(1) or "0").replace(",", "")) for name, match in found.items()}
 
     def row(self, sampler, folder):
@@ -197,8 +197,11 @@ def main():
             try:
                 rows.append(judge.row(sampler, folder))
                 print(rows[-1], flush=True)
+            except subprocess.TimeoutExpired:
+                left_out.append(f"- `{sampler.name}` ({sampler.registry}): it took more than {PATIENCE_S} s for a set.")
+                print(left_out[-1], flush=True)
             except (subprocess.SubprocessError, ValueError, OSError) as error:
-                why = (getattr(error, "stderr", "") or str(error)).strip().splitlines()[-1]
+                why = ((getattr(error, "stderr", "") or "").strip() or str(error)).splitlines()[-1]
                 left_out.append(f"- `{sampler.name}` ({sampler.registry}): it failed: {why}.")
                 print(left_out[-1], flush=True)
     machine = f"one thread of a shared server, {platform.machine()}"

@@ -43,6 +43,16 @@ export function fetchLaterNow() {
 }
 
 /**
+ * Joins the part with the program while nothing waits for it: some browsers make instances of large modules on the page's thread
+ * in this way alone. Should the program have loaded it meanwhile, the same slots are filled again.
+ * @param {WebAssembly.Exports} program @param {WebAssembly.Module} module
+ */
+export async function joinSoon(program, module) {
+  await WebAssembly.instantiate(module, { "": /** @type {any} */ (program) });
+  isThere = true;
+}
+
+/**
  * Joins the part with the program, unless it is there already.
  * @param {WebAssembly.Exports} program @param {WebAssembly.Module} module
  */

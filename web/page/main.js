@@ -4,7 +4,7 @@
 
 import { bridge, namedOrigin } from "./{{asset:embed.js}}";
 import { connectLesson, restoreDraft, showLesson, wishedHeight } from "./{{asset:lesson.js}}";
-import { fetchLater, fetchLaterNow, join, NOT_THERE } from "./{{asset:later.js}}";
+import { fetchLater, fetchLaterNow, join, joinSoon, NOT_THERE } from "./{{asset:later.js}}";
 import { load } from "./{{asset:load.js}}";
 import { missing, showMissing } from "./{{asset:missing.js}}";
 import { keepOffline } from "./{{asset:offline.js}}";
@@ -68,6 +68,9 @@ const hasText = asked.get("text") !== "none";
 
 /** The controls of the canvas as elements. */
 const tree = mirror(element("tree"), () => app);
+// Otherwise Shift and Tab would lead from the elements to the canvas, and on through the program.
+element("tree").addEventListener("focusin", () => (element("canvas").tabIndex = -1));
+element("tree").addEventListener("focusout", () => (element("canvas").tabIndex = 0));
 
 const frame = embed ? bridge(namedOrigin(asked.get("origin")), ask) : null;
 
@@ -329,13 +332,17 @@ async function loadLessons() {
 async function loadLater() {
   while (!later) {
     try {
-      take(await fetchLater());
+      const arrived = await fetchLater();
+      await joinSoon(exported, arrived);
+      take(arrived);
     } catch (error) {
       console.warn("The rest of the program did not come yet:", error);
+      const given = new AbortController();
       await new Promise((resolve) => {
         setTimeout(resolve, AGAIN_MS);
-        window.addEventListener("online", resolve, { once: true });
+        window.addEventListener("online", resolve, { signal: given.signal });
       });
+      given.abort();
     }
   }
 }

@@ -25,7 +25,7 @@ import { announceNew } from "./{{asset:sheets.js}}";
  * @property {boolean} [disabled]
  * @property {boolean} [fixed]
  * @property {boolean} [focusable]
- * @property {boolean} [steps] whether it can be told to take the next value
+ * @property {boolean} [steps] whether it has actions for the next value and the one before
  * @property {boolean} [live]
  * @property {number[]} [place] left, top, width and height in pixels, from the parent's corner
  * @property {number} [active]
@@ -35,7 +35,7 @@ import { announceNew } from "./{{asset:sheets.js}}";
 /**
  * Changes of the tree.
  * @typedef {object} Changes
- * @property {boolean} all whether what was there is forgotten
+ * @property {boolean} all whether what was there is dropped
  * @property {string} language
  * @property {number[]} [top]
  * @property {[number, Described][]} elements
@@ -111,14 +111,17 @@ export function mirror(root, program) {
     if (all) {
       root.replaceChildren();
       shown.clear();
+      // Another program gives the same numbers to other elements.
+      trail = [];
+      focus = 0;
     }
     if (root.lang !== language) {
       root.lang = language;
     }
 
     // Labels may come after what they name, so that all elements are there before any is described.
-    for (const [number, described] of elements) {
-      make(number, described.role);
+    for (const [number, description] of elements) {
+      make(number, description.role);
     }
     for (const number of gone) {
       shown.get(number)?.remove();
@@ -243,7 +246,9 @@ export function mirror(root, program) {
       const last = shown.get(trail[0]);
       move(last ?? root);
       if (last) {
-        ask(trail[0], "focus");
+        // Deferred: changes come while the program's state is borrowed, and a request would then be lost.
+        const number = trail[0];
+        setTimeout(() => ask(number, "focus"));
       }
     }
   }

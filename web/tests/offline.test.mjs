@@ -83,6 +83,8 @@ test("the page works without a network after the first visit", async (t) => {
   const told = await state(again);
   assert.equal(told.verified, true);
   assert.equal(told.seed, 6);
+  // The rest of the program comes from what the page has stored, too.
+  await again.waitForFunction(() => performance.getEntriesByName("tilescope: all is there").length > 0);
 });
 
 test("a new version is offered, and comes with the user's consent", async (t) => {

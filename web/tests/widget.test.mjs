@@ -91,12 +91,34 @@ test("what the player shows comes into the state", () => {
   assert.deepEqual([cursor, moment, events, _picked, sentence], [30, "tile", 900, 8, "Finish."]);
 });
 
+test("what is set before the run is there is asked of the player then", () => {
+  const [model, posted] = [modelOf(), []];
+  const { hear, changes } = follower(model, (request) => posted.push(request));
+  Object.assign(model.state, { cursor: 10, _picked: 4 });
+  changes.cursor();
+  changes._picked();
+  hear(told({ ready: false }));
+  assert.deepEqual(posted, [], "before the run is made nothing can be asked");
+  hear(told());
+  assert.deepEqual(posted, [
+    { tilescope: 1, id: 1, do: "seek", event: 10 },
+    { tilescope: 1, id: 2, do: "load", link: "v=1&seed=7&select=sample:4" },
+  ]);
+  assert.equal(model.state.cursor, 10);
+});
+
+test("a stage that is set before the run is there is sought then", () => {
+  const [model, posted] = [modelOf(), []];
+  const { hear, changes } = follower(model, (request) => posted.push(request));
+  Object.assign(model.state, { cursor: null, moment: "tile" });
+  changes.moment();
+  hear(told());
+  assert.deepEqual(posted, [{ tilescope: 1, id: 1, do: "seek", stage: "tile" }]);
+});
+
 test("what the state says is asked of the player, and nothing that it shows already", () => {
   const [model, posted] = [modelOf(), []];
   const { hear, changes } = follower(model, (request) => posted.push(request));
-  Object.assign(model.state, { cursor: 10, moment: "tile", _picked: 4 });
-  changes.cursor();
-  assert.deepEqual(posted, [], "before the run is made nothing can be asked");
   hear(told());
   assert.deepEqual(model.state.cursor, 900);
   changes.cursor();

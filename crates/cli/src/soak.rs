@@ -253,7 +253,6 @@ const ORDERS: [Order; 4] = [
     Order::PhaseGroup,
 ];
 
-/// Draws the parameters of a round.
 /// Returns the pattern of a round.
 fn pattern(dice: &Dice, leaf: f64, seed: u64) -> PatternSpec {
     // Such a pattern is made for this round alone, which takes longer than most rounds.
@@ -284,6 +283,7 @@ fn pattern(dice: &Dice, leaf: f64, seed: u64) -> PatternSpec {
     }
 }
 
+/// Draws the parameters of a round.
 fn parameters(dice: &Dice, seed: u64) -> Parameters {
     // A draw has an index of its own, so that a new one changes no other. A maximal set has about 0.7 samples for each
     // r^2.

@@ -46,9 +46,13 @@ pub struct Detection {
 
 impl Detection {
     /// The format that the caller insists on, or that [`detect`] finds.
-    pub(crate) fn of(bytes: &[u8], path: &Path, told: Option<Format>) -> Result<Self, FormatError> {
+    pub(crate) fn of(
+        bytes: &[u8],
+        path: &Path,
+        asked: Option<Format>,
+    ) -> Result<Self, FormatError> {
         let evidence = Evidence::Told;
-        told.map_or_else(
+        asked.map_or_else(
             || detect(bytes, path),
             |format| Ok(Self { format, evidence }),
         )
@@ -303,16 +307,17 @@ fn looks_like_rps(bytes: &[u8]) -> Option<Format> {
 }
 
 impl Format {
-    /// The format to write a file called `path` in: `told` if there is one, or the one that its extension stands for.
+    /// The format to write a file called `path` in: `asked` if there is one, or the one that its extension stands for.
     ///
     /// # Errors
     ///
     /// [`FormatError::UnknownFormat`] when neither gives a format, [`FormatError::Misnamed`] when the file would be
     /// read as another format.
-    pub fn to_write(path: &Path, told: Option<Self>) -> Result<Self, FormatError> {
+    pub fn to_write(path: &Path, asked: Option<Self>) -> Result<Self, FormatError> {
         let name = || path.to_string_lossy().into_owned();
         let named = Self::from_path(path);
-        let format = (told.or(named)).ok_or_else(|| FormatError::UnknownFormat { name: name() })?;
+        let format =
+            (asked.or(named)).ok_or_else(|| FormatError::UnknownFormat { name: name() })?;
         match named {
             Some(named) if !format.is_recognised_as(named) => Err(FormatError::Misnamed {
                 name: name(),

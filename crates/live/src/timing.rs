@@ -62,7 +62,11 @@ impl Motion {
     pub fn cursors(self, course: &Course) -> Vec<usize> {
         let (events, changes) = (course.events(), course.changes());
         match self {
-            Self::Play => (0..=FRAMES).map(|frame| frame * events / FRAMES).collect(),
+            Self::Play => {
+                // In 64 bits: in a browser numbers of events have 32.
+                let at = |frame: usize| (frame as u64 * events as u64 / FRAMES as u64) as usize;
+                (0..=FRAMES).map(at).collect()
+            }
             Self::Step => {
                 let later = &changes[changes.len() / 2..];
                 // A cursor counts the events that have happened, the change among them.
@@ -118,7 +122,11 @@ pub fn timed(
     analysis: bool,
     seconds: &dyn Fn() -> f64,
 ) -> Result<Timed, MeasureError> {
-    let cursors = motion.cursors(course);
+    let mut cursors = motion.cursors(course);
+    // A run without changes has no steps.
+    if cursors.is_empty() {
+        cursors.push(0);
+    }
     let wanted = if analysis { ALL } else { Wanted::default() };
     let mut state = State::default();
     let mut moment = LiveMoment::new(Arc::clone(course));
@@ -142,7 +150,7 @@ pub fn timed(
 
     let taken = seconds() - began;
     // Every cursor but the first is the end of a move.
-    let moves = (cursors.len() - 1) as f64;
+    let moves = (cursors.len() - 1).max(1) as f64;
     Ok(Timed {
         samples: course.final_count(),
         motion,

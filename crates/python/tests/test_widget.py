@@ -109,7 +109,7 @@ def test_changes_are_observed_and_wrong_values_refused(small, page):
     widget = tilescope.widget(small, address=page, height=300)
     seen = []
     widget.observe(lambda change: seen.append(change["new"]), "cursor")
-    # What a view tells comes as one change of several values.
+    # What a view reports comes as one change of several values.
     with widget.hold_trait_notifications():
         widget.events, widget.cursor, widget.moment = 900, 30, "tile"
     assert seen == [30]

@@ -44,7 +44,7 @@ pub struct Element {
     fixed: bool,
     #[serde(skip_serializing_if = "is_false")]
     focusable: bool,
-    /// Whether it can be told to take the next value; otherwise arrows are the program's, as they are on the canvas.
+    /// Whether it has actions for the next value and the one before; otherwise arrows are the program's, as they are on the canvas.
     #[serde(skip_serializing_if = "is_false")]
     steps: bool,
     #[serde(skip_serializing_if = "is_false")]

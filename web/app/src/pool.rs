@@ -275,12 +275,13 @@ impl Pool {
 
         slot.worker.terminate();
         if let Some(busy) = slot.busy {
-            (busy.task.answer)(TaskEnd::Failed(text.clone()));
+            (busy.task.answer)(TaskEnd::Failed(text));
         }
         if is_hopeless {
+            let (Break::Fault(why) | Break::Lacking(why)) = why;
             let waiting = std::mem::take(&mut self.0.borrow_mut().waiting);
             for task in waiting {
-                (task.answer)(TaskEnd::Failed(no_worker(&text.as_str().into())));
+                (task.answer)(TaskEnd::Failed(no_worker(&why.as_str().into())));
             }
         }
         self.send_waiting();

@@ -150,7 +150,7 @@ impl Tree {
     /// Presses a key, by the browser's names, in the next frame.
     pub fn press(&mut self, name: &str, code: &str, modifiers: Modifiers) {
         let physical_key = Key::from_name(code);
-        // Letters come as small ones, and egui knows them as capitals.
+        // Letters come as small ones, and egui has them as capitals.
         let key = Key::from_name(name).or_else(|| Key::from_name(&name.to_uppercase()));
         let Some(key) = key.or(physical_key) else {
             return;
@@ -221,7 +221,7 @@ impl Tree {
         self.focus = focus;
     }
 
-    /// Gives numbers to new nodes, and forgets those of nodes that are gone.
+    /// Gives numbers to new nodes, and drops those of nodes that are gone.
     fn keep_numbers(&mut self, update: &TreeUpdate, nodes: &HashMap<NodeId, &Node>) {
         self.numbers.retain(|id, _| nodes.contains_key(id));
         self.nodes.retain(|_, id| nodes.contains_key(id));

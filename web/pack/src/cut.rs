@@ -1,5 +1,5 @@
 //! Cuts the program in two: the first module has what the start and ordinary play need, the later one what only
-//! exports, measures, pictures and the GPU need. A rule by names chooses, and it decides nothing but speed: where the
+//! exports, measures, pictures and the GPU need. A rule by names chooses, and it decides speed alone once all is loaded: where the
 //! first module calls a function of the later one, it has a stub in its place, which loads the later module if that is
 //! not there yet.
 //!

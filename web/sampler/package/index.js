@@ -132,6 +132,11 @@ class Sampler {
     const [number] = this.#numbers(this.#module.plane(given));
     return new Plane({
       window: (rectangles) => {
+        for (const sides of rectangles) {
+          if (sides.length !== 4) {
+            throw new RangeError(`a rectangle has ${sides.length} sides; it must have 4: left, bottom, right, top`);
+          }
+        }
         rectangles.flat().forEach((side, k) => this.#put(k, bitsOfFloat("a side of the rectangle", side)));
         return this.#numbers(this.#module.window(number, rectangles.length > 1));
       },

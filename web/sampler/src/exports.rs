@@ -29,7 +29,7 @@ fn shared() -> MutexGuard<'static, Shared> {
 }
 
 /// Keeps a result or an error for the host.
-fn told(work: impl FnOnce(&mut Shared) -> Result<Vec<f64>, String>) -> i32 {
+fn answered(work: impl FnOnce(&mut Shared) -> Result<Vec<f64>, String>) -> i32 {
     let mut shared = shared();
     // The result of before is not needed any more, and would be in memory beside the next one.
     shared.numbers = Vec::new();
@@ -58,14 +58,14 @@ pub extern "C" fn values() -> *mut u64 {
 #[must_use]
 #[unsafe(no_mangle)]
 pub extern "C" fn sample(given: u32) -> i32 {
-    told(|shared| crate::sample(&Settings::read(given, &shared.values)?))
+    answered(|shared| crate::sample(&Settings::read(given, &shared.values)?))
 }
 
 /// Makes a plane: its number.
 #[must_use]
 #[unsafe(no_mangle)]
 pub extern "C" fn plane(given: u32) -> i32 {
-    told(|shared| {
+    answered(|shared| {
         let number = shared
             .planes
             .make(&Settings::read(given, &shared.values)?)?;
@@ -78,7 +78,7 @@ pub extern "C" fn plane(given: u32) -> i32 {
 #[must_use]
 #[unsafe(no_mangle)]
 pub extern "C" fn window(number: usize, moves: bool) -> i32 {
-    told(|shared| {
+    answered(|shared| {
         let at = |index: usize| f64::from_bits(shared.values[index]);
         let corners = |first| [[at(first), at(first + 1)], [at(first + 2), at(first + 3)]];
         let from = moves.then(|| corners(4));
@@ -90,7 +90,7 @@ pub extern "C" fn window(number: usize, moves: bool) -> i32 {
 #[must_use]
 #[unsafe(no_mangle)]
 pub extern "C" fn free(number: usize) -> i32 {
-    told(|shared| shared.planes.free(number).map(|()| Vec::new()))
+    answered(|shared| shared.planes.free(number).map(|()| Vec::new()))
 }
 
 /// Returns where the numbers lie.

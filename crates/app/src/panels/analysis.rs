@@ -270,7 +270,14 @@ fn status_text(run: &RunView, shown: &ShownMoment<'_>, measures: &RunMeasures<'_
 fn spectrum_text(live: &Live, shown: &ShownMoment<'_>) -> String {
     match live.share(shown).map(f64::recip) {
         None => match live.behind(shown) {
-            Some(behind) => format!("Faded: the spectrum of event {}.", grouped(behind.cursor)),
+            Some(behind) => {
+                let at = grouped(behind.cursor);
+                // Moments of nested levels are numbers of samples.
+                match shown.debugger {
+                    Some(_) => format!("Faded: the spectrum of event {at}."),
+                    None => format!("Faded: the spectrum of the first {at} samples."),
+                }
+            }
             None => "The spectrum follows.".to_owned(),
         },
         // Rounded, the sentence would say "1 in 1".

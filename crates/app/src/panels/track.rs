@@ -148,7 +148,7 @@ pub(super) fn cursor_at(segments: &[Segment], x: f32) -> usize {
     segment.events.start + (part * segment.events.len() as f32).round() as usize
 }
 
-/// Tells assistive tools the range of the track, up to `most`; returns the value that one of them has set.
+/// Gives assistive tools the range of the track, up to `most`; returns the value that one of them has set.
 fn asked_for(ui: &Ui, response: &Response, most: usize) -> Option<usize> {
     ui.ctx().accesskit_node_builder(response.id, |node| {
         node.set_min_numeric_value(0.0);
@@ -189,8 +189,9 @@ pub fn show(ui: &mut Ui, context: &TimeContext<'_>, commands: &mut Vec<Command>)
     response.widget_info(|| WidgetInfo::slider(ENABLED, cursor as f64, &name));
     response.known_as("moment");
 
-    let dragged = response.interact_pointer_pos();
-    let dragged = dragged.filter(|_| response.dragged());
+    let dragged = response
+        .interact_pointer_pos()
+        .filter(|_| response.dragged());
     let asked = asked_for(
         ui,
         &response,

@@ -38,10 +38,11 @@ const LIGHTEST: f64 = 0.95;
 /// The corners of a polygon.
 const CORNERS: [f64; 2] = [3.0, 40.0];
 
-/// The first indices of long rows of draws: two images and the corners of a polygon, which have up to 3,600 draws each.
-const OF_FIELD: u32 = 10_000;
-const OF_MASK: u32 = 20_000;
-const OF_CORNERS: u32 = 30_000;
+/// The first indices of long rows of draws: two images, which have up to 60 x 200 pixels and where these are doubled four times as
+/// many, and the corners of a polygon.
+const OF_FIELD: u32 = 100_000;
+const OF_MASK: u32 = 200_000;
+const OF_CORNERS: u32 = 300_000;
 
 /// Makes a round of the seed that was drawn; the other parameters have no meaning here. Faults are reported with `command`.
 pub fn round(
@@ -52,8 +53,10 @@ pub fn round(
 ) -> Result<Tally> {
     let recipe = recipe(parameters.seed, dice)?;
     let made = match recipe.make(&mut Unobserved) {
-        // A mask may have no pixel of the shape, which is refused rightly.
-        Err(VaryingError::Nothing | VaryingError::Shape(_)) => {
+        // A mask of few pixels may have none of the shape, which is refused rightly.
+        Err(VaryingError::Nothing | VaryingError::Shape(_))
+            if matches!(recipe.shape, Some(ShapeSource::Mask(_))) =>
+        {
             return Ok(Tally {
                 rounds: 1,
                 ..Tally::default()

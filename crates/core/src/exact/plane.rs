@@ -18,7 +18,8 @@ use crate::progress::Observer;
 use crate::run::{Run, Summary};
 use crate::samples::Sampled;
 
-/// The first width of the halo in cells. Of 180,000 r of border, nothing farther than 6.5 r was doubtful.
+/// The first width of the halo in cells. Of 180,000 r of border, nothing farther than 6.5 r was doubtful, by the engine that is to be
+/// read; this one was not measured so.
 const HALO: i32 = 8;
 
 /// The widest halo in cells. No window has been seen to need a second one.
@@ -91,7 +92,7 @@ impl<'a> ExactPlane<'a> {
 
 impl WindowMaker for ExactPlane<'_> {
     // Darts arrive all over a window, and the lists of a large one do not fit the cache: at leaf 20 r a sample took 451 ns in
-    // windows of 300 cells a side, and 329 ns in windows of 134 cells, though those have a sixth more area in their halos.
+    // windows of 300 cells a side, and 329 ns in windows of 134 cells, though with their halos they have an eighth more area.
     const MAX_SIDE: i32 = 136;
 
     fn domain(&self) -> &Domain {

@@ -31,15 +31,16 @@ use crate::exact::filter::SampleFilter;
 use crate::exact::ground::{Ground, LATE_MARGIN};
 use crate::exact::history::{LATE_LEVEL, PatternHistory};
 use crate::exact::pieces::pieces;
-use crate::lattice::{Point, R, Rect, Rect64};
+use crate::lattice::{Point, R, Rect, Rect64, covers_offset};
 use crate::pattern::Symmetry;
 use crate::stages::darts::LAST_LEVEL;
 
-use disks::{Coverage, DiskLists};
+use disks::{Coverage, DOUBTFUL, DiskLists};
 use doubt::Zone;
 use open::OpenCell;
 
-/// Samples deeper in their block than this are listed only where they are asked about. So deep no disk touches a cell that
+/// Samples deeper in their block than this are listed only where they are asked about; where something is unknown, those deeper
+/// than [`LATE_REACH`], if that is more. So deep no disk touches a cell that
 /// two blocks share, so that a cell's list has deep samples of one block alone.
 const DEEP: i64 = 5 * R as i64 / 2;
 
@@ -472,7 +473,7 @@ impl<'a> SeamTiling<'a> {
         cell
     }
 
-    /// Adds to a cell's list the samples deep in a block that cover places of the cell.
+    /// Adds to a cell's list the samples deep in a block whose disks touch the cell.
     #[inline(never)]
     fn complete(&mut self, clipper: &Clipper, cell: usize, place: Point, tile: u32) {
         let SeamTile { placed, whole, .. } = self.tiles[tile as usize];
@@ -493,11 +494,22 @@ impl<'a> SeamTiling<'a> {
         let interior = self.interior(&whole);
         clipper.clip(&block, &interior, &around, |x, y, pattern| {
             let at = Point::new(x, y);
-            // Other samples may have the filter's bits of a lost one.
-            let is_lost = || self.lost.iter().any(|lost| lost.place == at);
-            if self.tiles[tile as usize].missing.may_have(pattern) && is_lost() {
+            // Disks of samples in the corners may pass the cell by.
+            let nearest = Point::new(
+                x.clamp(min.x, min.x + R - 1),
+                y.clamp(min.y, min.y + R - 1),
+            );
+            if !covers_offset(at - nearest) {
                 return;
             }
+
+            // Other samples may have the filter's bits of a lost or doubtful one.
+            let may_be_missing = self.tiles[tile as usize].missing.may_have(pattern);
+            if may_be_missing && self.lost.iter().any(|lost| lost.place == at) {
+                return;
+            }
+            // It may have become doubtful while other cells alone listed it.
+            let is_doubtful = may_be_missing && self.doubtful.contains(&at);
 
             let id = self.samples.len() as u32;
             self.samples.push(ListedSample {
@@ -507,7 +519,8 @@ impl<'a> SeamTiling<'a> {
                 is_left_out: true,
             });
             let when = self.history.arrival(pattern).when();
-            self.disks.add_to(cell, at, when, id);
+            let listed = if is_doubtful { id | DOUBTFUL } else { id };
+            self.disks.add_to(cell, at, when, listed);
         });
     }
 

@@ -150,10 +150,12 @@ async function pageOf(model) {
  * @param {(request: any) => void} post sends the player a request
  */
 export function follower(model, post) {
-  /** @type {any} What the player has told last. */
-  let told = null;
+  /** @type {any} What the player has reported last. */
+  let reported = null;
   let asks = 0;
   let answered = 0;
+  /** What was set before the run was there, to be asked of the player then. @type {Set<"cursor" | "moment" | "_picked">} */
+  const waiting = new Set();
 
   /** @param {any} request */
   function ask(request) {
@@ -172,37 +174,43 @@ export function follower(model, post) {
   /** Takes what the player shows into the shared state. */
   function take() {
     // While a request of this view is under way, the state is of before it and would undo it.
-    if (!told?.ready || answered < asks) {
+    if (!reported?.ready || answered < asks) {
       return;
     }
-    if (told.positions_digest !== model.get("_digest")) {
+    if (reported.positions_digest !== model.get("_digest")) {
       save({ note: "The player shows another run than that of the set." });
       return;
     }
-    const { cursor, events, stage, sentence, link } = told;
+    const { cursor, events, stage, sentence, link } = reported;
     // The name of a stage is null before the first one.
     save({ cursor, events, moment: stage ?? "pattern", sentence: sentence ?? "", _picked: pickedIn(link) });
   }
 
-  const isReady = () => told?.ready && told.positions_digest === model.get("_digest");
+  const isReady = () => reported?.ready && reported.positions_digest === model.get("_digest");
   const changes = {
     cursor: () => {
       const cursor = model.get("cursor");
-      if (isReady() && cursor !== null && cursor !== told.cursor) {
+      if (!isReady()) {
+        waiting.add("cursor");
+      } else if (cursor !== null && cursor !== reported.cursor) {
         ask({ do: "seek", event: cursor });
       }
     },
     moment: () => {
       // Another view of the same state changes cursor and stage together: then the cursor says more.
-      const isNamed = isReady() && model.get("cursor") === told.cursor;
-      if (isNamed && model.get("moment") !== (told.stage ?? "pattern")) {
+      const isNamed = () => [null, reported.cursor].includes(model.get("cursor"));
+      if (!isReady()) {
+        waiting.add("moment");
+      } else if (isNamed() && model.get("moment") !== (reported.stage ?? "pattern")) {
         ask({ do: "seek", stage: model.get("moment") });
       }
     },
     _picked: () => {
       const number = model.get("_picked");
-      if (isReady() && number !== pickedIn(told.link)) {
-        ask({ do: "load", link: picking(told.link, number) });
+      if (!isReady()) {
+        waiting.add("_picked");
+      } else if (number !== pickedIn(reported.link)) {
+        ask({ do: "load", link: picking(reported.link, number) });
       }
     },
   };
@@ -213,7 +221,12 @@ export function follower(model, post) {
     /** Takes a message of the player. @param {any} data */
     hear: (data) => {
       if (data.event === "state") {
-        told = data.state;
+        reported = data.state;
+        if (isReady()) {
+          const names = [...waiting];
+          waiting.clear();
+          names.forEach((name) => changes[name]());
+        }
         take();
       } else if (typeof data.id === "number") {
         answered = Math.max(answered, data.id);
@@ -223,7 +236,7 @@ export function follower(model, post) {
         } else if (answered === asks) {
           // Once all is done, the player is asked where it is: it need not have drawn since.
           if (data.state) {
-            told = data.state;
+            reported = data.state;
             take();
           } else {
             ask({ do: "state" });

@@ -31,7 +31,7 @@ _MAX_HEIGHT: Final = 4_000
 _PAGE: Final = Path(__file__).parent / "page"
 # What the player loads. Pictures belong to the first page and to the pages of lessons.
 _LOADED: Final = (".js", ".css", ".wasm", ".txt", ".json")
-# The player knows which stages a run has, and refuses others with a note.
+# The player has the list of a run's stages, and refuses others with a note.
 _STAGE: Final = re.compile(r"[a-z]+(-[a-z0-9]+)*")
 
 # Parameters by the keys of a link; those of the pattern have keys of their own.
@@ -103,7 +103,7 @@ class Widget(anywidget.AnyWidget):
     ----------
     cursor : int or None
         The number of events that have happened at the moment shown. Set it to go there. ``None``
-        before the player has told it, and without a player.
+        before the player has reported it, and without a player.
     moment : str
         The stage of that moment: ``'tile'``, ``'eliminate'``, ``'iterate-1'``, ``'finish'`` and so
         on. Set it to go to the end of a stage.
@@ -111,7 +111,7 @@ class Widget(anywidget.AnyWidget):
         The row of :attr:`PointSet.points` whose sample is selected. ``None`` if none is, or one that
         is not in the result. Set it to select.
     events : int
-        The number of events of the run; 0 until the player has told it.
+        The number of events of the run; 0 until the player has reported it.
     sentence : str
         What happened last, in words.
     note : str

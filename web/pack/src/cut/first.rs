@@ -151,7 +151,7 @@ fn exports(program: &Program<'_>, plan: &Plan, indices: &mut Indices) -> Result<
             .map_err(|error| anyhow!("exports: {error}"))?;
     }
 
-    // In this order, since names are given by number: the later module counts in the same way.
+    // The later module finds them by their names, in whatever order they are.
     for (name, kind, index) in shared_places(program, plan) {
         exports.export(&name, kind, index);
     }

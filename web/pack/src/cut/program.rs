@@ -158,7 +158,7 @@ impl<'a> Program<'a> {
     fn take_types(&mut self, section: TypeSectionReader<'a>) -> Result<()> {
         for group in section.clone() {
             for kind in group?.into_types() {
-                // Rust makes no types of the garbage-collected kind, of which stubs would know nothing.
+                // Rust makes no types of the garbage-collected kind, for which no stub could be written.
                 let CompositeInnerType::Func(function) = kind.composite_type.inner else {
                     bail!("the module has a type that is not a function's");
                 };

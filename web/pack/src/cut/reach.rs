@@ -75,7 +75,7 @@ impl Plan {
     }
 }
 
-/// The names of exports are numbered from here on: first come those of tables, memories and globals.
+/// The names of exports are numbered from here on: those of functions first, then those of tables, memories and globals.
 const NAMES: std::ops::RangeFrom<u32> = 0..;
 
 /// Returns the functions that roots reach by calls, which do not go on through `chosen` functions.

@@ -30,7 +30,7 @@ struct DiskGroup {
 }
 
 /// What is added to the ids of doubtful samples.
-const DOUBTFUL: u32 = 1 << 31;
+pub(super) const DOUBTFUL: u32 = 1 << 31;
 
 /// Whether a dart is covered.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
