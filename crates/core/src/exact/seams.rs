@@ -495,10 +495,7 @@ impl<'a> SeamTiling<'a> {
         clipper.clip(&block, &interior, &around, |x, y, pattern| {
             let at = Point::new(x, y);
             // Disks of samples in the corners may pass the cell by.
-            let nearest = Point::new(
-                x.clamp(min.x, min.x + R - 1),
-                y.clamp(min.y, min.y + R - 1),
-            );
+            let nearest = Point::new(x.clamp(min.x, min.x + R - 1), y.clamp(min.y, min.y + R - 1));
             if !covers_offset(at - nearest) {
                 return;
             }
