@@ -422,16 +422,19 @@ fn round(parameters: &Parameters, dice: &Dice, verify: &VerifyOptions) -> Result
         (windows_agree, "a --window differs from the set: "),
         (round.conflicts + round.gaps == 0, "not valid: "),
     ];
-    let faults: String = (checks.into_iter())
-        .filter(|(is_fine, _)| !is_fine)
-        .map(|(_, fault)| fault)
-        .collect();
+    let faults = faults_of(&checks);
     if !faults.is_empty() {
         round.commands.push(faults + command(parameters).as_str());
     }
 
     nested::add(&mut round, parameters, dice, verify)?;
     Ok(round)
+}
+
+/// Returns the words of the checks that a round has failed; empty if it passed all.
+fn faults_of(checks: &[(bool, &str)]) -> String {
+    let failed = checks.iter().filter(|(is_fine, _)| !is_fine);
+    failed.map(|(_, fault)| *fault).collect()
 }
 
 /// Compares windows of random sizes, which `made` makes, with the whole set.

@@ -9,7 +9,7 @@ use tilescope_core::{
 use tilescope_sets::region;
 
 use super::definition::agrees;
-use super::{Dice, Tally, common_command, windows_agree};
+use super::{Dice, Tally, common_command, faults_of, windows_agree};
 use crate::interrupt;
 
 /// Makes a round of the sides, leaf, boundaries, pattern and seed that were drawn; the rest has no meaning here.
@@ -42,10 +42,7 @@ pub fn round(parameters: &Parameters, dice: &Dice, options: &VerifyOptions) -> R
         (windows_agree, "a --window differs from the set: "),
         (report.valid(), "not valid: "),
     ];
-    let faults: String = (checks.into_iter())
-        .filter(|(is_fine, _)| !is_fine)
-        .map(|(_, fault)| fault)
-        .collect();
+    let faults = faults_of(&checks);
 
     let command = || format!("{faults}{}", command(parameters));
     // Unlike KDRT with a short reach, exact tiling may never leave a gap.

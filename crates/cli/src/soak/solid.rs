@@ -8,7 +8,7 @@ use tilescope_core::{
 };
 use tilescope_formats::in_space;
 
-use super::{Dice, Tally};
+use super::{Dice, Tally, faults_of};
 use crate::interrupt;
 
 /// The smallest and the largest volume of a round in cubed radii, the least one little more than that of the smallest box:
@@ -55,10 +55,7 @@ pub fn round(parameters: &Parameters, dice: &Dice, options: &VerifyOptions) -> R
         (schedules_agree, "one thread and all threads differ: "),
         (verdict.valid(), "not valid: "),
     ];
-    let faults: String = (checks.into_iter())
-        .filter(|(is_fine, _)| !is_fine)
-        .map(|(_, fault)| fault)
-        .collect();
+    let faults = faults_of(&checks);
     let command = || format!("{faults}{}", command(parameters, dice));
     Ok(Tally {
         rounds: 1,

@@ -13,7 +13,7 @@ use tilescope_sets::{
     Expression, GrayImage, PlanarPolygon, RadiusSource, ShapeSource, VaryingError, VaryingRecipe,
 };
 
-use super::{Dice, Feature, Tally};
+use super::{Dice, Feature, Tally, faults_of};
 use crate::interrupt;
 
 /// The smallest and the largest area of a round in squares of the largest radius; where radii differ there are up to hundreds of
@@ -79,10 +79,7 @@ pub fn round(
         (recorded_agrees, "the recorded set differs: "),
         (report.valid(), "not valid: "),
     ];
-    let faults: String = (checks.into_iter())
-        .filter(|(is_fine, _)| !is_fine)
-        .map(|(_, fault)| fault)
-        .collect();
+    let faults = faults_of(&checks);
     Ok(Tally {
         rounds: 1,
         samples: report.count as u64,

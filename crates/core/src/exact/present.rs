@@ -26,7 +26,7 @@ pub(crate) struct ArrivedSample {
 }
 
 /// No pattern has so many samples.
-const FIRST_INSERTED: u32 = 1 << 31;
+pub(super) const FIRST_INSERTED: u32 = 1 << 31;
 
 impl ArrivedSample {
     /// Returns whether it is one of the pattern's and present.

@@ -31,6 +31,7 @@ use crate::exact::filter::SampleFilter;
 use crate::exact::ground::{Ground, LATE_MARGIN};
 use crate::exact::history::{LATE_LEVEL, PatternHistory};
 use crate::exact::pieces::pieces;
+use crate::exact::present::FIRST_INSERTED;
 use crate::lattice::{Point, R, Rect, Rect64, covers_offset};
 use crate::pattern::Symmetry;
 use crate::stages::darts::LAST_LEVEL;
@@ -81,9 +82,6 @@ struct ListedSample {
     /// Whether an interior has it, or it is lost or doubtful: then it is not handed out with the listed ones.
     is_left_out: bool,
 }
-
-/// No pattern has so many samples.
-const FIRST_INSERTED: u32 = 1 << 31;
 
 impl ListedSample {
     const fn pattern(&self) -> Option<u32> {
