@@ -36,7 +36,7 @@ pub fn combine<'py>(
     let layout = Layout::from_json(layout.as_bytes()).map_err(Failure::from)?;
     let placed = layout.placed().map_err(Failure::from)?;
 
-    // Python's objects stay with this thread; the others get what is in them.
+    // Only this thread may touch Python's objects, so the points and domains are copied out of them for the others.
     let mut given = HashMap::new();
     for (name, set) in &sets {
         let set = GivenSet {

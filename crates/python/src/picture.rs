@@ -153,7 +153,7 @@ fn near(
             .iter()
             .any(|value| (low - radius..=high + radius).contains(value))
     };
-    // A square around a disk reaches farther than the disk: what is not seen is cut off later.
+    // The square around a disk reaches farther than the disk, so this keeps a few disks too many. The picture cuts them off.
     let reaches =
         |&&[x, y]: &&[f64; 2]| along(x, x0, x1, region.width) && along(y, y0, y1, region.height);
     Some(points.iter().filter(reaches).copied().collect())

@@ -55,7 +55,7 @@ pub fn recorded_numbers<'py>(
     Ok(PyArray1::from_vec(py, numbers))
 }
 
-/// Returns the parameters of a run from those that a set states, which lack what has no meaning for its method.
+/// Returns the parameters of a run from those that a set states: it leaves out parameters without meaning for its method.
 fn parameters_of(method: &str, stated: &str) -> PyResult<Parameters> {
     let wrong = |error: serde_json::Error| {
         PyValueError::new_err(format!(

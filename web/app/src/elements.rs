@@ -30,7 +30,7 @@ pub struct Element {
     least: Option<f64>,
     #[serde(skip_serializing_if = "Option::is_none")]
     most: Option<f64>,
-    /// "true", "false" or "mixed", as in ARIA; empty for what cannot be on.
+    /// "true", "false" or "mixed", as in ARIA; empty for elements that cannot be on.
     #[serde(skip_serializing_if = "str::is_empty")]
     on: &'static str,
     #[serde(skip_serializing_if = "Option::is_none")]
@@ -156,7 +156,7 @@ impl Walk<'_> {
                 let is_open = (siblings[before..].iter())
                     .filter_map(|child| self.elements.get(child))
                     .any(|child| matches!(child.role, "menu" | "listbox" | "dialog"));
-                // What is known to open something says whether it is open, and so does what has something open.
+                // An element that can open something states whether it is open, and so does any other with an open list.
                 if is_open || (!element.opens.is_empty() && element.expanded.is_none()) {
                     element.expanded = Some(is_open);
                 }

@@ -1,5 +1,5 @@
 //! The tree of the window's controls for the page, which mirrors it as elements: `page/tree.js`. egui describes the whole
-//! window after each frame. The page gets what has changed since, and what is done to its elements comes back as requests.
+//! window after each frame. The page gets the changes, and sends requests when a person uses one of its elements.
 
 use std::collections::HashMap;
 
@@ -90,7 +90,7 @@ impl Plugin for Tree {
     }
 
     fn output_hook(&mut self, ctx: &Context, output: &mut FullOutput) {
-        // Nobody else reads it: eframe ignores it, and the speaker comes first.
+        // It may be taken: eframe's page ignores it, and the speaker's hook runs before this one.
         let Some(update) = output.platform_output.accesskit_update.take() else {
             return;
         };
@@ -111,7 +111,7 @@ impl Plugin for Tree {
 }
 
 impl Tree {
-    /// Carries out what was done to an element of the page, in the next frame.
+    /// Passes a request of an element of the page to the program, which carries it out in the next frame.
     pub fn ask(&mut self, number: u32, action: &str, text: Option<String>) {
         let Some(&target_node) = self.nodes.get(&number) else {
             return;
@@ -170,7 +170,7 @@ impl Tree {
         self.holds_focus = holds;
     }
 
-    /// Sends what has changed to the page, if anything has.
+    /// Sends the changes since the last call to the page, if there are any.
     fn send(&mut self, update: &TreeUpdate, zoom: f64) {
         // The page may still have elements of a program that was replaced after its display was lost.
         let is_first = self.elements.is_empty();

@@ -24,7 +24,7 @@ pub fn bind(module: Vec<u8>) -> Result<Bound> {
         .input_bytes(NAME, module)
         .web(true)?
         .typescript(false)
-        // The rule by which the module is cut needs the names. What is written then has none.
+        // The rule by which the module is cut needs the names. The two modules are written without them.
         .remove_name_section(false)
         .remove_producers_section(true)
         // The page loads the module itself, since loading it by the bindings would bypass the progress bar.

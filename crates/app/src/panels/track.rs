@@ -159,7 +159,7 @@ fn asked_for(ui: &Ui, response: &Response, most: usize) -> Option<usize> {
     ui.input(|input| {
         let requests = input.accesskit_action_requests(response.id, Action::SetValue);
         let values = requests.filter_map(|request| match request.data {
-            // What is not a number becomes 0.
+            // The cast makes 0 of NaN.
             Some(ActionData::NumericValue(value)) => Some((value.round() as usize).min(most)),
             _ => None,
         });

@@ -18,7 +18,7 @@ use crate::parameters::set_of_file;
 use crate::paths::InFile;
 use crate::progress::bar;
 
-/// The longest file of a set, in bytes: 200 million samples, as many as a result may have, of 40 bytes each.
+/// The longest file of a set, in bytes: 200 million samples, the most that a result may have, of 40 bytes each.
 const MAX_FILE_BYTES: u64 = 8_000_000_000;
 
 /// The number and sources of the pieces.

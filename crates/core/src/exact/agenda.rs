@@ -29,7 +29,7 @@ pub(crate) struct Agenda {
     /// The questions of each level.
     levels: [Vec<Arriving>; LAST_LEVEL as usize + 1],
     deciding: Option<u32>,
-    /// What is known of it in the order of arrival: the first bits of an arrival, then the index in the level.
+    /// Its questions in the order of arrival, each a word: the first bits of the arrival, then the question's index in the level.
     order: Vec<u64>,
     /// How much of the level that is being decided is done.
     done: usize,
@@ -133,7 +133,7 @@ fn sort_words(words: impl Iterator<Item = u64> + Clone, count: usize, out: &mut 
     out.clear();
     out.resize(count, 0);
     for word in words {
-        // What was the begin of a bucket ends as its end.
+        // The entry is the bucket's first free place. It starts at the bucket's begin and stops at its end.
         let at = &mut ends[bucket(word)];
         out[*at as usize] = word;
         *at += 1;

@@ -201,7 +201,7 @@ fn orders(around: &[Neighbour; 27]) -> Vec<Vec<u8>> {
                 squared(0) + squared(1) + squared(2)
             };
 
-            // Samples farther than R cover nothing of the block.
+            // Samples farther than R from the block cover no place in it.
             let mut order: Vec<u8> = (0..27).filter(|cell| gap(cell) <= R_SQUARED).collect();
             order.sort_by_key(gap);
             orders.push(order);

@@ -176,7 +176,7 @@ impl Preset {
 
 /// Returns the corners of a star with five points in the unit square, and of the hole in it.
 fn star() -> Vec<Vec<[f64; 2]>> {
-    // Four decimals are as many as a link needs, and keep the corners the same on every machine.
+    // Four decimals keep links short, and keep the corners the same on machines whose sines differ in their last bits.
     let at = |radius: f64, turns: f64| {
         let angle = TAU * (turns + 0.25);
         [0.5 + radius * angle.cos(), 0.5 + radius * angle.sin()]

@@ -319,8 +319,8 @@ mod tests {
         assert_eq!(uniform.insertion, Insertion::Uniform);
     }
 
-    /// What is not said of an exact tiling's pattern follows from its size and its seed; what another run has in its place
-    /// is said.
+    /// Without values of its own in the link, the pattern of an exact tiling follows from the size and the seed. A link names
+    /// each value that differs from those.
     #[test]
     fn exact_tilings_are_read_as_written_with_their_usual_pattern_or_another() {
         let (asked, warnings) = of(&[("method", "exact"), ("seed", "7"), ("radius", "0.004")]);

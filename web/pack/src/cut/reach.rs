@@ -35,8 +35,8 @@ impl Plan {
             .map(|(index, _)| index)
             .collect();
 
-        // Outside code can call what is exported, and the program can call what is in a table. What it reaches from
-        // there without a chosen function on the way is needed early, all else is not.
+        // Outside code can call each export, and the program each entry of the table. Functions that calls reach from
+        // there without passing a chosen function are needed early, and no others.
         let exported = program.exported.values().copied();
         let in_table = program.entries.iter().map(|entry| entry.function);
         let roots: Vec<u32> = exported.chain(in_table).chain(program.start).collect();

@@ -56,8 +56,8 @@ const LATER: &[&str] = &[
     "sha1_smol",
 ];
 
-/// Exceptions, as measured in Chromium from the start to the first steps: what is copied, dropped or asked for with
-/// every run.
+/// Exceptions: functions that ran between the start and the first steps, measured in Chromium. They copy, drop or ask for
+/// parts of every run.
 const EARLY: &[&str] = &[
     // A sort of the sampler's samples is the same function as one of these crates', and has its name.
     "core::slice::sort",
@@ -67,7 +67,7 @@ const EARLY: &[&str] = &[
     "tilescope_gpu::error",
     "tilescope_gpu::opened",
     "tilescope_passes::Passes",
-    // Each frame looks whether what is computed in the background is there, whatever it is.
+    // Each frame asks whether a computation in the background has ended, of whatever kind.
     "tilescope_session::geometry",
     "tilescope_session::jobs",
     "tilescope_sets::varying::source",

@@ -4,7 +4,7 @@
 //! The factor of a place is the least quotient, over all samples, of the distance and of how far the two may be apart to be
 //! near. That of a set is the largest of all places. Squares are cut as in the search: of a square, one sample gives an upper
 //! bound by its farthest corner and the least radius. A square whose bound is no more than the largest factor found so far
-//! is done; what is left ends in single places, whose factors are exact.
+//! is done. The others are cut down to single places, whose factors are exact.
 
 use rayon::prelude::*;
 

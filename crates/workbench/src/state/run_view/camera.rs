@@ -22,7 +22,7 @@ const NEIGHBOURHOOD: f64 = 12.0;
 const FOLLOWED: f64 = 40.0;
 
 impl RunView {
-    /// Applies a command to the camera, the selection or what is under the pointer.
+    /// Applies a command to the camera, the selection or the object under the pointer.
     pub(in crate::state) fn apply_to_view(&mut self, command: ViewCommand, context: &mut Context) {
         match command {
             ViewCommand::Viewport(rect) => self.follow_viewport(rect),
