@@ -38,7 +38,8 @@ impl Edges {
         parts::draw_pairs(scene, &self.ends, surface);
     }
 
-    /// Returns a description of the brush, with a remark if edges are left out.
+    /// Returns a description of the brush, with a remark if edges are left out; none are drawn where there are so many
+    /// samples in view that it is `crowded`.
     pub fn note(&self, crowded: bool) -> Option<String> {
         if crowded && self.in_view > 0 {
             return Some(

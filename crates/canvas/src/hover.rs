@@ -248,8 +248,8 @@ fn block(subject: &Subject<'_>, position: DVec2) -> Option<[String; 2]> {
 /// Draws the text above and to the right of its target, or on another side if there is more room. The side depends on
 /// the position alone, so that the tag does not jump when the text changes.
 fn tag(painter: &Painter, rect: Rect, named: &Named, text: &str, palette: &Palette) {
-    // The side is chosen as if the tag had its largest size.
     let galley = painter.layout_no_wrap(text.to_owned(), FontId::proportional(12.5), palette.text);
+    // The side is chosen as if the tag had its largest size.
     let to_right = named.at.x + named.reach + MAX_CARD_WIDTH < rect.right();
     let above = named.at.y - named.reach - MAX_CARD_HEIGHT > rect.top();
 

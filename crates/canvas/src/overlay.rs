@@ -38,7 +38,7 @@ pub fn waiting(painter: &Painter, rect: Rect, at_work: bool, palette: &Palette) 
     );
 }
 
-/// Draws a bar of a round number of r, about 80 screen points long.
+/// Draws a bar of a round number of r, or of units of the domain, between 44 and 110 screen points long.
 pub fn scale_bar(painter: &Painter, rect: Rect, subject: &Subject<'_>, palette: &Palette) {
     // A low canvas has no room for the bar.
     if rect.height() < MIN_HEIGHT {
@@ -82,11 +82,12 @@ fn own_unit(subject: &Subject<'_>) -> Option<f64> {
 fn bar(subject: &Subject<'_>) -> (f64, f32) {
     // How many screen points the unit of length takes that is shown.
     let scale = subject.camera.scale / own_unit(subject).unwrap_or(1.0);
+    // The longest round length up to 110 points. Round lengths differ by factors of 2.5 at most, so that it is over 44.
     let shown_length = round_length(110.0 / scale);
     (shown_length, (shown_length * scale) as f32)
 }
 
-/// Returns the coordinates of a position and the radius there, where the radius depends on the place.
+/// Returns the coordinates of a position and the radius there, where the radius depends on the place; `None` elsewhere.
 fn local_position(subject: &Subject<'_>, position: DVec2) -> Option<String> {
     let unit = own_unit(subject)?;
     let session = subject.shown.session;

@@ -178,7 +178,7 @@ fn coverage(frame: &PixelGrid, shown: &ShownMoment<'_>) -> Coverage {
     if let Some(locality) = session.run().locality.as_deref() {
         let radii = coverage.local_radii(frame, locality);
         let unit = f64::from(R) / frame.scale();
-        // A sample is near places up to twice its radius away.
+        // A sample is near places up to twice its radius away (see `Coverage::cover_near`).
         let reach = 2.0 * session.largest_radius();
         let beyond = drawn_around(session) + reach;
         session
@@ -220,5 +220,6 @@ fn as_points(scene: &Scene<'_>, looks: &Looks<'_>, frame: &PixelGrid) -> ColorIm
                 density.add(frame.pixel_from_domain(seen.position), looks.color(seen.id));
             }
         });
+    // One point in a pixel is two thirds opaque, as 1 - e^-1.1 is. Chosen, not measured.
     density.image(1.1)
 }

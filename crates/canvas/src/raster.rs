@@ -117,17 +117,19 @@ impl Coverage {
         radii
     }
 
-    /// Covers the pixels that are near a sample of `radius` lattice units at the pixel coordinates `at`. `radii` are those at all
-    /// pixels, and a pixel is `unit` lattice units wide.
+    /// Covers the pixels that are near a sample of `radius` lattice units at the pixel coordinates `at`: nearer than
+    /// the harmonic mean of its radius and theirs ([`Locality::near_at`]). `radii` are those at all pixels, and a pixel
+    /// is `unit` lattice units wide. `before` says that the sample was there before the stage.
     pub fn cover_near(&mut self, at: DVec2, radius: i32, radii: &[i32], unit: f64, before: bool) {
-        // A pixel that is near is at most twice the smaller of both radii away.
+        // The harmonic mean of two radii is at most twice the smaller one, and so at most twice the sample's.
         let reach = 2.0 * f64::from(radius) / unit;
         let state = if before { BEFORE } else { NOW };
         for row in centres(at[1] - reach, at[1] + reach, self.size[1]) {
             let dy = (row as f64 + 0.5 - at[1]) * unit;
             for column in centres(at[0] - reach, at[0] + reach, self.size[0]) {
                 let index = row * self.size[0] + column;
-                // Most pixels are covered by an earlier sample, and need no second look.
+                // Most pixels are covered by an earlier sample, and need no second look. The larger state wins, and
+                // `OUTSIDE` is the largest.
                 if self.cells[index] >= state {
                     continue;
                 }
@@ -140,7 +142,7 @@ impl Coverage {
         }
     }
 
-    /// Covers the disk of `radius` pixels around `at` with the given state.
+    /// Covers the disk of `radius` pixels around `at`; `before` says that its sample was there before the stage.
     pub fn cover(&mut self, at: DVec2, radius: f64, before: bool) {
         for row in centres(at[1] - radius, at[1] + radius, self.size[1]) {
             let dy = row as f64 + 0.5 - at[1];

@@ -169,7 +169,7 @@ impl<K> Default for KeptShapes<K> {
 }
 
 impl<K: PartialEq> KeptShapes<K> {
-    /// Clears the cache if the key changed; returns it.
+    /// Clears the cache if the key changed; returns the shapes that were in it.
     pub fn follow(&mut self, key: K) -> Vec<Shape> {
         if self.key.as_ref() == Some(&key) {
             return Vec::new();

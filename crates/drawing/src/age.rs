@@ -17,7 +17,7 @@ pub struct Ages {
     tiled: Result<u32, u32>,
     /// The number of iterations that inserted samples.
     pub iterations: u32,
-    /// The number of samples of nested levels, and of a set in a field or a shape, which are in their order.
+    /// The number of samples where ids alone give the order: nested levels, and a set in a field or a shape.
     ordered: Option<usize>,
 }
 
@@ -36,7 +36,7 @@ impl Ages {
             } else {
                 Err(run.blocks.leaves.len() as u32)
             },
-            // Throws of darts are no iterations behind a tiling.
+            // In a field or a shape these would be the throws of darts, whose samples have their age by `ordered`.
             iterations: if session.ground.is_some() {
                 0
             } else {
@@ -47,7 +47,7 @@ impl Ages {
         }
     }
 
-    /// Returns the age of the last tiled sample: 1 of sets in an order of their own, which have no others.
+    /// Returns the age of the last tiled sample; 1, that of the last sample, where ids alone give the order.
     #[must_use]
     pub fn last_tiled(&self) -> f32 {
         self.ordered.map_or(LAST_TILED, |_| 1.0)
@@ -56,8 +56,8 @@ impl Ages {
     /// Returns the age of a sample.
     #[must_use]
     pub fn of_sample(&self, id: u32, origin: &Origin) -> f32 {
-        // A single sample has age 0, without a division by zero.
         if let Some(count) = self.ordered {
+            // A single sample has age 0, without a division by zero.
             return id as f32 / count.saturating_sub(1).max(1) as f32;
         }
 

@@ -56,7 +56,7 @@ pub struct BrushedCause {
 }
 
 /// Returns the colour of a sample by the deviation of its share from the mean, and its size relative to that of the
-/// mean: samples that add more to the power are larger. `None` if shares are not known.
+/// mean: samples that add more to the power are larger. `None` if no shares are known, or this sample has none.
 #[must_use]
 pub fn tint(found: Option<&BrushedCause>, id: u32, palette: &Palette) -> Option<(Color32, f32)> {
     let Cause::Shares {

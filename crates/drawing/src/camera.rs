@@ -56,6 +56,7 @@ impl Camera {
     pub fn fitting(size: impl Into<DVec2>, viewport: Rect) -> Self {
         let size = size.into();
         let margin = FIT_MARGIN.min(FIT_MARGIN_PART * viewport.size().min_elem());
+        // A canvas of a few points is fitted as if it had 16: chosen, not measured.
         let room = (viewport.size() - Vec2::splat(2.0 * margin)).max(Vec2::splat(16.0));
         let scale = (f64::from(room.x) / size.x).min(f64::from(room.y) / size.y);
         Self {
@@ -153,6 +154,7 @@ impl Flight {
         if t >= 1.0 {
             return (self.to, true);
         }
+        // The flight begins and ends slowly: the polynomial is flat at 0 and at 1.
         let eased = f64::from(t * t * (3.0 - 2.0 * t));
         (self.at(eased), false)
     }
@@ -160,9 +162,12 @@ impl Flight {
     /// Zooms evenly and moves so that the picture grows about one fixed position.
     fn at(&self, t: f64) -> Camera {
         let scale = self.from.scale * (self.to.scale / self.from.scale).powf(t);
-        let (wide, narrow) = (1.0 / self.from.scale, 1.0 / self.to.scale);
-        let left = if (wide - narrow).abs() > 1e-3 * wide.max(narrow) {
-            (1.0 / scale - narrow) / (wide - narrow)
+        // One position stays fixed if the centre moves in proportion to the r in a point, here at both ends of the
+        // flight.
+        let (before, after) = (1.0 / self.from.scale, 1.0 / self.to.scale);
+        // The share of the way that is left. Between nearly equal scales the quotient would be of rounding errors.
+        let left = if (before - after).abs() > 1e-3 * before.max(after) {
+            (1.0 / scale - after) / (before - after)
         } else {
             1.0 - t
         };

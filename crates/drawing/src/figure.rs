@@ -107,7 +107,7 @@ impl Figure<'_> {
         shapes
     }
 
-    /// Returns a dot in the middle, of which the disks around leave the uncovered area.
+    /// Returns a dot that reaches just beyond the gap: the disks drawn over it leave the gap alone in sight.
     fn gap(&self) -> SymbolShape {
         dot(Vec2::ZERO, 0.37 * R, self.0.gap.gamma_multiply(0.6))
     }
@@ -142,6 +142,8 @@ impl Figure<'_> {
     }
 
     fn voronoi(&self) -> Vec<SymbolShape> {
+        // Edges lead from the middle of the gap halfway between two samples each. One points down, and ends at the
+        // border.
         let between = [1.57, 3.67, 5.76].map(|angle: f32| 1.9 * R * Vec2::angled(angle));
         let stroke = Self::thin(self.0.detector);
         let mut shapes: Vec<SymbolShape> = between

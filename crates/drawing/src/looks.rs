@@ -64,7 +64,8 @@ pub struct Swatches {
 const SHADES: u32 = 256;
 
 impl Swatches {
-    /// Updates them for `palette` and the number of blocks of the subject.
+    /// Makes the colours of `palette` for the blocks of the subject and for ages, and keeps those that are there
+    /// already.
     pub fn follow(&mut self, subject: &Subject<'_>, palette: &Palette) {
         let count = subject.shown.session.run().blocks.leaves.len();
         if self.palette != Some(*palette) {
@@ -89,7 +90,7 @@ impl Swatches {
     }
 }
 
-/// Returns the age whose colour a level has: from the first to the last of them.
+/// Returns the age whose colour a level has: 0 for the first level, 1 for the last.
 #[must_use]
 pub fn level_age(level: usize, levels: &NestedLevels) -> f32 {
     level as f32 / (levels.claims.len() - 1).max(1) as f32
@@ -166,10 +167,11 @@ impl<'a> Looks<'a> {
                     Origin::Inserted { .. } => (Layer::Inserted, Symbol::Diamond),
                     Origin::Tiled { .. } => (Layer::Samples, Symbol::Dot),
                 };
-                let symbol = if has(layer) { symbol } else { Symbol::None };
-                SampleLook::new(symbol, self.color(id))
+                let drawn = if has(layer) { symbol } else { Symbol::None };
+                SampleLook::new(drawn, self.color(id))
                     .with_disk(true)
-                    .with_outline(symbol == Symbol::Diamond)
+                    // The outline keeps a diamond apart from the dots around it.
+                    .with_outline(drawn == Symbol::Diamond)
                     .with_size(self.tint(id).map_or(1.0, |(_, size)| size))
             }
             // Other samples are not there yet, or belong to a layer that is off.

@@ -190,7 +190,7 @@ pub fn seam(session: &Session) -> DVec2 {
         .unwrap_or(middle)
 }
 
-/// The margin around that rectangle, relative to the picture's width.
+/// The margin around the frame, in which the plane is shown, relative to the picture's width.
 const MARGIN: f64 = 0.016;
 /// The height of the heading, relative to the picture's width.
 const HEADING: f64 = 0.044;

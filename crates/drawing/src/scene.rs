@@ -108,7 +108,9 @@ impl<'a> Scene<'a> {
     #[must_use]
     pub fn count_in_view(&self) -> usize {
         let all = self.session.index.count_in(self.low, self.high);
-        // Where the radius depends on the place, the index has all samples that are shown.
+        // The index has all samples, of which a prefix of nested levels shows fewer: by the square of the factor by
+        // which they are farther apart. `spacing` also counts how much larger than r the usual radius of a field is,
+        // which hides none.
         let of_prefix = self.shown.spacing() / self.session.usual_radius();
         (all as f64 / of_prefix.powi(2)) as usize
     }
@@ -169,7 +171,7 @@ impl<'a> Scene<'a> {
     }
 
     /// Returns the shifts by whole periods that move something of the box from `low` to `high` both into the domain or a
-    /// copy that is drawn, and into view; of a bounded domain, no shift at all if the box is in view.
+    /// copy that is drawn, and into view; of a bounded domain, the shift by zero alone, if the box is in view.
     pub(crate) fn shifts(&self, low: DVec2, high: DVec2) -> impl Iterator<Item = DVec2> + use<> {
         let size = self.session.size_radii();
         let margin = drawn_around(self.session);

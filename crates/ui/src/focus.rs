@@ -19,12 +19,13 @@ pub fn ring(ctx: &Context, palette: &Palette) {
     let Some(response) = focused.and_then(|id| ctx.read_response(id)) else {
         return;
     };
-    // Widgets scrolled out of view get no ring; for widgets that fill the window it is drawn inside.
+    // Widgets scrolled out of view get no ring.
     let seen = response.interact_rect;
     if !seen.is_positive() {
         return;
     }
 
+    // The ring around a widget that fills the window is drawn inside of it.
     let window = ctx.content_rect().shrink(WIDTH);
     let place = seen.expand(AROUND).intersect(window);
     let painter = ctx.layer_painter(response.layer_id);

@@ -21,7 +21,7 @@ type Callback = Box<dyn Fn(&Spoken) + Send + Sync>;
 pub struct Speaker {
     callback: Callback,
     before: Option<SpokenFocus>,
-    /// Whether playback runs: values that change in every frame are not announced then.
+    /// Whether playback runs. Values may change in every frame then, and only moves of the focus are announced.
     pub is_playing: bool,
 }
 
@@ -41,8 +41,8 @@ impl Speaker {
         let now = SpokenFocus::of(tree);
         let spoken = now.as_ref().and_then(|now| now.since(self.before.as_ref()));
 
-        // If the focus has not moved, only a value or a state has changed.
-        let is_of_value = match (&now, &self.before) {
+        // If the focus has not moved, only a part of its description, such as its value, has changed.
+        let is_same_focus = match (&now, &self.before) {
             (Some(now), Some(before)) => now.focus == before.focus,
             _ => false,
         };
@@ -55,7 +55,8 @@ impl Speaker {
         if is_left {
             (self.callback)(&Spoken::default());
         }
-        if let Some(spoken) = spoken.filter(|_| !(is_of_value && self.is_playing)) {
+        // During playback only moves of the focus are announced.
+        if let Some(spoken) = spoken.filter(|_| !(is_same_focus && self.is_playing)) {
             (self.callback)(&spoken);
         }
     }

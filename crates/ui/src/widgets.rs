@@ -126,7 +126,8 @@ pub fn symbol(painter: &Painter, layer: Layer, kind: SessionKind, at: Pos2, pale
 
 /// Explains a layer by a small figure, if there is one, and a sentence or two.
 pub fn explain(ui: &mut Ui, layer: Layer, kind: SessionKind, palette: &Palette) {
-    // Figures and sentences are about runs; what stands in the place of a layer elsewhere would be explained falsely.
+    // Figures and explanations are about runs. A kind of session that names the layer otherwise shows something else in
+    // its place, which has its meaning alone.
     if layer.name_in(kind) != layer.name() {
         ui.label(ui.words(layer.meaning(kind)));
         return;
@@ -213,7 +214,7 @@ fn show_chip(
     let color = if on { palette.text } else { palette.muted };
     let galley = ui.painter().layout_no_wrap(name.clone(), font, color);
 
-    // A symbol before the name takes 12 points more.
+    // The name has 10 points of room on each side; a symbol before it takes 12 points more.
     let size = vec2(
         galley.size().x + if layer.is_some() { 32.0 } else { 20.0 },
         row_height(ui.ctx(), 26.0),
@@ -294,7 +295,8 @@ pub enum Icon {
     Shorter,
 }
 
-/// Shows a square button with an icon; `name` is its accessible name and tooltip, in the language of the window.
+/// Shows a square button with an icon; `name` is its accessible name and tooltip, in the language of the window. With a
+/// `refusal` the button is off, and its tooltip is the refusal.
 pub fn icon_button(
     ui: &mut Ui,
     icon: Icon,
@@ -441,7 +443,8 @@ fn allocate_button(ui: &mut Ui, size: Vec2, name: &str, enabled: bool) -> (Rect,
     (rect, response)
 }
 
-/// Shows the main button of a panel, filled with the accent, in the language of the window.
+/// Shows the main button of a panel, filled with the accent, in the language of the window. With a `refusal` the button
+/// is off, and its tooltip is the refusal.
 pub fn primary_button(
     ui: &mut Ui,
     text: &str,

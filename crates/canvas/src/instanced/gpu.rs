@@ -252,8 +252,8 @@ impl CallbackTrait for Drawing {
         };
 
         for part in &self.parts {
-            let (offset, frame) = (u64::from(part.offset()), frame(part));
-            queue.write_buffer(&resident.frames, offset, bytemuck::bytes_of(&frame));
+            let (offset, uniforms) = (u64::from(part.offset()), frame(part));
+            queue.write_buffer(&resident.frames, offset, bytemuck::bytes_of(&uniforms));
         }
 
         // A cached picture is drawn in a separate pass, which comes before that of the window.

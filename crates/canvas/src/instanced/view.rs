@@ -98,7 +98,7 @@ impl PaintOptions {
         match self.marks {
             Marks::Disks => scale * self.disk_radius + 3.0,
             Marks::Symbols(_) => {
-                // Sizes up to 15 times the usual are rare, but must not vanish at the border either.
+                // A brush enlarges samples by up to a half. The rest is room for outlines and antialiasing.
                 f64::from(self.radii.into_iter().fold(0.0, f32::max)) * 2.0 + 4.0
             }
         }

@@ -51,7 +51,7 @@ fn tessellation<'a>(scene: &Scene<'a>) -> Option<&'a Tessellation> {
     scene.subject.geometry.of(&scene.shown)
 }
 
-/// Draws the edges of the triangulation, each once.
+/// Draws the edges of the triangulation: in a periodic domain each once, in a bounded one inner edges twice.
 pub fn delaunay(scene: &Scene<'_>, surface: &mut impl Surface) {
     let Some(tessellation) = tessellation(scene) else {
         return;
@@ -62,8 +62,8 @@ pub fn delaunay(scene: &Scene<'_>, surface: &mut impl Surface) {
     let color = scene.palette.sample.gamma_multiply(0.45);
     for triangle in &tessellation.triangles {
         for (from, to) in [(0, 1), (1, 2), (2, 0)] {
-            // The two triangles of an edge have it in opposite directions; an edge of a bounded domain's border
-            // has only one.
+            // The two triangles of an edge have it in opposite directions, one of which is drawn. In a bounded domain
+            // an edge of the border has one triangle only, in either direction, so that both directions are drawn.
             if !net.periodic || triangle.sites[from] < triangle.sites[to] {
                 net.segment([triangle.corners[from], triangle.corners[to]], color);
             }

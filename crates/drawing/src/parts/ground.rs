@@ -102,6 +102,7 @@ pub fn field(scene: &Scene<'_>, surface: &mut impl Surface) {
     };
     let color = scene.palette.accent;
     squares(scene, FIELD_SIDE, shade, |rect, shade| {
+        // Chosen, not measured: from a hint of the colour at the greatest radius to about half of it at the least.
         let strength = 0.04 + 0.5 * shade as f32 / SHADES as f32;
         surface.rect(rect, Some(color.gamma_multiply(strength)), None);
     });
@@ -140,7 +141,7 @@ pub fn outline(scene: &Scene<'_>, surface: &mut impl Surface) {
     }
 }
 
-/// Draws the cells that throw darts, and the darts of the throw that became no samples, each with its verdict.
+/// Draws the cells that throw darts, and the darts of the throw that have landed, each with its verdict.
 pub fn darts(scene: &Scene<'_>, surface: &mut impl Surface) {
     let Stage::Iterate(number) = scene.stage else {
         return;
@@ -178,7 +179,7 @@ fn cells(scene: &Scene<'_>, surface: &mut impl Surface, number: u32) {
     }
 }
 
-/// Draws the darts of the throw that is shown, so far as they have landed and became no samples.
+/// Draws the darts of the throw that is shown, as far as they have landed.
 fn thrown(scene: &Scene<'_>, surface: &mut impl Surface) {
     // Darts are read from recorded events.
     let Some(debugger) = scene.shown.debugger else {
@@ -226,11 +227,12 @@ fn thrown(scene: &Scene<'_>, surface: &mut impl Surface) {
                     surface.line([at, scene.at(sample)], stroke);
                 }
             }
-            // Neither kind of dart has a sample to point to.
+            // Thinned darts and those outside of the shape have no sample to point to.
             Verdict::Thinned => {
                 surface.circle(at, size, None, Some(Stroke::new(1.0, color)));
             }
             Verdict::Outside => surface.circle(at, 0.6 * size, Some(color), None),
+            // These are verdicts on candidates, not on darts.
             Verdict::TooFar | Verdict::NotNearest { .. } => {}
         }
     }

@@ -16,8 +16,9 @@ const EDGE_WIDTH: f32 = 1.4;
 /// The opacity of the copies.
 const DIMMED: f32 = 0.42;
 
-/// Calls `visit` with every sample whose symbol may reach into view.
+/// Calls `visit` with every sample in view, and with those so little outside that a dot reaches into view.
 pub fn visit(scene: &Scene<'_>, mut visit: impl FnMut(u32, Pos2)) {
+    // Dots have a radius of at most 5.5 points. The scale is in points for an r, so that this is in r.
     let reach = 6.0 * scene.shown.spacing() / scene.subject.camera.scale;
     let index = &scene.session.index;
     index.visit(scene.low, scene.high, reach, |seen| {
@@ -80,15 +81,16 @@ pub fn draw(scene: &Scene<'_>, looks: &Looks<'_>, surface: &mut impl Surface) {
 
     visit(scene, |id, pos| {
         let look = looks.of(id);
-        let by = radius * (look.size - 1.0);
+        // A brush enlarges or shrinks symbols, all by as much as dots.
+        let growth = radius * (look.size - 1.0);
         match look.symbol {
-            Symbol::Dot => surface.mark(Mark::Dot, pos, [radius, by], look.color),
+            Symbol::Dot => surface.mark(Mark::Dot, pos, [radius, growth], look.color),
             Symbol::Cross => surface.mark(Mark::Cross, pos, [cross, NO_GROWTH], look.color),
             // A larger diamond below, in the colour of the ground, keeps it apart from dots around it.
             Symbol::Diamond => {
                 let ground = scene.palette.domain;
-                surface.mark(Mark::Diamond, pos, [diamond, by + around], ground);
-                surface.mark(Mark::Diamond, pos, [diamond, by], look.color);
+                surface.mark(Mark::Diamond, pos, [diamond, growth + around], ground);
+                surface.mark(Mark::Diamond, pos, [diamond, growth], look.color);
             }
             Symbol::Ring | Symbol::None => {}
         }
@@ -117,11 +119,11 @@ pub fn copies(scene: &Scene<'_>, looks: &Looks<'_>, surface: &mut impl Surface) 
 pub fn conflicts(scene: &Scene<'_>, surface: &mut impl Surface) {
     match scene.stage {
         Stage::Tile => open_conflicts(scene, surface),
-        // In exact tiling every level finds conflicts, and resolves them.
+        // Only in exact tiling do iterations, which are its levels, find and resolve conflicts.
         Stage::Iterate(_) if !scene.session.is_exact() => {}
         Stage::Eliminate | Stage::Iterate(_) => {
             let color = scene.palette.conflict.gamma_multiply(0.6);
-            // A line to an eliminated sample ends at nothing while those are not drawn.
+            // While eliminated samples are not drawn, a line to one of them would end at nothing.
             if scene.has(Layer::Eliminated) {
                 visit(scene, |id, _| {
                     if let Standing::Eliminated { by } = scene.shown.standing(id) {

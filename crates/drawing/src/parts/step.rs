@@ -79,6 +79,7 @@ fn named(scene: &Scene<'_>, dart: Point, verdict: Verdict) -> Option<u32> {
     if by != NONE {
         return Some(by);
     }
+    // Of all sets only those in a field or a shape are made without ids.
     scene.session.run().locality.as_ref()?;
     let debugger = scene.shown.debugger?;
     debugger
@@ -106,6 +107,7 @@ fn shift_of(scene: &Scene<'_>, examined: &Examined) -> DVec2 {
     let size = scene.session.size_radii();
     let offset = examined.offset.as_dvec2() / f64::from(R);
     let shift = -((detector + offset) / size).floor() * size;
+    // Along an axis on which the candidate is a whole domain or more away, nothing is moved. Chosen, not measured.
     DVec2::select(offset.abs().cmplt(size), shift, DVec2::ZERO)
 }
 
@@ -192,18 +194,19 @@ const BESIDE: f32 = 8.0;
 /// Returns the centre of a label of this size that keeps clear of a line, and of the rings around its ends, by `gap`.
 fn beside(ends: [Pos2; 2], size: Vec2, gap: f32) -> Pos2 {
     let along = (ends[1] - ends[0]).normalized();
-    // The side that lies above the line, or right of an upright one.
     let across = if along == Vec2::ZERO {
         // Both ends are at one place, and the text stands above it.
         Vec2::UP
     } else {
         along.rot90()
     };
+    // The side that lies above the line, or right of an upright one.
     let up = if across.y > 0.0 || (across.y == 0.0 && across.x < 0.0) {
         -across
     } else {
         across
     };
+    // Half of the label's extent in that direction.
     let reach = 0.5 * (up.x.abs() * size.x + up.y.abs() * size.y);
     ends[0].lerp(ends[1], 0.5) + (reach + gap) * up
 }

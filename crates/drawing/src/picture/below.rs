@@ -114,18 +114,23 @@ impl Below {
         let mut legend = Group::new("legend");
         let size = LEGEND_SIZE * width;
         for entry in &self.entries {
-            let LegendEntry { meaning, at, .. } = entry;
-            let (at, width) = (start + *at, SYMBOL_WIDTH * size * DVec2::X);
-            let middle = at + 0.5 * width;
+            let LegendEntry {
+                layer,
+                kind,
+                meaning,
+                at: place,
+            } = entry;
+            let (left, symbol_width) = (start + *place, SYMBOL_WIDTH * size * DVec2::X);
+            let middle = left + 0.5 * symbol_width;
             // Symbols are made for the size of the window's letters.
             let scale = size / FONT_OF_SYMBOLS;
-            let shapes = symbol(entry.layer, entry.kind, palette).into_iter();
+            let shapes = symbol(*layer, *kind, palette).into_iter();
             legend
                 .shapes
                 .extend(shapes.map(|shape| placed(shape, middle, scale)));
             legend
                 .shapes
-                .push(written(meaning, at + width, size, palette.muted));
+                .push(written(meaning, left + symbol_width, size, palette.muted));
         }
 
         // Empty groups would be empty elements of SVG files.

@@ -42,17 +42,17 @@ impl Column {
     /// Returns the column beside a picture of this size, as high as it, or as high as its axes need.
     pub(super) fn of(view: &PictureView, [left, height]: [f64; 2]) -> Self {
         let top = MARGIN * view.width() + NAME_HEIGHT;
-        // A panel without a plot is what its heading and its axes take of a plot's place.
+        // The panel around a plot of no size has the size that a heading and axes take.
         let axes = panel_around(Rect::new(DVec2::ZERO, DVec2::ZERO));
         let room = height - top - 2.0 * axes.size().y - MARGIN * view.width();
         let side = (room / (1.0 + MEAN_HEIGHT)).max(MIN_SIDE).floor();
 
         let first = (DVec2::new(left, top) - axes.min).round();
         let second = first + (side + axes.size().y) * DVec2::Y;
-        let low = (MEAN_HEIGHT * side).floor();
+        let mean_height = (MEAN_HEIGHT * side).floor();
         Self {
             periodogram: Rect::new(first, first + side),
-            mean: Rect::new(second, second + DVec2::new(side, low)),
+            mean: Rect::new(second, second + DVec2::new(side, mean_height)),
         }
     }
 

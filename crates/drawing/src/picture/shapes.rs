@@ -155,7 +155,7 @@ impl Surface for Shapes {
 
     fn mark(&mut self, mark: Mark, center: Pos2, [radius, growth]: [f32; 2], ink: Color32) {
         let stroked = |width: f32| style(None, Some(Stroke::new(width, ink)));
-        let (marker, style) = match mark {
+        let (marker, marker_style) = match mark {
             Mark::Cross => (Marker::Cross, stroked(1.2)),
             Mark::Dot => (Marker::Dot, style(Some(ink), None)),
             Mark::Diamond => (Marker::Diamond, style(Some(ink), None)),
@@ -165,16 +165,11 @@ impl Surface for Shapes {
         };
 
         let size = 2.0 * f64::from(radius + growth);
-        let shape = Shape::marker(marker, at(center), size, style);
+        let shape = Shape::marker(marker, at(center), size, marker_style);
         self.marks[mark as usize].push(shape);
         // A detector is a ring with a dot, which no marker of the scene has.
         if mark == Mark::Detector {
-            let dot = Shape::marker(
-                Marker::Dot,
-                at(center),
-                0.3 * size,
-                self::style(Some(ink), None),
-            );
+            let dot = Shape::marker(Marker::Dot, at(center), 0.3 * size, style(Some(ink), None));
             self.marks[mark as usize].push(dot);
         }
     }
