@@ -706,6 +706,7 @@ pub fn time_refusals(run: &RunView, time: &Time) -> [Option<&'static str>; 2] {
     };
     // The shortest prefix of nested levels has one sample.
     let first = usize::from(run.prefix().is_some());
+    // The place in time and the last one, by what the run has: its passes, events or prefixes, or else its stages.
     let (at, last) = time
         .pass_tick(run)
         .or_else(|| run.cursor())

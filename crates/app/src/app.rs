@@ -441,6 +441,7 @@ impl App {
     fn follow_look(&mut self, ctx: &Context) {
         let is_compact = self.state.window().drawer.arrangement.is_compact();
         let input_style = InputStyle {
+            // A window too small for tiles is taken for that of a phone, and so for fingers. Chosen, not measured.
             touch: is_compact,
             still: self.state.appearance().reduced_motion,
         };
@@ -453,8 +454,9 @@ impl App {
 
         theme::restyle(ctx, look, input_style);
         // A small window has no room for the projector's larger type.
-        let zoom = |look: Look, is_compact| if is_compact { 1.0 } else { look.zoom() };
+        let zoom = |look: Look, is_small| if is_small { 1.0 } else { look.zoom() };
         let (zoom_before, zoom_now) = (
+            // The style was for touch exactly if the window was small.
             zoom(self.shown_look, self.shown_input_style.touch),
             zoom(look, is_compact),
         );

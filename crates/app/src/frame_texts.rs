@@ -30,15 +30,15 @@ pub fn texts_of(output: &FullOutput) -> BTreeSet<String> {
     }
 
     let update = output.platform_output.accesskit_update.iter();
-    // A text that only screen readers tell may give an answer away as well.
+    // A text that only screen readers say may give an answer away as well.
     for (_, node) in update.flat_map(|update| &update.nodes) {
-        let told = [
+        let said = [
             node.label(),
             node.value(),
             node.description(),
             node.tooltip(),
         ];
-        texts.extend(told.into_iter().flatten().map(str::to_owned));
+        texts.extend(said.into_iter().flatten().map(str::to_owned));
     }
     texts
 }

@@ -43,7 +43,7 @@ pub fn keys_of(state: &State, command: &Command) -> Option<KeyboardShortcut> {
 pub fn shortcut_text(ctx: &egui::Context, shortcut: &KeyboardShortcut) -> String {
     let text = ctx.format_shortcut(shortcut);
     let name = shortcut.logical_key.name();
-    // egui has words for these keys.
+    // egui has words for these keys, in whose place their signs stand.
     let sign = match shortcut.logical_key {
         Key::Period => ".",
         Key::Plus => "+",
@@ -137,9 +137,9 @@ fn meant_by(key: Key, held: Modifiers, state: &State) -> Option<(Command, Modifi
             shortcut.logical_key == key && held.matches_exact(shortcut.modifiers)
         })?;
         // While the list of actions is open, text is typed into it: only the key that closes the list counts.
-        let is_heard = !is_listed || action.command == Command::Window(WindowCommand::ToggleFinder);
+        let counts = !is_listed || action.command == Command::Window(WindowCommand::ToggleFinder);
         let is_here = state.window().embedding.is_none() || action.command.rules().in_frame;
-        let can = action.refusal.is_none() && is_heard && is_here;
+        let can = action.refusal.is_none() && counts && is_here;
         can.then_some((action.command, shortcut.modifiers))
     })
 }

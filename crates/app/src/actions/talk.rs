@@ -120,9 +120,9 @@ pub(super) fn lead(list: &mut List, state: &State) {
     // Other keys are removed, since those of the debugger, for instance, would show the class what comes later.
     for action in &mut list.actions {
         let is_own = matches!(action.command, Command::Talk(_));
-        let stays = stays(&action.command);
+        let may_stay = stays(&action.command);
         for keys in [&mut action.shortcut, &mut action.also] {
-            if !is_own && (!stays || keys.is_some_and(|keys| own.contains(&keys))) {
+            if !is_own && (!may_stay || keys.is_some_and(|keys| own.contains(&keys))) {
                 *keys = None;
             }
         }

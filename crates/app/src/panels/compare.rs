@@ -178,7 +178,8 @@ fn parting(
         ui.label(line).known_as(format_args!("parting-{index}"));
     }
 
-    // A recording that exceeds its budget leaves out tests. Tests are then compared in neither run.
+    // A recording that exceeds its budget leaves out tests, which are events that compare two samples. Tests are then
+    // compared in neither run.
     let is_thinned = [a, b].into_iter().any(|session| {
         let left_out = |recording: &std::sync::Arc<Recording>| recording.tape().left_out() > 0;
         session.recording().is_some_and(left_out)

@@ -374,7 +374,8 @@ impl CurveFrame<'_> {
                 [a.min(value), b.max(value)]
             });
             if low <= high {
-                // The next column begins with this column's last value, so that the line ends there.
+                // The next column begins with this column's last value, so that the line ends there. Where that is not
+                // defined, the line ends at the largest one: no end is more right than another.
                 let last_value = values[values.len() - 1];
                 let end = if last_value.is_finite() {
                     last_value

@@ -430,7 +430,7 @@ impl Sheet<'_> {
     fn prospect(&self, ui: &mut Ui) {
         let (text, color) = match self.exports.prospect(self.source) {
             Ok(prospect) => (sentence(&prospect), self.palette.text),
-            // Shown below the file name instead.
+            // Shown below the file name instead. A blank keeps the height of the line.
             Err(refusal) if Some(&refusal) == self.form.name_refusal().as_ref() => {
                 (" ".to_owned(), self.palette.muted)
             }

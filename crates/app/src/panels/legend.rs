@@ -49,8 +49,8 @@ pub fn show(
         let draw = |painter: &Painter, rect: Rect| {
             symbol(painter, layer, kind, rect.center(), palette);
         };
-        let shown = entry(ui, layer.meaning(kind), palette, draw);
-        shown.on_hover_ui(|ui| explain(ui, layer, kind, palette));
+        let listed = entry(ui, layer.meaning(kind), palette, draw);
+        listed.on_hover_ui(|ui| explain(ui, layer, kind, palette));
     }
 
     if context.is_compared {

@@ -243,6 +243,7 @@ impl LessonPanel<'_> {
                 // The colour says where the learner is, and otherwise how the question was answered: in full, in part, or not yet.
                 let color = match (is_here, score) {
                     (true, _) => self.palette.accent,
+                    // `FULL_MARKS` lies just below the score of a whole answer, for rounding.
                     (false, Some(score)) if score > FULL_MARKS => self.palette.inserted,
                     (false, Some(_)) => self.palette.candidate,
                     (false, None) => self.palette.muted,
@@ -266,16 +267,16 @@ impl LessonPanel<'_> {
     fn question(&mut self, ui: &mut Ui, question: &Question) {
         let (open, labels) = (self.open, self.labels);
         let learner = &open.learner;
-        // A trace asks for one event after another. `traced` is how many of them are predicted.
-        let (_, traced) = learner.tries();
+        // A trace asks for one event after another. `predicted` is how many of them the learner has predicted.
+        let (_, predicted) = learner.tries();
         if let Some(steps) = question.traced() {
             // Once all steps are traced, the last of them stays.
-            let number = (traced + 1).min(steps);
+            let number = (predicted + 1).min(steps);
             let text = format!("{} {number} {} {steps}", labels.step, labels.of);
             ui.label(self.muted(text)).known_as("lesson-traced");
         }
 
-        let ask = text::paragraph(ui, question.ask(traced), self.size, self.palette.text);
+        let ask = text::paragraph(ui, question.ask(predicted), self.size, self.palette.text);
         read_out(ui, &ask);
         ask.known_as("lesson-ask");
         ui.add_space(6.0);

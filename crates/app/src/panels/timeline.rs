@@ -254,6 +254,7 @@ const APART: f32 = 4.0;
 #[must_use]
 pub fn compact_height(ctx: &Context, context: &TimeContext<'_>, is_low: bool, width: f32) -> f32 {
     let sentence = compact_sentence(ctx, context, is_low, width);
+    // The margins of the controls take 12 points, and a button for fingers 2 more than `FINGER`.
     12.0 + sentence + FINGER + 2.0 + track::COMPACT_HEIGHT + 2.0 * APART
 }
 
@@ -432,13 +433,13 @@ pub fn more(ui: &mut Ui, context: &TimeContext<'_>, commands: &mut Vec<Command>)
 /// track does the same.
 fn controls(ui: &mut Ui, context: &TimeContext<'_>, with_ends: bool, commands: &mut Vec<Command>) {
     let palette = context.palette;
+    // At the end of the run play begins anew, so that it is refused only without a session.
     let no_session = context
         .run
         .session
         .is_none()
         .then_some("There is no session yet.");
 
-    // At the end of the run play begins anew, so that it is refused only without a session.
     let [at_end, at_start] = time_refusals(context.run, context.time);
     let (play, play_name) = if context.time.playback.is_playing() {
         (Icon::Pause, "Pause (Space)")

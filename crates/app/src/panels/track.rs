@@ -57,7 +57,7 @@ fn of_stage(session: &Session, stage: Stage, events: usize) -> ([String; 3], Str
     (names, Kebab(stage).to_string(), tip)
 }
 
-/// Returns the same of a level.
+/// Returns the names of a level, its name in ids, and what a click on it does.
 fn of_level(
     session: &Session,
     nested: &NestedLevels,

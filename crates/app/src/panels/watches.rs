@@ -14,7 +14,7 @@ use tilescope_workbench::live::WATCH_STEPS;
 
 pub const CONTENT: Content = Content::of_run(Room::Scrolled, show);
 
-/// Shows the watches, and the names that they can have.
+/// Shows the watches, and the names that their expressions can use.
 pub fn show(ui: &mut Ui, context: &PanelContext<'_>, commands: &mut Vec<Command>) {
     let palette = context.palette;
     let Some(debugger) = &context.run.debugger else {
@@ -37,6 +37,7 @@ pub fn show(ui: &mut Ui, context: &PanelContext<'_>, commands: &mut Vec<Command>
         ui.add_space(4.0);
     }
 
+    // A new watch begins with one of the names, as an example to be edited.
     let command = Command::Debug(DebugCommand::Watch("distance".to_owned()));
     ui.button("Add a watch")
         .issues("add-watch", command, commands);
@@ -93,7 +94,7 @@ fn watch(ui: &mut Ui, index: usize, text: &str, palette: &Palette, commands: &mu
     });
 }
 
-/// Lists names that expressions can have, each with a value and its meaning.
+/// Lists names that expressions can use, each with a value and its meaning.
 fn scope<'a>(
     ui: &mut Ui,
     title: &str,

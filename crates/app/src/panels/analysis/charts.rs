@@ -127,7 +127,8 @@ fn cells_of(spectrum: &Spectrum) -> String {
     let cell = 2.0 * least / picture.size.min(picture.rows) as f64;
     if least < Spectrum::MAX_NU - cell {
         let longest = (picture.size * picture.side).max(picture.rows * picture.row_side) / 2;
-        // A reach near the limit of cycles is final. A smaller one still grows.
+        // A reach near the limit of cycles is final. A smaller one still grows. The share of 0.9 was chosen, not
+        // measured.
         let so_far = if longest as f64 > 0.9 * Spectrum::MAX_CYCLES {
             let cycles = tilescope_session::words::grouped(Spectrum::MAX_CYCLES as usize);
             format!("({cycles} cycles)")
@@ -251,6 +252,7 @@ fn correlation(ui: &mut Ui, sets: &Sets<'_>, brush: Option<Brush>, own: &mut Vec
     );
 }
 
+/// The points of a curve, and the band around each of them, if it has one.
 type CurvePoints = (Vec<[f64; 2]>, Option<Vec<[f64; 2]>>);
 
 /// Returns the curves of the moment of each run, of the reference and of the file; `points` receives a set and the length of r in
@@ -302,6 +304,7 @@ fn curves_of(
     ];
 
     for (measured, unit, name, line, color) in others.into_iter().flatten() {
+        // Only the curves of runs are drawn with their bands.
         if let Some((found, _)) = points(measured, unit) {
             curves.push(curve(name, line, color, (found, None)));
         }

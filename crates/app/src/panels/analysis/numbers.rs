@@ -166,7 +166,8 @@ fn text_of(number: &SetNumber, set: &MeasuredSet) -> Option<String> {
         Some(value) if number.decimals == 0 => Some(grouped(value as usize)),
         // The column has room for four decimals.
         Some(value) => Some(format!("{value:.4}")),
-        // It is measured, and this set has none; without a verdict nothing is known of it.
+        // A number that was measured and is missing is one that this set has not. Those of the verdict are not
+        // measured, but judged: where one is missing there is no verdict yet.
         None => {
             let is_measured = |part| part != Part::Report && set.knows(part);
             (number.needs.is_some_and(is_measured)).then(|| "none".to_owned())

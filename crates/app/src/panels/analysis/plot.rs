@@ -113,8 +113,8 @@ impl Plot<'_> {
         response.known_as(format_args!("chart.{}", self.y.sign));
 
         let mut inner = rect;
-        // The last number of the x axis is centred on the right edge of the chart, and needs room beyond it.
         inner.min += vec2(LEFT, ABOVE);
+        // The last number of the x axis is centred on the right edge of the chart, and needs room beyond it.
         inner.max -= vec2(13.0, BELOW);
         let frame = PlotFrame { plot: self, inner };
 

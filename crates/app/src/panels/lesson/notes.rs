@@ -299,10 +299,10 @@ impl Notes<'_> {
                     return;
                 };
                 ui.separator();
-                // A trace asks for one event after another. `traced` is how many of them are predicted.
-                let (_, traced) = learner.tries();
+                // A trace asks for one event after another. `predicted` is how many of them the learner has predicted.
+                let (_, predicted) = learner.tries();
                 let size = self.size(PARAGRAPH);
-                text::paragraph(ui, question.ask(traced), size, self.palette.text);
+                text::paragraph(ui, question.ask(predicted), size, self.palette.text);
 
                 let labels = super::labels(self.state);
                 let language = &self.state.lessons().language;

@@ -184,9 +184,9 @@ impl Slide<'_> {
         let learner = &open.learner;
 
         ui.add_space(6.0);
-        // A trace asks for one event after another. `traced` is how many of them are predicted.
-        let (_, traced) = learner.tries();
-        self.paragraph(ui, question.ask(traced))
+        // A trace asks for one event after another. `predicted` is how many of them the learner has predicted.
+        let (_, predicted) = learner.tries();
+        self.paragraph(ui, question.ask(predicted))
             .known_as("stage-ask");
         ui.add_space(6.0);
 
@@ -218,6 +218,7 @@ impl Slide<'_> {
 
         let feedback = open.feedback.as_ref();
         if is_revealed {
+            // A question that is closed was given up or answered rightly.
             let verdict = match (learner.progress(), open.told_answer(language)) {
                 (Progress::GivenUp, Some(answer)) => format!("{} {answer}", labels.the_answer),
                 _ => labels.right.to_owned(),

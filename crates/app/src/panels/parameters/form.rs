@@ -32,14 +32,14 @@ pub(super) fn show(ui: &mut Ui, context: &FormContext<'_>, commands: &mut Vec<Co
     fields.group(ui, "Domain", ParameterGroup::Domain);
     fields.shape(ui);
 
-    // A set in a field or a shape is not tiled, so that of these only the seed has a meaning.
+    // A set in a field or a shape is not tiled: of the parameters below only the seed has a meaning.
     if context.form.draft.ground.is_asked() {
         fields.number(ui, Parameter::Seed);
         let text = "Darts of the reference sampler make this set, without tiling.";
         ui.label(RichText::new(text).color(context.palette.muted))
             .known_as("no-tiling");
         fields.error(ui, FormPart::Choices, "refusal-0");
-        // Nested levels exclude a field, and their choice is where they are taken back.
+        // Nested levels and a field exclude each other: the choice of levels stays, so that they can be taken back.
         if context.form.draft.levels.is_some() {
             fields.nested(ui);
         }
@@ -300,7 +300,7 @@ impl Fields<'_> {
         self.costs(ui);
     }
 
-    /// Shows the price of a large run, which two remarks tell beforehand.
+    /// Shows remarks on what a large run costs: it keeps no steps, and needs much memory.
     fn costs(&self, ui: &mut Ui) {
         let draft = &self.context.form.draft;
         if draft.keeps_result_only() {
