@@ -1,5 +1,6 @@
-//! The panels of the window. Each reads a part of the state and pushes commands. Begin with `panels/registry.rs`;
-//! the table of all of them is in `workbench/src/layout.rs`.
+//! The panels of the window. Each reads a part of the state and pushes commands. Begin with `panels/registry.rs`; the
+//! table of all of them is in `workbench/src/layout.rs`. Sizes are in screen points, and chosen, not measured, where no
+//! reason stands beside them.
 
 mod analysis;
 mod caption;

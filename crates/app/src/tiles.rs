@@ -132,7 +132,7 @@ fn tile(tiles: &Tiles<Panel>, id: TileId, depth: usize) -> Option<layout::Layout
 }
 
 /// Returns these tiles, with shares taken from `before` wherever a row or column is as in `shown`, which was made of
-/// it: rows and columns that were not resized keep their shares in a window of another size.
+/// `before`: rows and columns that were not resized keep their shares in a window of another size.
 #[must_use]
 pub fn with_shares_of(
     mut tree: Tree<Panel>,

@@ -235,8 +235,8 @@ fn block(subject: &Subject<'_>, position: DVec2) -> Option<[String; 2]> {
 
     let sides = [leaf.rect.width(), leaf.rect.height()].map(radii);
     let size = format!("{:.1} \u{d7} {:.1} r", sides[0], sides[1]);
-    // A split comes later in the list than those above it in the tree, so that the last one that holds the place cut off the leaf.
-    // The text counts splits from 1.
+    // A split comes later in the list than the splits above it in the tree, so that the last one that holds the place
+    // is the one that cut off the leaf. The text counts splits from 1.
     let last = blocks.splits.iter().rposition(|split| holds(&split.rect));
     let full = match last {
         Some(split) => format!("{brief}: {size}, cut off by split {}", grouped(split + 1)),

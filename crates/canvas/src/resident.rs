@@ -90,7 +90,8 @@ impl Resident {
             .shows_points(painter, scene.rect, camera, &options(scene, Symbols::ALL))
     }
 
-    /// Draws the symbols of samples, eliminated ones below the others; they are left out among points.
+    /// Draws the symbols of samples, eliminated ones below the others. Where samples are points, eliminated ones are
+    /// left out.
     pub fn symbols(&self, painter: &Painter, scene: &Scene<'_>) {
         let ghosts = scene.has(Layer::Eliminated) && scene.stage >= Stage::Eliminate;
         if ghosts && !self.shows_points(painter, scene) {

@@ -89,7 +89,8 @@ impl<K: PartialEq> Stack<'_, K> {
 
     /// Draws the parts shown where every sample has its symbol.
     pub fn all(&mut self) {
-        // Consecutive edges of one mesh are copied once.
+        // Consecutive parts of the triangulation are drawn on one sheet: their edges are one mesh, which is copied
+        // once.
         for parts in Part::ALL.chunk_by(|a, b| is_net(*a) && is_net(*b)) {
             self.parts(parts);
         }
@@ -100,7 +101,8 @@ impl<K: PartialEq> Stack<'_, K> {
         let mut points = Some(points);
         for part in OF_CROWD {
             match (part, self.resident) {
-                // In a crowd without a device there are no disks, nor are there any of several radii.
+                // Without a device a crowd has no disks, and with one none of several radii, which the GPU does not
+                // draw.
                 (Part::Disks, None) => {}
                 (Part::Disks, Some(_)) if self.scene.session.ground.is_some() => {}
                 (Part::Samples, None) => {
@@ -113,7 +115,7 @@ impl<K: PartialEq> Stack<'_, K> {
         }
     }
 
-    /// Draws parts on one sheet. They have the same clip rectangle, and are either all cached or none.
+    /// Draws parts on one sheet, clipped as the first of them that is on. They are either all cached or none.
     fn parts(&mut self, parts: &[Part]) {
         let scene = self.scene;
         let on = || parts.iter().copied().filter(|part| part.is_on(scene));

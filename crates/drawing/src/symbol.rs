@@ -1,4 +1,5 @@
-//! The symbols of layers, for chips and legends.
+//! The symbols of layers, for chips and legends. Sizes are in screen points; they and opacities are chosen, not
+//! measured, where no reason stands beside them.
 
 use ecolor::Color32;
 use emath::{Vec2, vec2};

@@ -104,8 +104,8 @@ const fn stays(command: &Command) -> bool {
     )
 }
 
-/// During a talk, removes the keys of all other actions, except those that [`stays`] names and that no action of the talk
-/// has.
+/// During a talk, removes the keys of all other actions. An action that [`stays`] names keeps its keys, unless an
+/// action of the talk has the same ones.
 pub(super) fn lead(list: &mut List, state: &State) {
     if state.talks().open.is_none() {
         return;

@@ -1,5 +1,6 @@
-//! Closing the native window: asks first if something would be lost, keeps the last session, and lets nothing unfinished
-//! behind on the disk.
+//! Closing the native window: asks first if something would be lost, keeps the last session, and lets nothing
+//! unfinished behind on the disk. Sizes are in screen points, and chosen, not measured, where no reason stands beside
+//! them.
 
 use egui::{Context, Modal, RichText, ViewportCommand, vec2};
 use tilescope_drawing::palette::Palette;

@@ -1,6 +1,7 @@
-//! The live analysis: numbers and curves of the kept samples at this moment, beside those of a second run, of maximal sets and
-//! of a file. They move with the run; where a run has none that do, outdated values are faded until new ones arrive. The
-//! measuring itself is in the workbench.
+//! The live analysis: numbers and curves of the kept samples at this moment, beside those of a second run, of maximal
+//! sets and of a file. They move with the run; where a run has none that do, outdated values are faded until new ones
+//! arrive. The measuring itself is in the workbench. Sizes are in screen points, and chosen, not measured, where no
+//! reason stands beside them.
 
 mod charts;
 mod difference;
@@ -62,7 +63,8 @@ struct RunMeasures<'a> {
     now: Option<&'a MeasuredSet>,
     /// Those that move with the run.
     live: Option<&'a MeasuredSet>,
-    /// Those of another moment, until those of this one are there. In a run whose measures move it is the spectrum alone.
+    /// The measures of another moment, shown until those of this one are there. In a run whose measures move with it,
+    /// only the spectrum can be of another moment.
     before: Option<&'a MeasuredSet>,
 }
 
@@ -71,9 +73,11 @@ impl<'a> RunMeasures<'a> {
         let measuring = &run.measuring;
         let now = measuring.of(shown).map(|known| &*known.measured);
         let is_whole = now.is_some_and(|now| missing(now).is_none());
-        // Other measures stand in until those at rest are whole. Where measuring fails, they would hide the failure.
+        // Until the measures at rest are whole, others stand in for them. Where measuring has failed, these would hide
+        // the failure.
         let is_wanted = !is_whole && measuring.failure(shown).is_none();
-        // A run whose measures move with it needs none of another moment, but for a spectrum that has not come so far.
+        // A run whose measures move with it needs none of another moment, except for the spectrum, which may lag
+        // behind.
         let before = match run.live.refusal() {
             Some(_) => measuring.last(shown).map(|known| &*known.measured),
             None => run.live.behind(shown).map(|behind| &*behind.measured),

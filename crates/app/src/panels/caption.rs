@@ -1,5 +1,5 @@
-//! The caption of a scene over the canvas, with the buttons that go on and back. In a small window the tour's stands below the
-//! canvas.
+//! The caption of a scene over the canvas, with the buttons that go on and back. In a small window the tour's stands
+//! below the canvas. Sizes are in screen points, and chosen, not measured, where no reason stands beside them.
 
 use egui::{
     Area, Button, FontId, Frame, Id, Label, Margin, Order, RichText, ScrollArea, Stroke, Ui, pos2,

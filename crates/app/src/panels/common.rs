@@ -1,4 +1,5 @@
-//! What several panels share: scrolling, lines between sections, remarks, pictures as textures.
+//! What several panels share: scrolling, lines between sections, remarks, pictures as textures. Sizes are in screen
+//! points, and chosen, not measured, where no reason stands beside them.
 
 use std::sync::Arc;
 

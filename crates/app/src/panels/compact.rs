@@ -1,5 +1,5 @@
 //! The layout of a small window, without tiles: the canvas, the time controls, and one panel at a time, chosen by a row
-//! of tabs.
+//! of tabs. Sizes are in screen points, and chosen, not measured, where no reason stands beside them.
 
 use egui::scroll_area::ScrollSource;
 use egui::{

@@ -1,5 +1,6 @@
-//! The run as a curve: a number of the catalogue over the events, above the track of the timeline and as wide as that. Hovering
-//! shows the value of a moment, a click goes there; the number and the height can be chosen.
+//! The run as a curve: a number of the catalogue over the events, above the track of the timeline and as wide as that.
+//! Hovering shows the value of a moment, a click goes there; the number and the height can be chosen. Sizes are in
+//! screen points, and chosen, not measured, where no reason stands beside them.
 
 use egui::{
     Align2, Button, ComboBox, CursorIcon, FontId, Id, Painter, Pos2, Rect, Response, RichText,

@@ -1,5 +1,5 @@
 //! The event browser: the tree of events, or the results of a query. Selecting an event goes to the moment after it and
-//! all its children.
+//! all its children. Sizes are in screen points, and chosen, not measured, where no reason stands beside them.
 
 use egui::text::{LayoutJob, TextWrapping};
 use egui::{

@@ -1,5 +1,5 @@
 //! The export sheet: format, file, size and frame rate. It explains why an export is impossible before anything is
-//! written.
+//! written. Sizes are in screen points, and chosen, not measured, where no reason stands beside them.
 
 use std::path::Path;
 

@@ -1,4 +1,5 @@
-//! The sheet that opens and saves sessions and patterns.
+//! The sheet that opens and saves sessions and patterns. Sizes are in screen points, and chosen, not measured, where no
+//! reason stands beside them.
 
 use std::path::Path;
 

@@ -1,4 +1,5 @@
-//! The list of all actions (Ctrl+K): typing filters it, arrow keys select, Enter runs the selected action.
+//! The list of all actions (Ctrl+K): typing filters it, arrow keys select, Enter runs the selected action. Sizes are in
+//! screen points, and chosen, not measured, where no reason stands beside them.
 
 use egui::{
     Align2, FontId, Key, Modal, Rect, RichText, Role, ScrollArea, Sense, TextEdit, Ui, WidgetInfo,

@@ -1,4 +1,5 @@
-//! The help sheet: the keys, the terms, and a description of the program.
+//! The help sheet: the keys, the terms, and a description of the program. Sizes are in screen points, and chosen, not
+//! measured, where no reason stands beside them.
 
 use egui::{Align, Button, FontId, Grid, Id, Label, Layout, Modal, RichText, Ui, vec2};
 use tilescope_drawing::palette::Palette;

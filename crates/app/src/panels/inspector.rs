@@ -1,5 +1,5 @@
 //! The inspector: the properties of the sample under the pointer, otherwise of the selection, with its history and the
-//! causes of the last event.
+//! causes of the last event. Sizes are in screen points, and chosen, not measured, where no reason stands beside them.
 
 use glam::DVec2;
 

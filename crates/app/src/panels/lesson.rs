@@ -1,5 +1,6 @@
 //! The panel of a lesson: the text of a step, its question, the answer, and the feedback on it; or the list of lessons.
-//! It stands beside the canvas, in a narrow window below it. Begin with [`show`] and `LessonPanel::show`.
+//! It stands beside the canvas, in a narrow window below it. Begin with [`show`] and `LessonPanel::show`. Sizes are in
+//! screen points, and chosen, not measured, where no reason stands beside them.
 //!
 //! The files beside have the parts: [`answers`] for the controls of questions, [`list`] of lessons, [`marks`] over the
 //! canvas, [`text`] for paragraphs. [`stage`] and [`notes`] are the two windows of a talk; `app/stage.rs` opens them.

@@ -1,4 +1,5 @@
-//! The notice: a message over the canvas, until it is dismissed.
+//! The notice: a message over the canvas, until it is dismissed. Sizes are in screen points, and chosen, not measured,
+//! where no reason stands beside them.
 
 use egui::{Align2, Area, Frame, Id, Margin, Order, RichText, Stroke, Ui, vec2};
 use tilescope_drawing::palette::Palette;

@@ -1,5 +1,5 @@
 //! The parameters: the fields, and below them the button that runs or cancels, which stays in view. The fields are in
-//! [`form`].
+//! [`form`]. Sizes are in screen points, and chosen, not measured, where no reason stands beside them.
 
 mod form;
 
@@ -91,7 +91,8 @@ impl<'a> FormContext<'a> {
             engine_differs: state
                 .gpu()
                 .differs(&state.runs().first, &state.form().draft),
-            // Fields are marked where they differ from these. A run that was not made from a recipe has none to differ from.
+            // Fields are marked where they differ from these parameters. A run that was not made from a recipe has
+            // none.
             made: match &state.runs().first.session {
                 Some(session) if session.has_recipe() => Some(session.recipe().parameters),
                 _ => None,

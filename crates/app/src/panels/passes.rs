@@ -1,5 +1,6 @@
 //! The panel of GPU passes: their list on the left, the selected pass and one of its buffers on the right. It reads
-//! [`Passes`], whose runs and tables are in `workbench/src/passes/`, and pushes commands. Begin with [`show`].
+//! [`Passes`], whose runs and tables are in `workbench/src/passes/`, and pushes commands. Begin with [`show`]. Sizes
+//! are in screen points, and chosen, not measured, where no reason stands beside them.
 
 mod choice;
 mod grid;

@@ -1,5 +1,6 @@
 //! The pseudocode: the line that has run and the one that runs next, breakpoints in the gutter, and counts of
-//! executions. A click on the gutter sets a breakpoint; a click on a line goes to its next execution.
+//! executions. A click on the gutter sets a breakpoint; a click on a line goes to its next execution. Sizes are in
+//! screen points, and chosen, not measured, where no reason stands beside them.
 
 use std::sync::Arc;
 

@@ -1,6 +1,7 @@
 //! The panel of scenes, which are moments with a view and a caption in the user's order, and of breakpoints with their
 //! conditions. The caption of the current scene is drawn over the canvas by `caption.rs`; the actions on scenes are in
-//! `workbench/src/state/scenes.rs`. Begin with [`show`].
+//! `workbench/src/state/scenes.rs`. Begin with [`show`]. Sizes are in screen points, and chosen, not measured, where no
+//! reason stands beside them.
 
 use egui::{
     Button, Color32, CursorIcon, Id, KeyboardShortcut, Label, RichText, Role, Sense, Stroke,

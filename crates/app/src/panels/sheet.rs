@@ -1,4 +1,5 @@
 //! Common to all sheets (dialogs over the window): size, position, keys, and focus on the first field when opened.
+//! Sizes are in screen points, and chosen, not measured, where no reason stands beside them.
 
 use egui::text::{CCursor, CCursorRange};
 use egui::text_edit::TextEditState;

@@ -1,4 +1,5 @@
-//! The table of stages: the numbers of samples, conflicts and gaps after each. A click on a row goes there.
+//! The table of stages: the numbers of samples, conflicts and gaps after each. A click on a row goes there. Sizes are
+//! in screen points, and chosen, not measured, where no reason stands beside them.
 
 use egui::{CursorIcon, FontId, Role, Sense, Ui, WidgetInfo, vec2};
 use tilescope_core::Stage;

@@ -1,4 +1,5 @@
-//! The timeline: a sentence on the last event, and the controls of time.
+//! The timeline: a sentence on the last event, and the controls of time. Sizes are in screen points, and chosen, not
+//! measured, where no reason stands beside them.
 
 use egui::text::LayoutJob;
 use egui::{
@@ -107,7 +108,7 @@ fn has_next(ctx: &Context, context: &TimeContext<'_>) -> bool {
     context.run.debugger.is_some() && ctx.content_rect().height() >= MIN_HEIGHT_FOR_NEXT
 }
 
-/// Returns the room for counts beside the sentence: none where they are beside the next line, which is short.
+/// Returns the room for counts beside the sentence: 0 where the counts stand beside the next line, which is short.
 fn room_beside_sentence(ctx: &Context, context: &TimeContext<'_>, width: f32) -> f32 {
     if has_next(ctx, context) {
         0.0

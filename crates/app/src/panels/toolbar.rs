@@ -1,4 +1,5 @@
-//! The bar on top: menus, the name of the run, the verdict, export and theme.
+//! The bar on top: menus, the name of the run, the verdict, export and theme. Sizes are in screen points, and chosen,
+//! not measured, where no reason stands beside them.
 
 use egui::{
     Align, Atom, Button, Color32, FontId, IdSalt, Layout, Popup, PopupCloseBehavior, RichText,

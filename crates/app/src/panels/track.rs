@@ -1,5 +1,6 @@
-//! The track of the timeline: a segment per stage, wider the more events it has, with the cursor, scenes and the
-//! loop. Click or drag to move in time. Nested levels have a segment per level, and the cursor is the prefix that is shown.
+//! The track of the timeline: a segment per stage, wider the more events it has, with the cursor, scenes and the loop.
+//! Click or drag to move in time. Nested levels have a segment per level, and the cursor is the prefix that is shown.
+//! Sizes are in screen points, and chosen, not measured, where no reason stands beside them.
 
 use std::ops::Range;
 

@@ -1,4 +1,5 @@
-//! The verdict of the independent verifier: a chip that is always visible, and a panel with its numbers.
+//! The verdict of the independent verifier: a chip that is always visible, and a panel with its numbers. Sizes are in
+//! screen points, and chosen, not measured, where no reason stands beside them.
 
 use std::sync::Arc;
 

@@ -1,5 +1,6 @@
-//! Draws the rows of a GPU buffer over the picture, as rings, squares, borders and links, with a tag that names them. Their
-//! positions are computed by `workbench/src/passes/placed.rs`.
+//! Draws the rows of a GPU buffer over the picture, as rings, squares, borders and links, with a tag that names them.
+//! Their positions are computed by `workbench/src/passes/placed.rs`. Sizes are in screen points, and chosen, not
+//! measured, where no reason stands beside them.
 
 use std::fmt::Write as _;
 
@@ -291,6 +292,7 @@ fn tag(
         palette.muted
     };
     job.append(&changed, 0.0, format(color));
+    // Even in a canvas narrower than that a line has room for a word or two.
     job.wrap.max_width = (painter.clip_rect().width() - 2.0 * INSET.x).max(80.0);
 
     let galley = painter.layout_job(job);

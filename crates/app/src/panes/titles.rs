@@ -1,5 +1,5 @@
 //! Two runs side by side: the rectangles of their pictures, the titles above, and the pointer's position on the other
-//! picture.
+//! picture. Sizes are in screen points, and chosen, not measured, where no reason stands beside them.
 
 use super::CanvasContext;
 use crate::ENABLED;

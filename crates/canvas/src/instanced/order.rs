@@ -145,7 +145,7 @@ impl CellOrder {
 
         for (level, distance) in DISTANCES.into_iter().enumerate() {
             let mut taken = Taken::new(self.size, distance);
-            // The samples of coarser levels come first, and keep those too near to them out of this one.
+            // The samples of coarser levels come first, and keep samples too near to them out of this level.
             for (&before, &point) in levels.iter().zip(&visited) {
                 if before < level {
                     taken.take(point);

@@ -1,4 +1,5 @@
-//! The building blocks that exist at the moment: tints, borders, numbers, and the clips around them.
+//! The building blocks that exist at the moment: tints, borders, numbers, and the clips around them. Sizes are in
+//! screen points; they and opacities are chosen, not measured, where no reason stands beside them.
 
 use emath::{Align2, Rect, vec2};
 use tilescope_core::Stage;

@@ -1,4 +1,5 @@
 //! Darts of exact tiling: the cells that throw them, those that wait, and those that were refused, with their blockers.
+//! Sizes are in screen points; they and opacities are chosen, not measured, where no reason stands beside them.
 
 use emath::{Rect, Vec2};
 use tilescope_core::{Point, Stage};

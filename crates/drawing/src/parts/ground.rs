@@ -1,5 +1,6 @@
-//! Sets in a field of radii or in a shape: the radius at each place as a shade, the area outside, the outline of a polygon, and
-//! the darts of the throw that is shown.
+//! Sets in a field of radii or in a shape: the radius at each place as a shade, the area outside, the outline of a
+//! polygon, and the darts of the throw that is shown. Sizes are in screen points; they and opacities are chosen, not
+//! measured, where no reason stands beside them.
 
 use ecolor::Color32;
 use emath::{Rect, Vec2, pos2, vec2};

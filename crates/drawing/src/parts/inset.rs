@@ -1,5 +1,6 @@
 //! The inset of the tiling stage: the pattern in a corner of the picture, with the window from which the current
-//! block's samples come.
+//! block's samples come. Sizes are in screen points; they and opacities are chosen, not measured, where no reason
+//! stands beside them.
 
 use ecolor::Color32;
 use emath::{Align2, Pos2, Rect, pos2, vec2};

@@ -1,4 +1,5 @@
-//! Samples and their disks, conflicts, detectors and candidates. Only samples in view are visited.
+//! Samples and their disks, conflicts, detectors and candidates. Only samples in view are visited. Sizes are in screen
+//! points; they and opacities are chosen, not measured, where no reason stands beside them.
 
 use emath::Pos2;
 use glam::DVec2;
@@ -37,7 +38,7 @@ pub fn pattern(scene: &Scene<'_>, surface: &mut impl Surface) {
     }
 }
 
-/// Draws the disks of the samples that cover them, and in the copies around a periodic domain those of the copies.
+/// Draws the disks of the samples that have one at this moment, and of their copies around a periodic domain.
 pub fn disks(scene: &Scene<'_>, looks: &Looks<'_>, surface: &mut impl Surface) {
     let index = &scene.session.index;
     if scene.session.ground.is_some() {

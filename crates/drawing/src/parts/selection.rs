@@ -1,4 +1,5 @@
-//! The selected sample or place, the sample under the pointer, and the witness of a verdict.
+//! The selected sample or place, the sample under the pointer, and the witness of a verdict. Sizes are in screen
+//! points; they and opacities are chosen, not measured, where no reason stands beside them.
 
 use emath::{Align2, vec2};
 use glam::DVec2;

@@ -1,4 +1,5 @@
-//! The KD-tree: the lines of all splits made so far, thicker for earlier ones in a branch, and their numbers.
+//! The KD-tree: the lines of all splits made so far, thicker for earlier ones in a branch, and their numbers. Sizes are
+//! in screen points; they and opacities are chosen, not measured, where no reason stands beside them.
 
 use emath::{Align2, Pos2, Rect, vec2};
 use tilescope_core::stages::blocks::{Axis, Split};
@@ -65,7 +66,7 @@ pub fn lines(scene: &Scene<'_>, surface: &mut impl Surface) {
         }
     }
 
-    // Lines hardly cross, and drawing those of one kind together is fastest.
+    // Lines hardly cross, so that the order matters little, and drawing all lines of one kind together is fastest.
     for is_wide in [true, false] {
         for (_, split, ends) in visible(scene) {
             let width = width(split);

@@ -194,6 +194,7 @@ fn anisotropy(ui: &mut Ui, sets: &Sets<'_>, brush: Option<Brush>, own: &mut Vec<
         y: PlotAxis {
             label: "anisotropy in decibels",
             sign: "dB",
+            // Fixed, as the other axes are. Chosen, not measured.
             range: [-10.0, 10.0],
         },
         level: (

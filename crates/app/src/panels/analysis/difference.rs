@@ -1,5 +1,6 @@
-//! The difference of two periodograms as a picture. One frequency of one set scatters by as much as its power, so that single
-//! frequencies cannot be compared: means over cells can.
+//! The difference of two periodograms as a picture. One frequency of one set scatters by as much as its power, so that
+//! single frequencies cannot be compared: means over cells can. Sizes are in screen points, and chosen, not measured,
+//! where no reason stands beside them.
 
 use std::sync::Arc;
 

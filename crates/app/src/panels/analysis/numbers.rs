@@ -44,6 +44,7 @@ impl Column {
             (Self::File, sets.reference_file.is_some()),
         ];
         let shown = all.into_iter().filter(|(_, is_there)| *is_there);
+        // Two runs and their difference are shown in any case, however narrow the panel.
         let most = ((width - NAME) / COLUMN).floor().max(3.0) as usize;
         shown.map(|(column, _)| column).take(most).collect()
     }

@@ -1,5 +1,6 @@
 //! The periodogram as a picture, as papers print it: black is no power, white is three times the power of noise; a ring
-//! selects a band of frequencies.
+//! selects a band of frequencies. Sizes are in screen points, and chosen, not measured, where no reason stands beside
+//! them.
 
 use std::sync::Arc;
 

@@ -1,5 +1,6 @@
 //! A generic chart of curves: axes with round ticks, levels, confidence bands, values under the pointer, and a range to
-//! drag. `charts.rs` chooses the curves.
+//! drag. `charts.rs` chooses the curves. Sizes are in screen points, and chosen, not measured, where no reason stands
+//! beside them.
 
 use egui::{
     Align2, Color32, CursorIcon, FontId, Mesh, Painter, Pos2, Rect, Response, Role, Sense, Shape,

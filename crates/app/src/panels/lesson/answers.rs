@@ -1,6 +1,6 @@
-//! The answer to a question, as it is put together: its controls beside the canvas, whatever its type. An answer can also be
-//! given by a click on the canvas, and items of a list by the keys 1 to 9 (`actions/lessons.rs`). Begin with
-//! [`Answers::show`].
+//! The answer to a question, as it is put together: its controls beside the canvas, whatever its type. An answer can
+//! also be given by a click on the canvas, and items of a list by the keys 1 to 9 (`actions/lessons.rs`). Begin with
+//! [`Answers::show`]. Sizes are in screen points, and chosen, not measured, where no reason stands beside them.
 
 use egui::text::{LayoutJob, TextFormat};
 use egui::{Button, FontId, Label, Response, RichText, Stroke, TextEdit, Ui};

@@ -1,4 +1,5 @@
-//! Small plots of spectra: mean power by frequency in 1/r.
+//! Small plots of spectra: mean power by frequency in 1/r. Sizes are in screen points, and chosen, not measured, where
+//! no reason stands beside them.
 
 use egui::{Align2, FontId, Sense, Stroke, Ui, pos2, vec2};
 use tilescope_drawing::palette::Palette;

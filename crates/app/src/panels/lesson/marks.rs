@@ -1,5 +1,6 @@
 //! The marks of a lesson over the canvas: samples that the question names, the samples and points to choose from, and
-//! the answer. Begin with [`show`].
+//! the answer. Begin with [`show`]. Sizes are in screen points, and chosen, not measured, where no reason stands beside
+//! them.
 
 use egui::{
     Color32, FontId, Id, LayerId, Order, Painter, Pos2, Rect, Stroke, StrokeKind, Ui, Vec2, pos2,

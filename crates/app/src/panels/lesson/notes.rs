@@ -1,6 +1,6 @@
-//! The lecturer's window of a talk: the clock and the plan, the tools, this step with its notes and its answer, the votes
-//! and what they suggest, and the next step with a picture. The class sees `stage.rs`. A page has these notes in
-//! `web/page/notes.js`.
+//! The lecturer's window of a talk: the clock and the plan, the tools, this step with its notes and its answer, the
+//! votes and what they suggest, and the next step with a picture. The class sees `stage.rs`. A page has these notes in
+//! `web/page/notes.js`. Sizes are in screen points, and chosen, not measured, where no reason stands beside them.
 
 use egui::{
     Align, Button, CentralPanel, Color32, FontId, Frame, Id, Label, Layout, Margin, RichText,

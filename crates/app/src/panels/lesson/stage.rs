@@ -1,5 +1,6 @@
 //! The stage of a talk, which the class sees on the projector: the canvas, and beside it the step with its question,
 //! options and votes. Notes, controls and later steps are not shown; those are in `notes.rs`. Begin with [`show`].
+//! Sizes are in screen points, and chosen, not measured, where no reason stands beside them.
 
 use egui::{
     Align2, CentralPanel, Color32, CornerRadius, CursorIcon, FontId, Frame, Id, Label, LayerId,
@@ -124,6 +125,7 @@ fn hide_pointer(ui: &Ui, talk: &Talk) {
     if talk.tool != Tool::Hand || f64::from(since) > REST_SECS {
         ui.ctx().set_cursor_icon(CursorIcon::None);
     } else {
+        // A frame a little later than the end of the rest hides the pointer. The 0.05 s were chosen, not measured.
         let rest = std::time::Duration::from_secs_f64(REST_SECS - f64::from(since) + 0.05);
         ui.ctx().request_repaint_after(rest);
     }

@@ -20,7 +20,7 @@ pub(super) fn show(
     palette: &Palette,
     commands: &mut Vec<PassCommand>,
 ) {
-    // The shown buffer is kept by its index, of which this pass may have none.
+    // The buffer that is shown is kept by its index, and this pass may have fewer buffers.
     let Some(rows) = passes.shown().on_canvas(visit) else {
         return;
     };

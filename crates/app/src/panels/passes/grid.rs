@@ -1,5 +1,5 @@
 //! A table of a buffer's rows. Only visible rows are laid out. Changed rows have a bar and a background, changed cells
-//! the accent colour.
+//! the accent colour. Sizes are in screen points, and chosen, not measured, where no reason stands beside them.
 
 use egui::{
     Align2, FontId, Pos2, Rect, Response, Role, ScrollArea, Sense, Stroke, StrokeKind, TextStyle,

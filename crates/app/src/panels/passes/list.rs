@@ -1,5 +1,5 @@
 //! The list of passes by stage: number, name, time, and a mark for the comparison with the CPU. Arrow keys move through
-//! it while it has the focus.
+//! it while it has the focus. Sizes are in screen points, and chosen, not measured, where no reason stands beside them.
 
 use egui::{
     Align2, Color32, CursorIcon, EventFilter, FontId, Id, Key, Pos2, Rect, Response, Role,
