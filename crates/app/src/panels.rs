@@ -128,7 +128,8 @@ fn corner_buttons(ui: &Ui, palette: &Palette, commands: &mut Vec<Command>) {
                 let other = if palette.dark { "light" } else { "dark" };
                 let text = RichText::new(other).small().color(palette.muted);
                 let button = ui.add(Button::new(text).fill(palette.panel).small());
-                // The buttons have short texts, to cover little of the canvas. Screen readers and tooltips tell whole names.
+                // The buttons have short texts, to cover little of the canvas. Screen readers and tooltips give whole
+                // names.
                 let name = format!("Projector mode, {other}");
                 button.widget_info(|| WidgetInfo::labeled(Role::Button, ENABLED, &name));
                 button.known_as("other-projector");

@@ -42,7 +42,7 @@ pub fn paint(painter: &Painter, scene: &Scene<'_>, crowded: bool) -> Option<Stri
     let room = scene.domain().intersect(scene.rect).area();
     // A mark has at most four whole sides, each of length 2 `half`.
     let ink = seen.len() as f32 * 4.0 * 2.0 * half * WIDTH;
-    // Marks would hide samples that are drawn as points.
+    // Marks would hide samples that are drawn as points, and very many marks would merge or hide the others.
     if !seen.is_empty() && (crowded || seen.len() > MAX_MARKS || ink > MAX_INK * room) {
         return Some("Too many samples differ to mark them at this scale: zoom in.".to_owned());
     }

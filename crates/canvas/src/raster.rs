@@ -178,7 +178,8 @@ impl Coverage {
 
         for first in (0..width * height).step_by(SKIP) {
             let pixels = first..(first + SKIP).min(width * height);
-            // Most stretches are covered or outside the domain, and nothing is drawn there.
+            // Most stretches are covered or outside the domain, with the two largest states, and nothing is drawn
+            // there.
             if self.cells[pixels.clone()]
                 .iter()
                 .all(|&cell| cell >= BEFORE)
@@ -259,8 +260,8 @@ impl Density {
             let inside = |value: i64, count: usize| (0..count as i64).contains(&value);
             if inside(column, self.size[0]) && inside(row, self.size[1]) {
                 let sum = &mut self.sums[row as usize * self.size[0] + column as usize];
-                for (sum, part) in sum.iter_mut().zip([color.r(), color.g(), color.b()]) {
-                    *sum += weight * f32::from(part);
+                for (channel, part) in sum.iter_mut().zip([color.r(), color.g(), color.b()]) {
+                    *channel += weight * f32::from(part);
                 }
                 sum[3] += weight;
             }

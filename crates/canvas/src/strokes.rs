@@ -106,7 +106,7 @@ impl Strokes {
             return;
         }
 
-        // On a short line long dashes would look like a whole one.
+        // On a short line long dashes would look like a whole one. The lengths are chosen, not measured.
         let (dash, gap) = if length > 24.0 {
             (6.0, 4.0)
         } else {

@@ -50,10 +50,10 @@ pub(super) fn add(list: &mut List, state: &State) {
     list.group();
     let comparison = second.map(|(_, comparison)| comparison);
     // Without a second run every switch is off. A switch issues the opposite of its state.
-    let is_on = |switch: fn(&Comparison) -> bool| comparison.is_some_and(switch);
-    let cameras = is_on(|comparison| comparison.linked_cameras);
-    let playback = is_on(|comparison| comparison.linked_playback);
-    let marks = is_on(|comparison| comparison.shows_differences);
+    let switched = |switch: fn(&Comparison) -> bool| comparison.is_some_and(switch);
+    let cameras = switched(|comparison| comparison.linked_cameras);
+    let playback = switched(|comparison| comparison.linked_playback);
+    let marks = switched(|comparison| comparison.shows_differences);
 
     for (name, is_on, command) in [
         (

@@ -290,18 +290,18 @@ fn now(
 /// Shows the switches by which the two runs follow each other.
 fn links(ui: &mut Ui, comparison: &Comparison, own: &mut Vec<CompareCommand>) {
     heading(ui, "Together");
-    let mut on = comparison.linked_cameras;
-    let cameras = ui.checkbox(&mut on, "Link cameras");
+    let mut links_cameras = comparison.linked_cameras;
+    let cameras = ui.checkbox(&mut links_cameras, "Link cameras");
     if cameras.known_as("compare.cameras").changed() {
-        own.push(CompareCommand::LinkCameras(on));
+        own.push(CompareCommand::LinkCameras(links_cameras));
     }
 
-    let mut on = comparison.linked_playback;
+    let mut links_playback = comparison.linked_playback;
     let hint =
         "The same event as long as the runs are the same, then the same share of the same stage.";
-    let playback = ui.checkbox(&mut on, "Link playback");
+    let playback = ui.checkbox(&mut links_playback, "Link playback");
     playback.known_as("compare.clocks");
     if playback.on_hover_text(hint).changed() {
-        own.push(CompareCommand::LinkPlayback(on));
+        own.push(CompareCommand::LinkPlayback(links_playback));
     }
 }

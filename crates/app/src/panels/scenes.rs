@@ -302,7 +302,7 @@ fn breakpoints(ui: &mut Ui, debugger: &Debugger, palette: &Palette, commands: &m
             if switch.known_as(format_args!("{id}.enabled")).changed() {
                 commands.push(Command::Debug(DebugCommand::Enable(index, enabled)));
             }
-            // The number of a line does not tell its meaning, so that its words stand beside it.
+            // The number of a line does not say what it does, so that its words stand beside it.
             let text = RichText::new(words)
                 .small()
                 .monospace()

@@ -83,7 +83,8 @@ fn room_beside(ctx: &Context, context: &TimeContext<'_>, width: f32) -> f32 {
         Some((_, len)) => format!("event {0} of {0}", grouped(len)),
         None => "stage 9 of 9".to_owned(),
     };
-    // The numbers of stages and iterations are taken to have one digit.
+    // The numbers of stages and iterations are taken to have one digit. The largest radius is that of the first of
+    // eleven levels.
     let texts = match context.run.prefix() {
         Some(_) => vec![
             format!("{most} of {most} samples"),
@@ -590,7 +591,7 @@ fn speed(ui: &mut Ui, context: &TimeContext<'_>, commands: &mut Vec<Command>) {
         }
 
         for speed in SPEEDS {
-            // Speeds are equal but for rounding. With a pace for the whole run no speed is chosen.
+            // Speeds that differ by rounding alone are the same. With a pace for the whole run no speed is chosen.
             let same = playback.pace_secs().is_none() && (playback.speed - speed).abs() < 1e-6;
             if ui
                 .selectable_label(same, ui.words(format!("{speed}\u{d7} by {unit}")))

@@ -251,8 +251,8 @@ fn one_menu(ui: &mut Ui, state: &State, commands: &mut Vec<Command>) {
         response.known_as(format_args!("menu.{}", Kebab(menu)));
         // A click on the name of the open menu closes it.
         if response.clicked() {
-            let chosen = (!is_open).then_some(menu);
-            ui.data_mut(|data| data.insert_temp(chosen_id, chosen));
+            let next = (!is_open).then_some(menu);
+            ui.data_mut(|data| data.insert_temp(chosen_id, next));
         }
 
         if is_open {
@@ -290,8 +290,8 @@ fn nested(ui: &mut Ui, all: &[Action], menu: Menu, commands: &mut Vec<Command>) 
 
         // A click on the name of the open submenu closes it.
         if response.clicked() {
-            let chosen = (!is_open).then_some(submenu);
-            ui.data_mut(|data| data.insert_temp(chosen_id, chosen));
+            let next = (!is_open).then_some(submenu);
+            ui.data_mut(|data| data.insert_temp(chosen_id, next));
         }
         if is_open {
             ui.indent(submenu.name(), |ui| entries(ui, part, commands));

@@ -298,8 +298,8 @@ fn show_segment(
         ui.painter().layout_no_wrap(text.to_owned(), font, ink)
     };
 
-    // A name that does not fit is left out rather than cut off; the tooltip has it. Names of neighbours stay apart, and only the
-    // shortest may come as near to the next one as bars do.
+    // A name that does not fit is left out rather than cut off; the tooltip has it. Of the names, from long to short,
+    // the first two leave a point free at each end of the bar, and the last may fill all of the segment.
     let rooms = [-2.0, -2.0, 2.0].map(|beyond| label.width() + beyond);
     let mut galleys = names.iter().map(|name| laid(name)).zip(rooms);
     let fitting = galleys.find(|(galley, room)| galley.size().x <= *room);

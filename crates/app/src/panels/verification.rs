@@ -350,7 +350,7 @@ fn properties(ui: &mut Ui, report: Option<&Report>, palette: &Palette) {
 
 /// Shows whether a prefix of nested levels keeps its promises of distance and covering.
 fn guarantee(ui: &mut Ui, verdict: &Verdict, claim: PrefixClaim, unit: f64, palette: &Palette) {
-    // The words tell the fault, and are shown only where a promise does not hold.
+    // The words name the fault, and are shown only where a promise does not hold.
     let judged = |holds: bool| (holds, "not as promised".to_owned());
     let distance = format!("Distances over {:.3} r", claim.distance / unit);
     let apart = judged(verdict.conflict_free());

@@ -127,6 +127,7 @@ fn entries(subject: &Subject<'_>, which: Which, about: MenuSubject) -> Vec<MenuE
     add(of_place(subject, which, about.place));
 
     let session = subject.shown.session;
+    // The position that is copied is the sample's own, where the menu is about one, and not that of the pointer.
     let at = about.sample.map_or(about.place, |id| session.position(id));
     let view = |command| vec![Command::View(which, command)];
     let centre = view(ViewCommand::Centre(about.place));

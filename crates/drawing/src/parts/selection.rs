@@ -106,6 +106,7 @@ fn witness_mark(scene: &Scene<'_>, surface: &mut impl Surface, witness: WitnessM
         WitnessMark::Pair([a, b], distance) => {
             let from = scene.session.position(a);
             let ends = [scene.at(from), scene.at(scene.session.image_near(b, from))];
+            // Samples conflict if they are nearer than r, without a tolerance.
             surface.line(ends, Stroke::new(2.5, color_if(distance >= 1.0)));
             let middle = ends[0].lerp(ends[1], 0.5) + vec2(14.0, -14.0);
             let text = format!("{distance:.6} r");

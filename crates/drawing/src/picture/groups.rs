@@ -138,6 +138,7 @@ fn gaps(scene: &Scene<'_>, area: Rect, ground: Color32) -> [Group; 2] {
     // Gaps are as opaque as on the canvas: the lines are 217 of 255, which is 0.85, and the area between them is 128, a half.
     let hatch = Hatch {
         color: with_alpha(gap, 217),
+        // On the canvas lines begin every seven points along a row, and so are 7 / sqrt(2) points apart.
         spacing: 5.0,
         width: 2.0,
     };

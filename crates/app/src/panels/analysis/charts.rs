@@ -126,10 +126,11 @@ fn cells_of(spectrum: &Spectrum) -> String {
     // A cell at the rim may be measured in part: a reach that lacks less than a cell counts as all.
     let cell = 2.0 * least / picture.size.min(picture.rows) as f64;
     if least < Spectrum::MAX_NU - cell {
-        let longest = (picture.size * picture.side).max(picture.rows * picture.row_side) / 2;
+        // The frequencies along a side lie on both sides of zero.
+        let most_cycles = (picture.size * picture.side).max(picture.rows * picture.row_side) / 2;
         // A reach near the limit of cycles is final. A smaller one still grows. The share of 0.9 was chosen, not
         // measured.
-        let so_far = if longest as f64 > 0.9 * Spectrum::MAX_CYCLES {
+        let so_far = if most_cycles as f64 > 0.9 * Spectrum::MAX_CYCLES {
             let cycles = tilescope_session::words::grouped(Spectrum::MAX_CYCLES as usize);
             format!("({cycles} cycles)")
         } else {

@@ -67,8 +67,8 @@ impl Differences {
         value.is_finite().then_some(value)
     }
 
-    /// Returns the picture, with high y frequencies at the top: where the first has more power in one colour, where the second
-    /// has more in another one.
+    /// Returns the picture, with high y frequencies at the top. A cell has the colour of the line of the run with more
+    /// power there: the accent is that of run A.
     fn image(&self, palette: &Palette) -> ColorImage {
         let shade = |difference: f64| {
             // Cells that one of the spectra does not reach are grey.

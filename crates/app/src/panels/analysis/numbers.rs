@@ -143,6 +143,7 @@ fn difference(number: &SetNumber, sets: &Sets<'_>) -> Option<String> {
         (!faded).then_some(value)
     };
     let difference = value(sets.second?)? - value(sets.first)?;
+    // As many decimals as the numbers beside it have.
     let decimals = if number.decimals == 0 { 0 } else { 4 };
     let rounded = format!("{:.decimals$}", difference.abs());
     // A difference that is 0 with these decimals has no sign.

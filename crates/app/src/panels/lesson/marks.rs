@@ -42,7 +42,7 @@ pub fn show(ui: &Ui, state: &State) {
         camera: run.camera,
         period: is_periodic.then(|| session.size_radii()),
     };
-    // Marks are drawn last, over the lines and circles, and their labels keep clear of those of circles.
+    // Marks are drawn last, over the lines and circles, and their labels keep clear of the labels of circles.
     overlay.lines(open);
     let strip = overlay.strips(open);
     let mut taken = overlay.circles(ui, open);
