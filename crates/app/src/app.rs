@@ -541,6 +541,7 @@ impl eframe::App for App {
             self.state.appearance().motion_chosen(),
         );
         settings::set_value(storage, LOOK_KEY, &look);
+        // A page does not read files by their paths, and has no folder to keep a session in.
         #[cfg(not(target_arch = "wasm32"))]
         storage.set_string(RECENT_KEY, self.state.files().recent.join("\n"));
         #[cfg(not(target_arch = "wasm32"))]

@@ -20,7 +20,7 @@ const INSET: f32 = 18.0;
 /// A remark stands beside the domain if there is this much room.
 const MIN_WIDTH_BESIDE: f32 = 150.0;
 
-/// Shows that a session is being computed, or why it failed.
+/// Shows that a session is being computed, or that there is none.
 pub fn waiting(painter: &Painter, rect: Rect, at_work: bool, palette: &Palette) {
     let text = if at_work {
         "Sampling\u{2026}"

@@ -161,7 +161,8 @@ fn oklab(lightness: f64, a: f64, b: f64) -> Color32 {
     let s = (lightness - 0.089_484_177_5 * a - 1.291_485_548 * b).powi(3);
 
     let encode = |channel: f64| {
-        // A colour outside sRGB gets the nearest value of each channel.
+        // A colour outside sRGB gets the nearest value of each channel. The curve below is that of the standard of
+        // sRGB.
         let linear = channel.clamp(0.0, 1.0);
         let encoded = if linear <= 0.003_130_8 {
             12.92 * linear

@@ -174,6 +174,7 @@ impl Part {
                 scene.stage == Stage::Tile && has(Layer::Pattern) && !scene.shown.ends_stage()
             }
             Self::Copies => is_tiled && scene.session.run().domain.is_periodic(),
+            // These parts themselves find out whether there is something to draw.
             Self::Samples | Self::Search | Self::Selection => true,
         }
     }

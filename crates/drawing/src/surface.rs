@@ -153,7 +153,7 @@ pub(crate) fn dashed_circle(
     stroke: Stroke,
 ) {
     let around = std::f32::consts::TAU * radius;
-    // A circle far larger than the window would need very many dashes.
+    // A circle far larger than the window would need very many dashes. Both limits are chosen, not measured.
     let count = (around / (dash + gap)).round().clamp(4.0, 720.0);
     let step = std::f32::consts::TAU / count;
 

@@ -59,7 +59,8 @@ fn first_frame(events: &[Event]) -> usize {
             continue;
         };
         if before.is_some_and(|before| before.parts_from(doing)) {
-            // The touch that moves the pointer belongs to the same frame.
+            // The touch event comes just before the pointer's event that it causes, and waits for the next frame with
+            // it.
             let touches = |event: &&Event| matches!(event, Event::Touch { phase, .. } if doing.follows(*phase));
             let touching = events[..index].iter().rev().take_while(touches).count();
             return index - touching;

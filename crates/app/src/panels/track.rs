@@ -365,7 +365,7 @@ fn hits(
     let mut last = f32::NEG_INFINITY;
     for &event in context.run.hits.events() {
         let x = x_of(segments, event);
-        // Two marks on one pixel would look like one.
+        // Two marks within a point would look like one.
         if x - last >= 1.0 {
             last = x;
             let ends = [pos2(x, rect.top() - 1.0), pos2(x, rect.top() + 4.0)];

@@ -46,6 +46,7 @@ pub fn job(ui: &Ui, paragraph: &str, size: f32, color: Color32) -> LayoutJob {
                 format.background = ui.visuals().code_bg_color;
             }
         }
+        // The space between lines is chosen, not measured.
         format.line_height = Some(1.42 * size);
         job.append(&span.text, 0.0, format);
     }

@@ -483,6 +483,7 @@ fn presets(ui: &mut Ui, context: &FormContext<'_>, commands: &mut Vec<Command>) 
     });
 }
 
+/// Shows the menu of presets. A click on one sets all parameters and runs.
 fn preset_menu(ui: &mut Ui, commands: &mut Vec<Command>) {
     let menu = ui.menu_button("Presets", |ui| {
         for preset in Preset::all() {

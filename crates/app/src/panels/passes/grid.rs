@@ -84,7 +84,7 @@ impl ColumnEnds {
         let font = TextStyle::Monospace.resolve(ui.style());
         let zero = ui
             .painter()
-            .layout_no_wrap("0".to_owned(), font, palette_free());
+            .layout_no_wrap("0".to_owned(), font, any_color());
         let character = zero.size().x;
         // The head above the numbers has three letters.
         let numbers = table.rows().to_string().len().max(3);
@@ -102,7 +102,7 @@ impl ColumnEnds {
 }
 
 /// Laying out text needs a colour; this one is never drawn.
-const fn palette_free() -> egui::Color32 {
+const fn any_color() -> egui::Color32 {
     egui::Color32::TRANSPARENT
 }
 

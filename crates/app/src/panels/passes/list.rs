@@ -58,7 +58,7 @@ pub(super) fn show(
     });
 }
 
-/// The list takes the focus as a whole, so that it is one stop in the Tab order.
+/// Returns the response of the whole list. It takes the focus as a whole, so that it is one stop in the Tab order.
 fn frame(ui: &Ui, passes: &Passes, palette: &Palette) -> Response {
     let rect = ui.max_rect();
     let id = ui.scope_id().with("passes");
