@@ -291,6 +291,7 @@ impl Draft {
             MAX_STAGED
         };
         let samples = self.expected_samples().filter(|samples| *samples > most);
+        // Algorithm 4 as printed always records its events, and any prefix of nested levels is shown without events.
         let has_steps = self.parameters.variant == Variant::AsPrinted || self.levels.is_some();
         samples.is_some() && !has_steps
     }

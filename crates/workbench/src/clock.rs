@@ -148,13 +148,14 @@ impl Playback {
             return 0;
         }
         let due = (1 + (-*left / tick) as u32).min(MAX_TICKS);
+        // Ticks beyond the limit are dropped: the next one is due at once, and playback falls behind.
         *left = (*left + due as f32 * tick).max(0.0);
         due
     }
 }
 
-/// The course of a whole run: the share of the time that each stage takes, as much longer as its number of events has
-/// more digits, so that no stage is over before it is seen.
+/// The course of a whole run: the share of the time that each stage takes. It grows with the logarithm of the stage's number of
+/// events, so that no stage is over before it is seen.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Course {
     /// The cursor at the end of each stage, and the share of the time until then.
@@ -204,6 +205,7 @@ impl Course {
         from + (part * (end - from) as f64) as usize
     }
 
+    /// Returns the cursor and the share of the time at which the stage of an index begins.
     fn before(&self, index: usize) -> (usize, f64) {
         let last = index.checked_sub(1);
         last.map_or((0, 0.0), |last| self.ends[last])

@@ -61,7 +61,7 @@ impl Purpose {
         }
     }
 
-    /// Returns the effect of the file, in a sentence.
+    /// Returns the effect of the file, in one or more sentences for the sheet.
     #[must_use]
     pub const fn explanation(self) -> &'static str {
         match self {

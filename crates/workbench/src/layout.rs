@@ -360,7 +360,7 @@ impl Default for Layout {
 
         let linear = |axis, tiles| LayoutTile::Linear { axis, tiles };
 
-        // The shares of the tiles of a row or a column add up to 1.
+        // The shares of the tiles of a row or a column add up to 1. They were chosen, not measured.
         let right = vec![(tabs(Slot::Upper), 0.44), (tabs(Slot::Lower), 0.56)];
         let middle = vec![
             (tabs(Slot::Left), 0.195),

@@ -413,7 +413,9 @@ fn target(field: &str, value: &Value) -> Result<Target, RequestError> {
     })
 }
 
+/// Reads a request to change the view.
 fn view(fields: &Map<String, Value>) -> Result<Request, RequestError> {
+    // `None` if the request has no camera, and `Some(None)` for the whole domain.
     let camera = fields.get("camera").map(camera).transpose()?;
     let wanted = Wanted {
         whole: camera == Some(None),
@@ -446,6 +448,7 @@ fn choice<T: Serialize + Copy>(
     Ok(Some(found))
 }
 
+/// Reads a camera; `None` within for the camera that shows the whole domain.
 fn camera(value: &Value) -> Result<Option<Camera>, RequestError> {
     if value.as_str() == Some(WHOLE) {
         return Ok(None);

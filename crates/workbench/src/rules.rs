@@ -94,7 +94,7 @@ impl Rules {
     }
 }
 
-/// The rules of commands that change only how moments are shown, none of them later than an open question's.
+/// The rules of commands that change only how moments are shown, and show none that is later than the moment of an open question.
 const VIEW: Rules = Rules {
     undo: None,
     in_frame: true,
@@ -448,6 +448,7 @@ const fn passes(command: &PassCommand) -> Rules {
 /// Returns the rules of a command of the comparison.
 const fn compare(command: CompareCommand) -> Rules {
     match command {
+        // The second run may be the question's own, made again.
         CompareCommand::Start(_)
         | CompareCommand::Keep
         | CompareCommand::Swap
@@ -455,7 +456,6 @@ const fn compare(command: CompareCommand) -> Rules {
         | CompareCommand::LinkCameras(_)
         | CompareCommand::LinkPlayback(_)
         | CompareCommand::ShowDifferences(_)
-        // The second run may be the question's own, made again.
         | CompareCommand::GoToDivergence => Rules {
             ends_tour: true,
             ..REVEALING

@@ -107,7 +107,7 @@ fn carry_out<E>(
     Ok(state)
 }
 
-/// Returns why a command does nothing now, where the window has no button for it then, so that nothing says why.
+/// Returns why a command would do nothing now and show no notice: the window has no button for it in this state.
 fn refusal_before(state: &State, command: &Command) -> Option<String> {
     match command {
         Command::Run => state.form().refusal(state.gpu()),

@@ -118,8 +118,8 @@ impl Thumbnails {
                 },
             };
 
-            // `None` if this run does not have the scene's moment, so that there is nothing to draw.
             let size = THUMBNAIL_SIZE.map(|side| LAID_OUT * side);
+            // `None` if this run does not have the scene's moment, so that there is nothing to draw.
             let mut shown = view_of_scene(session, debugger, scene, size, dark);
             if let (Some(shown), Some(place)) = (&mut shown, place_to_show(debugger, scene)) {
                 shown.view.camera = Camera {

@@ -114,6 +114,7 @@ struct Side {
     line: Rect,
 }
 
+/// Returns the rectangle within reach of a line, in which gluing can have changed samples.
 fn grown(line: &Rect) -> Rect {
     Rect {
         min: Point::new(

@@ -114,7 +114,7 @@ fn read(around: &Incoming, path: &Path, monitor: &Monitor) -> Result<SetFile, Un
         None => from_disk(around, path, monitor)?,
     };
     let read = incoming.point_set().map_err(Unread::Failed)?;
-    // A combination states its pieces in its own certificate.
+    // A false certificate is refused, as the combination's own certificate states its pieces.
     if let Some(why) = read.refused {
         return Err(Unread::Failed(why));
     }

@@ -66,12 +66,14 @@ impl RunCurve {
         metadata: Vec<(String, String)>,
     ) -> Option<Result<Vec<u8>, FigureError>> {
         if format == CurveFormat::Csv {
-            return Some(Ok(self.csv()?.1.into_bytes()));
+            let (_, table) = self.csv()?;
+            return Some(Ok(table.into_bytes()));
         }
         let scene = self
             .scene(session)?
             .map(|scene| Scene { metadata, ..scene });
         Some(scene.and_then(|scene| match format {
+            // A table was returned above, so that the first arm makes PNG alone.
             CurveFormat::Csv | CurveFormat::Png => to_png(&scene, SCALE),
             CurveFormat::Svg => Ok(to_svg_with_fonts(&scene)?.into_bytes()),
         }))

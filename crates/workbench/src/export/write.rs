@@ -203,6 +203,7 @@ fn name_of(path: &Path) -> Result<String, WriteError> {
     Ok(name.ok_or_else(none)?.to_string_lossy().into_owned())
 }
 
+/// Adds the path to the content of an export that succeeded.
 fn finish(
     job: &ExportJob,
     made: Result<What, WriteError>,
@@ -210,7 +211,7 @@ fn finish(
 ) -> Result<Written, WriteError> {
     let path = job.path.clone();
     let written = made.map(|what| Written { path, what });
-    // An error after cancellation is the cancellation.
+    // After the user cancelled, any error is reported as the cancellation, which is its likely cause.
     written.map_err(|error| go_on(monitor).err().unwrap_or(error))
 }
 
@@ -430,7 +431,7 @@ fn animate(job: &ExportJob, out: &mut dyn Write, monitor: &Monitor) -> Result<()
         }
         to_pixels(&drawn, *scale)
     };
-    let mut tell = |done: usize, all: usize| {
+    let mut report = |done: usize, all: usize| {
         monitor.set_activity(&format!("frame {done} of {all}"));
         monitor.set_fraction(done as f32 / all.max(1) as f32);
         flow(monitor)
@@ -439,8 +440,8 @@ fn animate(job: &ExportJob, out: &mut dyn Write, monitor: &Monitor) -> Result<()
     let frames = cursors.iter().map(draw);
     // The extension chooses the format. The form has refused extensions of other formats.
     match extension(&job.path).as_deref() {
-        Some("gif") => write_gif(frames, *delay, &metadata, out, &mut tell)?,
-        _ => write_apng(frames, *delay, &metadata, out, &mut tell)?,
+        Some("gif") => write_gif(frames, *delay, &metadata, out, &mut report)?,
+        _ => write_apng(frames, *delay, &metadata, out, &mut report)?,
     }
     Ok(())
 }

@@ -162,15 +162,17 @@ pub fn read(task: ReadTask, monitor: &Monitor) -> FileOutcome {
         Err(why) => return FileOutcome::of(Err(why)),
     };
 
-    // An image or a polygon asks for a set in it, whichever way it comes, but where another kind of file is asked for.
-    let asking = match purpose {
+    // A dropped or opened image or polygon becomes the field or the shape of the next run. The other purposes ask for another
+    // kind of file, and refuse it below.
+    let ground = match purpose {
         None | Some(Purpose::Open) => ground_file(&incoming),
         Some(Purpose::Combination | Purpose::Pattern | Purpose::Against | Purpose::Save) => None,
     };
-    if let Some(done) = asking {
+    if let Some(done) = ground {
         return FileOutcome { done, left };
     }
-    // A set of a field or a shape is neither a pattern nor to be compared, as those have one radius.
+    // A set that was made in a field or a shape is opened as a session. It is neither a pattern nor compared with a run, as
+    // those have one radius.
     if let (None | Some(Purpose::Open), Some(session)) =
         (purpose, varying::of_file(&incoming, generation))
     {
@@ -377,9 +379,9 @@ fn session_on_ground(
         }
         Err(error) => return Err(named(&error)),
     };
-    // The saved moment may be beyond the end of another run.
     let session = varying::prepared(recording, &recipe, &request, generation, &mut observer)
         .map_err(|error| named(&error))?;
+    // Refused here if the saved moment, or a breakpoint, does not fit the recording.
     if let Some(recording) = session.recording() {
         Debugger::resume(&saved, Arc::clone(recording)).map_err(|error| named(&error))?;
     }

@@ -108,7 +108,7 @@ impl LinkReader {
         }
     }
 
-    /// Returns the part of a text within the limit, cut between two parts.
+    /// Returns the beginning of a text within the limit, cut behind a whole pair of key and value.
     fn cut<'a>(&mut self, text: &'a str) -> &'a str {
         if text.len() <= MAX_BYTES {
             return text;
@@ -126,8 +126,8 @@ impl LinkReader {
         }
 
         let start = &text[..end];
-        // The last part may have lost its end, and would be read as another value.
-        start.rfind('&').map_or("", |end| &start[..end])
+        // The last pair may have lost its end, and would be read as another value.
+        start.rfind('&').map_or("", |separator| &start[..separator])
     }
 
     /// Reads the lesson and the language.
@@ -402,7 +402,8 @@ impl LinkReader {
         let views = self.list("mark-view", "view of a scene", MAX_SCENES, |text| {
             Some(read_scene_view(text).ok_or_else(|| quoted(text)))
         });
-        // Views are in the order of the scenes, with a placeholder where a scene has none.
+        // Views are in the order of the scenes, with a placeholder where a scene has none. An invalid view keeps its position in the
+        // list, so that the later ones still go to their scenes.
         for (scene, view) in content.scenes.iter_mut().zip(views) {
             match view {
                 Ok(view) => scene.view = view,
@@ -437,7 +438,7 @@ impl LinkReader {
         // Items beyond `most` are not even parsed, since a link may come from anywhere and be long.
         for text in texts.iter().take(most) {
             match item(text) {
-                Some(item) => taken.push(item),
+                Some(valid) => taken.push(valid),
                 None => self.warnings.add(format!(
                     "The link's {what} \"{}\" is invalid and was left out.",
                     quoted(text)
@@ -499,15 +500,18 @@ fn scene(text: &str) -> Option<SavedScene> {
         anchor: anchor.map_or(Some(None), |read| read.map(Some))?,
         ..SavedScene::default()
     })
+    // So does a part behind the anchor.
     .filter(|_| parts.next().is_none())
 }
 
+/// Reads a line and its condition; a mark before them says that the breakpoint is off.
 fn breakpoint(text: &str) -> Option<SavedBreakpoint> {
     let (enabled, text) = match text.strip_prefix('!') {
         Some(rest) => (false, rest),
         None => (true, text),
     };
     let (line, condition) = text.split_once(':').unwrap_or((text, ""));
+    // A line that no listing has makes the breakpoint invalid.
     Listings::shipped().find(line)?;
     let condition = short(condition)?;
     Some(SavedBreakpoint {

@@ -143,6 +143,7 @@ fn read_camera(text: &str) -> Option<SceneCamera> {
         center: place(1),
         event: place(3),
     };
+    // A place that is incomplete or too far away counts as none, so that there are more numbers than the places have.
     let places = [camera.center, camera.event].into_iter().flatten().count();
     let is_valid = numbers.len() == 1 + 2 * places && camera.radii > 0.0;
     is_valid.then_some(camera)

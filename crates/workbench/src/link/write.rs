@@ -221,6 +221,7 @@ impl Writer {
         }
     }
 
+    /// Writes the second run, if there is one: in what it is linked with the first, and the parameters that differ.
     fn second(&mut self, content: &LinkContent) {
         let (Some(parameters), links) = (&content.view.second, &content.view.links) else {
             return;
@@ -283,6 +284,7 @@ impl Writer {
     /// Writes the views of scenes, if there are any.
     fn views(&mut self, scenes: &[SavedScene]) {
         let mut views: Vec<&Value> = scenes.iter().map(|scene| &scene.view).collect();
+        // Scenes at the end of the list that have no view need no placeholder.
         while views.pop_if(|view| view.is_null()).is_some() {}
         let item = |view: &&Value| Some(scene_view_text(view));
         self.list("mark-view", "views of scenes", MAX_SCENES, &views, item);
@@ -299,16 +301,16 @@ impl Writer {
     ) -> usize {
         let (mut text, mut taken, room) = (String::new(), 0, self.room(key));
 
-        for item in all.iter().filter_map(item).take(most) {
+        for written in all.iter().filter_map(item).take(most) {
             // The first item that does not fit ends the list: without it, later items would be at other positions. The 1 is for the
             // semicolon.
-            if text.len() + item.len() + 1 > room {
+            if text.len() + written.len() + 1 > room {
                 break;
             }
             if taken > 0 {
                 text.push(';');
             }
-            text.push_str(&item);
+            text.push_str(&written);
             taken += 1;
         }
 

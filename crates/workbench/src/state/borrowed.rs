@@ -39,8 +39,8 @@ impl Borrowed {
     pub(super) fn session_of(&self, recipe: &Recipe) -> Option<Arc<Session>> {
         let session = self.run.as_ref()?.session.as_ref()?;
         let is_same = session.has_recipe() && session.recipe() == *recipe;
-        let is_shown = is_same && session.recording().is_some();
-        is_shown.then(|| Arc::clone(session))
+        let is_recorded = is_same && session.recording().is_some();
+        is_recorded.then(|| Arc::clone(session))
     }
 }
 

@@ -166,6 +166,7 @@ impl Runs {
         self.compare_with(recipe, engine, context);
     }
 
+    /// Starts making the second run of a recipe by an engine.
     pub(super) fn compare_with(
         &mut self,
         recipe: Recipe,
@@ -236,7 +237,7 @@ impl Runs {
                     .with_nesting(recipe.nested)
                     .with_ground(recipe.ground.as_deref()),
                 own_pattern: session.own.clone(),
-                // The effect leaves unchanged whether runs start at once.
+                // The effect does not take this switch: whether runs start at once stays as it is.
                 live: false,
             })));
             // The steps to undo belong to the run that was the first one before.
@@ -276,6 +277,7 @@ impl Runs {
         let (Some(at), Some([first, second])) = (self.second_at(), self.compared()) else {
             return;
         };
+        // The run that the other one follows comes first, here the second.
         let common = self.common().map(|[a, b]| [b, a]);
         let to = corresponding(second, at, first, common);
         self.first.go_to(to);
@@ -353,6 +355,7 @@ impl Runs {
         if let Some((_, comparison)) = &mut self.second {
             comparison.settle();
         }
+        // By the divergence the second run may have moved, and the differences are then those of another moment.
         self.follow_first();
         self.compare(wake);
         if let Some((_, comparison)) = &mut self.second {

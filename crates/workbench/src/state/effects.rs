@@ -332,7 +332,7 @@ impl State {
                 });
             }
 
-            // A camera that is given needs no other one in its place.
+            // The second camera would count only where the first is missing.
             E::Look(camera) => self.runs.first.take_camera(Some(camera), camera),
             E::ShowSomeRun => {
                 if self.runs.first.session.is_none() {

@@ -120,12 +120,14 @@ impl Form {
                 self.own_pattern = None;
             }
 
-            // These change what the radius comes from and where samples are.
             FormCommand::Choose(choice) => self.draft.choose(choice),
             FormCommand::GeneratedPattern => self.own_pattern = None,
+
+            // The field gives the radius at each place, and the shape says where samples are.
             FormCommand::Expression(text) => self.draft.ground.expression = text,
             FormCommand::White(text) => self.draft.ground.white = text,
             FormCommand::WholeDomain => self.draft.remove_shape(),
+
             FormCommand::Reset => {
                 self.take(Self::default());
                 // The engine is shown among the parameters.

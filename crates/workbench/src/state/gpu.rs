@@ -163,8 +163,8 @@ impl GpuState {
         self.device.ready().filter(|_| serves).map(Arc::clone)
     }
 
-    /// Returns whether another engine made the run shown than the one that makes the next. Nested levels and combinations
-    /// are always made on the CPU.
+    /// Returns whether another engine made the run shown than the one that makes the next. False where either is none that an
+    /// engine can be chosen for: combinations, nested levels, and sets in a field or a shape are made on the CPU.
     #[must_use]
     pub fn differs(&self, run: &RunView, draft: &Draft) -> bool {
         let Some(session) = &run.session else {

@@ -65,7 +65,8 @@ impl Scenes {
     pub fn caption<'a>(&self, run: &'a RunView) -> Option<&'a str> {
         let ShownScene { list, index } = self.shown?;
         let scene = list.scenes(run).into_iter().nth(index)?;
-        Some(split_caption(&scene.caption).0)
+        let (caption, _note) = split_caption(&scene.caption);
+        Some(caption)
     }
 
     /// Draws the pictures of the scenes while their panel is open.
@@ -155,6 +156,7 @@ impl Scenes {
         if let Some(ShownScene { list, index }) = &mut self.shown
             && *list == SceneList::Own
         {
+            // The index of the shown scene in the list without the moved one.
             let without = *index - usize::from(*index > from);
             *index = if *index == from {
                 to
@@ -169,6 +171,7 @@ impl Scenes {
         let view = scene_view(run, &source.view);
         let at = match self.shown {
             Some(shown) if shown.list == SceneList::Own => shown.index + 1,
+            // A position beyond the end is that of the last scene.
             _ => usize::MAX,
         };
         let before = SceneList::Own.scenes(run).len();

@@ -174,7 +174,7 @@ impl WindowState {
     }
 
     /// Opens the inspector, if something of a run is selected and the window has panels. No run is given if the selection
-    /// answers a question: the inspector would take room from the picture, and may tell the answer.
+    /// answers a question: the inspector would take room from the picture, and may show the answer.
     pub(super) fn inspect(&mut self, run: Option<&RunView>) {
         let is_selected = run.is_some_and(|run| run.selected.is_some() || run.place.is_some());
         if is_selected && self.embedding.is_none() {

@@ -30,6 +30,7 @@ use crate::view::SavedView;
 const MAX_LIVE: f64 = 50_000.0;
 
 impl State {
+    /// Starts a run of the parameters in the form, or says why there is none.
     pub(super) fn run(&mut self) {
         // The button is off then. Scripts, links and pages that embed the window get the reason why nothing runs.
         if let Some(why) = self.form.refusal(&self.gpu) {

@@ -172,6 +172,7 @@ impl FileState {
         }
     }
 
+    /// Shows that the session was saved, and keeps the path as that of its file.
     fn saved_as(&mut self, mut text: String, path: String, runs: &mut Runs, context: &mut Context) {
         if runs.second.is_some() && runs.second_parameters().is_none() {
             text.push_str(
@@ -186,6 +187,7 @@ impl FileState {
 
 /// Names the files that were not opened.
 fn left_sentence(left: &[String]) -> String {
+    // Four names are enough to recognise the files by; chosen, not measured.
     let named = left.iter().take(4).map(String::as_str);
     let mut names = named.collect::<Vec<_>>().join(", ");
     if left.len() > 4 {

@@ -142,8 +142,10 @@ impl RunView {
         self.debugger = session.recording().map(debugger);
         self.put_stops(stops, context);
         self.rows = session.outline.as_ref().map(OutlineRows::new);
+        // No cursor is so large, so that the tree is expanded to the event when it is first shown.
         (self.revealed, self.passes) = (usize::MAX, None);
         self.history_found = FoundEvents::Nothing;
+        // The query stays as typed, and is searched for in the new events.
         let text = std::mem::take(&mut self.query.text);
         self.look_for(text, context);
     }

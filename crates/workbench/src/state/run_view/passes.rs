@@ -88,8 +88,8 @@ impl RunView {
         let passes = self.passes.as_ref()?;
         let is_seen = window.shows(Panel::Passes) && !look.is_projector();
         let now = self.moment();
-        let is_then = now.is_some() && passes.moment() == now;
-        let is_meant = is_seen || is_then || clock == Clock::Pass;
+        let is_their_moment = now.is_some() && passes.moment() == now;
+        let is_meant = is_seen || is_their_moment || clock == Clock::Pass;
         passes.on_canvas().filter(|_| is_meant)
     }
 
