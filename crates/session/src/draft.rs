@@ -132,6 +132,7 @@ impl Draft {
         };
 
         let before = self.parameters;
+        // A number that was read is taken, whatever its size: `refusals` names the limits.
         if let Ok(value) = read {
             drop(parameter.set(&mut self.parameters, value));
         }

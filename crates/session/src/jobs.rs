@@ -32,15 +32,15 @@ pub struct Monitor {
 }
 
 impl Monitor {
-    /// Returns the monitor of work whose owner is elsewhere: `tell` receives the activity and the fraction done.
+    /// Returns the monitor of work whose owner is elsewhere: `report` receives the activity and the fraction done.
     #[must_use]
-    pub fn reporting(tell: impl Fn(&str, f32) + Send + Sync + 'static) -> Arc<Self> {
+    pub fn reporting(report: impl Fn(&str, f32) + Send + Sync + 'static) -> Arc<Self> {
         Arc::new_cyclic(|monitor: &std::sync::Weak<Self>| {
             // The monitor holds this closure, so that a strong reference back would keep both forever.
             let monitor = monitor.clone();
             let wake = move || {
                 if let Some(monitor) = monitor.upgrade() {
-                    tell(&monitor.activity(), monitor.fraction());
+                    report(&monitor.activity(), monitor.fraction());
                 }
             };
             Self::waking(Arc::new(wake))
@@ -146,7 +146,8 @@ impl<T: Portable> Job<T> {
             hand_over(&sender, catch_unwind(AssertUnwindSafe(drive)), &monitor);
         });
 
-        // A page has no thread to wait on: the browser runs the future between frames.
+        // A page has no thread to wait on: the browser runs the future between frames. Nothing catches a panic there,
+        // which ends the whole page.
         #[cfg(target_arch = "wasm32")]
         wasm_bindgen_futures::spawn_local(async move {
             let outcome = work(Arc::clone(&monitor)).await;

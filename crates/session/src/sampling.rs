@@ -164,11 +164,11 @@ async fn run_on(
 ) -> Result<Run, GpuError> {
     parameters.validate_sequential()?;
 
-    // If all stages are kept, the run is made stage by stage, and can be cancelled between two of them.
     if !keeps_everything(parameters)? {
         return GpuSweep::run(gpu, parameters, pattern, observer).await;
     }
 
+    // If all stages are kept, the run is made stage by stage, and can be cancelled between two of them.
     let mut stepper = Stepper::new(gpu, parameters, pattern, FIRST_GPU_STAGE).await?;
     while let Some(completed) = stepper.step().await? {
         // An observer that stops the run names the stage at which it does.

@@ -11,8 +11,8 @@ use crate::words::{counted, grouped, share, stage_name};
 /// Returns the name of a stage of a session with a capital letter.
 #[must_use]
 pub fn name_in(session: &Session, stage: Stage) -> String {
-    // A combination has pieces in the place of blocks, nested levels end at once, an exact tiling has levels, and a set in a
-    // field or a shape has throws.
+    // A combination has pieces in the place of blocks, nested levels have no stage but the end, an exact tiling has
+    // levels, and a set in a field or a shape has throws.
     match stage {
         Stage::Blocks if session.combination.is_some() => "Pieces".to_owned(),
         Stage::Tile if session.combination.is_some() => "Place".to_owned(),
@@ -197,10 +197,10 @@ fn combination_sentence(session: &Session, stage: Stage) -> Option<String> {
 
 /// Returns the sentence for a stage of a set in a field or a shape, which has throws of darts alone.
 fn ground_sentence(session: &Session, stage: Stage) -> Option<String> {
-    let made = session.ground.as_ref()?;
+    let (_, request) = &session.ground.as_ref()?.asked;
     let samples = |count: usize| counted(count, "sample", "samples");
     Some(match stage {
-        // Each throw is a stage, in the order of the radii's local time.
+        // Each throw of darts is a stage of its own.
         Stage::Iterate(k) => {
             let iteration = session.iteration(k)?;
             format!(
@@ -216,7 +216,7 @@ fn ground_sentence(session: &Session, stage: Stage) -> Option<String> {
         _ => format!(
             "Finish: {} by darts, in the order of their arrival ({}).",
             samples(session.summary.count),
-            made.asked.1.description()
+            request.description()
         ),
     })
 }

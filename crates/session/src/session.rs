@@ -299,6 +299,7 @@ impl Session {
         let here = self
             .recording()
             .filter(|recording| recording.len() == cursor);
+        // A recording that was cut off has no result.
         here.is_some_and(|recording| recording.run().result.is_empty())
     }
 
@@ -638,6 +639,7 @@ fn tiled_conflicts(run: &Run) -> Vec<[u32; 2]> {
             if near.id > id && covers_offset(near.offset) {
                 conflicts.push([id, near.id]);
             }
+            // The search goes on, as all conflicts are wanted.
             false
         });
     }

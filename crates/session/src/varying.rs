@@ -101,7 +101,7 @@ fn certified(
     incoming: &Incoming,
     generation: u64,
 ) -> Result<Session, VaryingError> {
-    // An image is none of the certificate, and is looked for among the files that came with the set.
+    // An image is no part of the certificate, and is looked for among the files that came with the set.
     let image = ["radius-image", "density-image"]
         .into_iter()
         .find_map(|name| {

@@ -6,14 +6,15 @@ use tilescope_session::look::Look;
 
 use crate::layout::Panel;
 
-/// The smallest window, in screen points, that has room for tiles.
+/// The smallest window, in screen points, that has room for tiles. Chosen, not measured, like the rooms below.
 pub const ROOM_FOR_TILES: Vec2 = vec2(960.0, 420.0);
 /// The smallest room beside a lesson or the list of lessons, in screen points, for tiles: a lesson puts the panels beside
 /// the canvas away, and a laptop's window of 1280 points keeps its menus.
 pub const ROOM_BESIDE_LESSON: Vec2 = vec2(880.0, 420.0);
 /// The smallest width, in screen points, that has room for panels beside the canvas.
 pub const ROOM_BESIDE: f32 = 560.0;
-/// The smallest window, in screen points, that has room for the projector's larger type.
+/// The smallest window, in screen points, that has room for the projector's larger type. It is smaller than that for
+/// tiles, as projector mode shows no panels beside the canvas.
 pub const ROOM_FOR_PROJECTOR: Vec2 = vec2(700.0, 420.0);
 
 /// The arrangement of the window.

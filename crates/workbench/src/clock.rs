@@ -154,8 +154,8 @@ impl Playback {
     }
 }
 
-/// The course of a whole run: the share of the time that each stage takes. It grows with the logarithm of the stage's number of
-/// events, so that no stage is over before it is seen.
+/// The course of a whole run: the share of the time that each stage takes. It grows with the logarithm of the stage's
+/// number of events, so that no stage is over before it is seen.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Course {
     /// The cursor at the end of each stage, and the share of the time until then.

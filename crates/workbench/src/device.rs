@@ -126,8 +126,8 @@ impl Device {
         }
     }
 
-    /// Notes a failure in a run. A lost device may be opened again; a run that did not fit changes nothing; after any other
-    /// failure the device is not used again.
+    /// Notes a failure in a run. A device that was lost, or had no memory left, may be opened again; a run that did not
+    /// fit changes nothing; after any other failure the device is not used again.
     pub fn failed(&mut self, error: &GpuError) {
         match error {
             GpuError::NotInOneGo { .. } | GpuError::TooLittleMemory { .. } => {}

@@ -115,8 +115,8 @@ impl Live {
         self.steps
     }
 
-    /// Brings the wanted measures towards a moment, in at most about `steps` counted steps: no frame waits for more. A moment that
-    /// is farther away is reached in later frames; `wake` asks for the next one.
+    /// Brings the wanted measures towards a moment, in at most about `steps` counted steps: no frame waits for more. A
+    /// moment that is farther away is reached in later frames; `wake` asks for the next one.
     pub fn follow(
         &mut self,
         session: &Arc<Session>,

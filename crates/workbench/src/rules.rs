@@ -94,7 +94,8 @@ impl Rules {
     }
 }
 
-/// The rules of commands that change only how moments are shown, and show none that is later than the moment of an open question.
+/// The rules of commands that change only how moments are shown, and show none that is later than the moment of an open
+/// question.
 const VIEW: Rules = Rules {
     undo: None,
     in_frame: true,

@@ -333,8 +333,8 @@ impl State {
     fn step_in_history(&mut self, step: HistoryStep) {
         let now = Memento::of(self);
         let session = self.runs.first.session.as_ref();
-        // The run of the form may still be being made. If the session was not made from a form, as a combination is not, redo
-        // brings back that session instead.
+        // The run of the form may still be being made. If the session was not made from a form, as a combination is
+        // not, redo brings back that session instead.
         let is_of_form = session.is_none_or(|session| session.has_recipe());
         let typed = is_of_form.then(|| self.form.recipe());
         // The notice may be the question whether to make a large run again, which the same step answers.
@@ -390,8 +390,8 @@ mod view;
 mod window;
 mod work;
 
-/// Returns whether a target is looked for as something at a place, to which the camera then goes. A line, a kind of event and the
-/// events of a given sample are not: the camera stays.
+/// Returns whether a target is looked for as something at a place, to which the camera then goes. A line, a kind of
+/// event and the events of a given sample are not: the camera stays.
 const fn is_at_a_place(target: Target) -> bool {
     match target {
         Target::Conflict

@@ -275,8 +275,8 @@ impl Draft {
 /// The columns and the rows of places at which a polygon is looked at. Chosen, not measured.
 const LOOKS: usize = 48;
 
-/// The most corners of a polygon that is looked at in each frame; of longer ones the rectangle around them is taken. Chosen,
-/// not measured.
+/// The most corners of a polygon that is looked at in each frame; of longer ones the rectangle around them is taken.
+/// Chosen, not measured.
 const MAX_LOOKED_AT: usize = 500;
 
 /// Returns about how many samples there are in a polygon, from the radii at some places in it; `None` for other shapes, long

@@ -60,6 +60,7 @@ impl MakeError {
             Stage::Regions,
             Stage::Finish,
         ];
+        // More iterations than a run usually has; chosen, not measured.
         let iterations = (1..=64).map(Stage::Iterate);
         let mut stages = without_iterations.into_iter().chain(iterations);
 
@@ -152,6 +153,7 @@ pub(crate) fn part_done(progress: Progress) -> f32 {
 impl Reporter<'_> {
     /// Returns the session that `prepare` makes, unless the work was cancelled.
     pub fn prepare(&self, prepare: impl FnOnce() -> Session) -> Result<Session, SampleError> {
+        // Preparing counts as the second half of the last stage, which is an estimate.
         match self.report(Stage::Finish, 0.5) {
             None => Ok(prepare()),
             Some(stage) => Err(SampleError::Cancelled { stage }),

@@ -48,8 +48,9 @@ pub fn corresponding(
     if let Some([a, b]) = common
         && cursor <= a.saturating_add(1)
     {
-        // At `a + 1` the event by which the runs differ has just happened; in the other run that is so at `b + 1`. Without events
-        // left out, `a` and `b` are equal, and `min` changes nothing.
+        // At `a + 1` the event by which the runs differ has just happened; in the other run that is so at `b + 1`. Up
+        // to there cursors are equal: `common` is given only where no events were left out, so that `a` and `b` are
+        // equal, too.
         let cursor = if cursor <= a { cursor.min(b) } else { b + 1 };
         return moment_at(to, cursor);
     }

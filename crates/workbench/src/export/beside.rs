@@ -40,8 +40,8 @@ pub fn beside(
     control: Control<'_>,
 ) -> Result<Beside, MeasureError> {
     let set = samples(&Still::of(session, moment));
-    let (spectrum, lack) = match spectrum(session, &set, control) {
-        Ok(spectrum) => (spectrum, None),
+    let (shown, lack) = match spectrum(session, &set, control) {
+        Ok(found) => (found, None),
         Err(error) => {
             // Cancellation alone has no words, and ends the export. Any other set without a spectrum still gets its axes, so that
             // the pictures of an animation have the same parts.
@@ -59,7 +59,7 @@ pub fn beside(
     let count = counted(set.points.len(), "sample", "samples");
     Ok(Beside {
         name: format!("{stage}{event}: {count}"),
-        spectrum,
+        spectrum: shown,
         lack,
     })
 }

@@ -38,7 +38,8 @@ pub(crate) fn parameter_map(session: &Session) -> Stated {
 
     let run = session.run();
     if session.is_exact() {
-        // The facts of exact tiling leave out the parameters that it refuses, and say how often it uses each sample of its pattern.
+        // The facts of exact tiling leave out the parameters that it refuses, and say how often it uses each sample of
+        // its pattern.
         let samples = run.result.len() as f64;
         return facts_of_exact(&run.parameters, &run.domain, &run.pattern, samples).parameters;
     }

@@ -256,6 +256,7 @@ fn samples(
     }
 
     let mut moment = None;
+    // Pictures and animations have no samples, and do not come here.
     if let ExportContent::Samples {
         moment: wanted,
         precision,

@@ -85,8 +85,8 @@ pub fn unpacked(file: &NamedBytes) -> Result<Vec<NamedBytes>, String> {
             (last_part(&inner).to_owned(), entry.size())
         };
 
-        // The limits are checked before an entry is unpacked, by the stated lengths of all entries so far. Only the refusal of this
-        // entry, the last one, is looked at, as the earlier entries have passed.
+        // The limits are checked before an entry is unpacked, by the stated lengths of all entries so far. Only the
+        // refusal of this entry, the last one, is looked at, as the earlier entries have passed.
         entries.push((inner.clone(), length));
         let lengths: Vec<(&str, u64)> = entries.iter().map(|(name, n)| (&**name, *n)).collect();
         if let Some(why) = refusals(&lengths).pop().flatten() {

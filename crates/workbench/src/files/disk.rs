@@ -21,7 +21,8 @@ fn sentence(unread: Unread) -> String {
     }
 }
 
-/// Returns the first bytes of a file: enough to see whether it begins as an object of JSON. 64 were chosen, not measured.
+/// Returns the first bytes of a file: enough to see whether it begins as an object of JSON. 64 were chosen, not
+/// measured.
 fn head(path: &Path) -> Result<Vec<u8>, String> {
     plain_file(path, u64::MAX)?;
     let mut bytes = Vec::new();

@@ -162,8 +162,8 @@ pub fn read(task: ReadTask, monitor: &Monitor) -> FileOutcome {
         Err(why) => return FileOutcome::of(Err(why)),
     };
 
-    // A dropped or opened image or polygon becomes the field or the shape of the next run. The other purposes ask for another
-    // kind of file, and refuse it below.
+    // A dropped or opened image or polygon becomes the field or the shape of the next run. The other purposes ask for
+    // another kind of file, and refuse it below.
     let ground = match purpose {
         None | Some(Purpose::Open) => ground_file(&incoming),
         Some(Purpose::Combination | Purpose::Pattern | Purpose::Against | Purpose::Save) => None,
@@ -171,8 +171,8 @@ pub fn read(task: ReadTask, monitor: &Monitor) -> FileOutcome {
     if let Some(done) = ground {
         return FileOutcome { done, left };
     }
-    // A set that was made in a field or a shape is opened as a session. It is neither a pattern nor compared with a run, as
-    // those have one radius.
+    // A set that was made in a field or a shape is opened as a session. It is neither a pattern nor compared with a
+    // run, as those have one radius.
     if let (None | Some(Purpose::Open), Some(session)) =
         (purpose, varying::of_file(&incoming, generation))
     {

@@ -95,8 +95,8 @@ pub(crate) fn normal(recipe: Recipe) -> Recipe {
     }
 }
 
-/// Returns the radius of a recipe as a link has it. Where a formula or an image gives the radii, the recipe's own radius is not
-/// used; it is replaced if a link might not ask for it.
+/// Returns the radius of a recipe as a link has it. Where a formula or an image gives the radii, the recipe's own
+/// radius is not used; it is replaced if a link might not ask for it.
 fn linked_radius(recipe: &Recipe) -> f64 {
     let Parameters {
         width,
@@ -106,8 +106,8 @@ fn linked_radius(recipe: &Recipe) -> f64 {
     } = recipe.parameters;
     let of_ground = recipe.ground.as_ref().and_then(|it| it.radius.as_ref());
     let is_used = of_ground.is_none();
-    // Every link may ask for a radius with 50 r or more in the shorter side and at most about 70,000 samples, 0.7 on each r x r.
-    // These bounds are well within those of links; chosen, not measured.
+    // Every link may ask for a radius with 50 r or more in the shorter side and at most about 70,000 samples, 0.7 on
+    // each r x r. These bounds are well within those of links; chosen, not measured.
     let suits = width.min(height) >= 50.0 * radius && width * height <= 1e5 * radius * radius;
     if is_used || suits {
         return radius;

@@ -43,8 +43,9 @@ fn value(p: &Parameters, parameter: Parameter) -> String {
     }
 }
 
-/// Returns `base` with the pattern of `parameters` in a link that does not name one. That is the base's own, unless the base has
-/// its usual pattern: then it is the usual one of `parameters`, which in exact tiling depends on the size of the set and the seed.
+/// Returns `base` with the pattern of `parameters` in a link that does not name one. That is the base's own, unless the
+/// base has its usual pattern: then it is the usual one of `parameters`, which in exact tiling depends on the size of
+/// the set and the seed.
 fn following(base: &Parameters, parameters: &Parameters) -> Parameters {
     let mut following = *base;
     if base.pattern == base.usual_pattern() {
@@ -261,8 +262,8 @@ fn down(number: f64) -> f64 {
 }
 
 /// Returns the next number of three digits after `toward` times `number`: the next larger one if `toward` is above 1,
-/// otherwise the next smaller one. `toward` differs from 1 by more than rounding does, so that the result is surely on that side
-/// of `number`; a number that has three digits is therefore not returned itself.
+/// otherwise the next smaller one. `toward` differs from 1 by more than rounding does, so that the result is surely on
+/// that side of `number`; a number that has three digits is therefore not returned itself.
 fn three_digits(number: f64, toward: f64) -> f64 {
     let exponent = number.log10().floor() as i32 - 2;
     // Powers of ten with a positive exponent are exact, those with a negative one are not.

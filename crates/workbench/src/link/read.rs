@@ -402,8 +402,8 @@ impl LinkReader {
         let views = self.list("mark-view", "view of a scene", MAX_SCENES, |text| {
             Some(read_scene_view(text).ok_or_else(|| quoted(text)))
         });
-        // Views are in the order of the scenes, with a placeholder where a scene has none. An invalid view keeps its position in the
-        // list, so that the later ones still go to their scenes.
+        // Views are in the order of the scenes, with a placeholder where a scene has none. An invalid view keeps its
+        // position in the list, so that the later ones still go to their scenes.
         for (scene, view) in content.scenes.iter_mut().zip(views) {
             match view {
                 Ok(view) => scene.view = view,

@@ -72,7 +72,8 @@ pub(crate) fn from_base64(text: &str) -> Option<Vec<u8>> {
 /// Returns a short text that reads as exactly this number.
 pub fn exact(number: f64) -> String {
     let plain = number.to_string();
-    // Up to 12 characters a number is read more easily without an exponent, even if that is longer; chosen, not measured.
+    // Up to 12 characters a number is read more easily without an exponent, even if that is longer; chosen, not
+    // measured.
     if plain.len() > 12 {
         let short = format!("{number:e}");
         if short.len() < plain.len() {

@@ -513,8 +513,8 @@ impl FileState {
             0 => PathBuf::from(format!("{stem}.{extension}")),
             _ => PathBuf::from(format!("{stem}-{number}.{extension}")),
         };
-        // A new file replaces no other one. A thousand numbers were taken to be enough: without a free one the path is empty, and
-        // writing fails with a notice.
+        // A new file replaces no other one. A thousand numbers were taken to be enough: without a free one the path is
+        // empty, and writing fails with a notice.
         let path = path.or_else(|| (0..1_000).map(named).find(|path| !path.exists()));
         write_new(&path.unwrap_or_default(), &bytes, context);
     }

@@ -163,8 +163,9 @@ impl GpuState {
         self.device.ready().filter(|_| serves).map(Arc::clone)
     }
 
-    /// Returns whether another engine made the run shown than the one that makes the next. False where either is none that an
-    /// engine can be chosen for: combinations, nested levels, and sets in a field or a shape are made on the CPU.
+    /// Returns whether another engine made the run shown than the one that makes the next. False if the CPU alone makes
+    /// what is shown, or if the next are nested levels or a set in a field or a shape: then there is no engine to
+    /// choose.
     #[must_use]
     pub fn differs(&self, run: &RunView, draft: &Draft) -> bool {
         let Some(session) = &run.session else {

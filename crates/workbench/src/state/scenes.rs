@@ -171,7 +171,7 @@ impl Scenes {
         let view = scene_view(run, &source.view);
         let at = match self.shown {
             Some(shown) if shown.list == SceneList::Own => shown.index + 1,
-            // A position beyond the end is that of the last scene.
+            // At a position beyond the end, the new scene becomes the last one.
             _ => usize::MAX,
         };
         let before = SceneList::Own.scenes(run).len();

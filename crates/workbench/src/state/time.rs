@@ -316,7 +316,8 @@ impl Time {
         self.playback.is_playing()
     }
 
-    /// Sets one end of the loop to the cursor; without a loop the other end is that of the run. A loop without events is removed.
+    /// Sets one end of the loop to the cursor; without a loop the other end is that of the run. A loop without events
+    /// is removed.
     fn set_range(&mut self, run: &RunView, change: impl FnOnce(&mut Range<usize>, usize)) {
         let Some((at, len)) = run.cursor() else {
             return;

@@ -81,8 +81,8 @@ pub struct History {
     live: Option<(Typed, usize)>,
 }
 
-/// Returns a layout in which those tabs are open that are open `now`, except of panels that it hides. Panels that are hidden `now`
-/// and were open in the layout are opened last, so that no other tab covers them.
+/// Returns a layout in which those tabs are open that are open `now`, except of panels that it hides. Panels that are
+/// hidden `now` and were open in the layout are opened last, so that no other tab covers them.
 fn with_tabs_of(mut layout: Layout, now: &Layout) -> Layout {
     let restored = layout.clone();
     let is_kept = |panel: &Panel| now.shows(*panel) && !restored.hidden().has(*panel);
@@ -144,7 +144,8 @@ impl Change {
         ))
     }
 
-    /// Asks for the effects that restore its snapshot, to undo the change or to redo it; `layout` and `made` are the present ones.
+    /// Asks for the effects that restore its snapshot, to undo the change or to redo it; `layout` and `made` are the
+    /// present ones.
     fn recall(self, layout: &Layout, made: Option<&Made>, context: &mut Context) {
         let Self { part, memento } = self;
         match part {
@@ -281,8 +282,8 @@ impl History {
     pub(super) fn remember_live_run(&mut self, command: &Command, now: Option<Memento>) {
         let field = typed_in(command);
         let last = self.past.len().checked_sub(1);
-        // The change of the form has just been added as the last step. It goes on with a live run if that run was made after the
-        // same number of steps, by changes of the same field.
+        // The change of the form has just been added as the last step. It goes on with a live run if that run was made
+        // after the same number of steps, by changes of the same field.
         let goes_on = field.zip(last).is_some_and(|step| self.live == Some(step));
         if goes_on {
             // The change of the form belongs to that step.

@@ -12,8 +12,8 @@ use crate::state::effects::{Context, Effect};
 use crate::state::{GpuState, WindowState};
 
 impl RunView {
-    /// Moves the passes to the one that ends the stage shown, unless the chosen pass is of that stage, or that
-    /// stage is the last complete one after it.
+    /// Moves the passes to the one that ends the stage shown, unless the chosen pass is of that stage, or the stage is
+    /// the last one that is complete once the chosen pass has run.
     pub(in crate::state) fn lead_passes(&mut self) {
         let (Some(stage), Some(passes)) = (self.current_stage(), &mut self.passes) else {
             return;
