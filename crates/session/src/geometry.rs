@@ -277,8 +277,8 @@ impl Geometry {
     pub fn computed(shown: &ShownMoment<'_>, with_net: bool) -> Self {
         let (key, count) = (key_of(shown), shown.session.run().samples.len());
         let mut geometry = Self::default();
-        // At once: above the limits a picture would take seconds, and goes without.
-        // Nor do disks of one radius say anything about a set in a field.
+        // Above the limits this would take seconds, for which a picture does not wait. Disks of one radius say nothing
+        // about a set in a field.
         if count <= MAX_CIRCLES && shown.session.run().locality.is_none() {
             let borders = GapBorders::of(shown.session, shown.moment());
             geometry.borders.take(key, Ok(borders));
@@ -350,6 +350,7 @@ impl Geometry {
 
         let distances = arcs.iter().filter_map(|arc| {
             let mut offset = position - arc.center;
+            // The image of the position that is nearest to the sample.
             if periodic {
                 offset -= (offset / size).round() * size;
             }

@@ -332,6 +332,7 @@ pub fn gather(mut files: Vec<NamedBytes>) -> Option<(Incoming, Vec<String>)> {
     let names: Vec<String> = left.iter().map(|&k| files[k].name.clone()).collect();
 
     let file = files.remove(opened);
+    // Files beyond the limit were not looked at, and are not kept either.
     files.truncate(MAX_FILES);
     let mut incoming = Incoming::new(file);
     let left = incoming.without_named(names);

@@ -76,7 +76,7 @@ fn prefix_sentence(session: &Session, nested: &NestedLevels, count: usize) -> St
 /// Returns the events of `stage`, in one sentence.
 #[must_use]
 pub fn stage_sentence(session: &Session, stage: Stage) -> String {
-    // Some stages of combinations and exact tilings differ from those of a run.
+    // Some stages of combinations and exact tilings differ from those of a run, and all of sets in a field or a shape.
     let other = combination_sentence(session, stage)
         .or_else(|| ground_sentence(session, stage))
         .or_else(|| exact_sentence(session, stage));

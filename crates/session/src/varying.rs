@@ -27,7 +27,7 @@ pub fn sample(
     monitor: &Monitor,
 ) -> Result<Session, MakeError> {
     let wanted = request.recipe(&recipe.parameters);
-    // Both may be refused here; after that only the user stops the work.
+    // The field and the shape may be refused in these two lines; after that only the user stops the work.
     let expected = wanted.expected_samples().map_err(of_ground)?;
     let locality = locality(&wanted)?;
     let observer = &mut Reporter { monitor };
@@ -133,6 +133,7 @@ fn certified(
         height: stated.region.height,
         radius,
         boundary: recipe.boundary,
+        // The form shows 0 where no seed is stated. The samples are those of the file in any case.
         seed: stated
             .parameters
             .get("seed")

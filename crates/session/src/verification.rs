@@ -75,6 +75,7 @@ impl Verdict {
 
         if points.len() <= MAX_EXTREMES {
             let exact = VerifyOptions {
+                // The tolerance is larger than the hair by which the limits are tighter.
                 covering_tolerance: 0.0,
                 witnesses: 1,
                 // The verdict is known already, so that one judge is enough.
@@ -104,7 +105,8 @@ impl Verdict {
     }
 
     /// Verifies a set in a field or a shape: its subdivision proves square by square, with the radius at each place, that the set is
-    /// valid. It names no closest pair and no largest circle, as these are measured by one radius.
+    /// valid. Of a valid set it names no closest pair and no largest circle, as these are measured by one radius; of
+    /// another set it names the worst conflict and the worst gap.
     ///
     /// Fails when the field or the shape is refused, or there is no verdict.
     pub fn on_ground(

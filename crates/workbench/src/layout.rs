@@ -542,28 +542,28 @@ impl<L: Fn(Panel) -> Vec2> Room<L> {
         };
 
         // Hidden tiles take no room; they keep their shares for the time when they are shown again.
-        let seen = tiles
+        let mut seen: Vec<_> = tiles
             .iter_mut()
-            .filter(|(tile, _)| !tile.is_hidden(self.hidden));
-        let mut tiles: Vec<_> = seen.collect();
+            .filter(|(tile, _)| !tile.is_hidden(self.hidden))
+            .collect();
 
-        let room = (size[axis] - self.gaps(tiles.len())).max(0.0);
-        let total: f32 = tiles.iter().map(|(_, share)| share).sum();
+        let room = (size[axis] - self.gaps(seen.len())).max(0.0);
+        let total: f32 = seen.iter().map(|(_, share)| share).sum();
         // A layout from a link or a file may have shares of 0 only, and the sum is a divisor.
         let divisor = if total == 0.0 { 1.0 } else { total };
-        let lengths: Vec<f32> = tiles
+        let lengths: Vec<f32> = seen
             .iter()
             .map(|(_, share)| room * share / divisor)
             .collect();
-        let least: Vec<f32> = tiles
+        let least: Vec<f32> = seen
             .iter()
             .map(|(tile, _)| self.least_size(tile)[axis])
             .collect();
 
-        let enlarged = enlarged(&lengths, &least);
-        let is_same = enlarged == lengths;
+        let new_lengths = enlarged(&lengths, &least);
+        let is_same = new_lengths == lengths;
 
-        for ((tile, share), length) in tiles.iter_mut().map(|tile| &mut **tile).zip(enlarged) {
+        for ((tile, share), length) in seen.iter_mut().map(|tile| &mut **tile).zip(new_lengths) {
             // An unchanged share is not computed from its length, as rounding could change it. Lengths change only if `room` is
             // enough for the least ones, so that it is not 0 here.
             if !is_same {
@@ -598,9 +598,9 @@ fn enlarged(lengths: &[f32], least: &[f32]) -> Vec<f32> {
     // Each turn but the last gives one more tile its least length, so that the loop ends.
     let mut is_small = vec![false; lengths.len()];
     loop {
-        // Returns the sum of the lengths of the tiles that `is_small` marks, or of the others.
-        let sum = |lengths: &[f32], of_small: bool| -> f32 {
-            let summed = lengths
+        // Returns the sum of the given lengths of the tiles that `is_small` marks, or of the others.
+        let sum = |given: &[f32], of_small: bool| -> f32 {
+            let summed = given
                 .iter()
                 .zip(&is_small)
                 .filter(|(_, is_small)| **is_small == of_small);

@@ -32,7 +32,7 @@ pub(crate) fn view_of_scene(
 
     let place = place_of_scene(debugger, scene);
     // In another run the camera moves with the event, so that it shows the same step of the algorithm. Its `radii` are the length
-    // of the canvas's shorter side.
+    // of the canvas's shorter side, in r.
     let camera = SceneCamera::of(&scene.view).and_then(|camera| {
         let center = camera.placed(place, is_same_run)?;
         Camera::checked(center, size[0].min(size[1]) / camera.radii)

@@ -120,7 +120,8 @@ impl From<Option<&GroundRequest>> for GroundDraft {
             }
             Some(RadiusSource::Image { image, radii }) => {
                 (draft.by, draft.image) = (RadiusBy::Image, Some(image.clone()));
-                draft.white = radii[1].to_string();
+                let [_black, white] = radii;
+                draft.white = white.to_string();
             }
             Some(RadiusSource::Density { image, .. }) => {
                 (draft.by, draft.image) = (RadiusBy::Density, Some(image.clone()));
@@ -177,7 +178,7 @@ impl Draft {
                 self.set_text(parameter, side.to_string());
             }
 
-            // The usual radius is that of the unit square.
+            // The default radius suits the unit square, so that it is replaced even where it is allowed.
             let suits = self.parameters.validate_sequential().is_ok();
             let is_default =
                 self.text(Parameter::Radius) == Parameter::Radius.text(&Parameters::default());
@@ -190,8 +191,8 @@ impl Draft {
         self.ground.shape = Some(shape);
     }
 
-    /// Takes the density from an image, whose pixels fill the domain: a side follows from the other, and the radius of black is
-    /// such that there are some thousand samples.
+    /// Takes the density from an image, whose pixels fill the domain: the height follows from the width, and the radius
+    /// of black is such that there are some thousand samples.
     pub fn set_image(&mut self, image: GrayImage) {
         let [columns, rows] = image.pixels();
         let height = self.parameters.width * rows as f64 / columns as f64;
@@ -201,7 +202,7 @@ impl Draft {
         // A mask of other pixels would not fit.
         self.remove_shape();
 
-        // `samples` is their number with a black of radius 1. It goes with the inverse square of the radius.
+        // `samples` is the number of samples with a black of radius 1. It goes with the inverse square of that radius.
         let request = self.ground.request(1.0);
         let at_one = request.and_then(Result::ok).and_then(|request| {
             let recipe = request.recipe(&self.parameters);

@@ -297,6 +297,7 @@ fn describe(cause: &Cause) -> String {
                 grouped(pairs.len()),
             );
 
+            // The search goes through the domain from below, and stops keeping pairs at their limit.
             let cut = if *total > pairs.len() as u64 {
                 format!("; the {kept} lowest in the domain are kept")
             } else {

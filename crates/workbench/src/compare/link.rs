@@ -8,13 +8,17 @@ use tilescope_session::session::Session;
 /// Returns the cursors up to which two runs are equal, event by event, given where they diverge. `None` if events were
 /// left out of a tape, as single events then cannot be matched.
 #[must_use]
-pub fn common(a: &Session, b: &Session, divergence: Option<&Divergence>) -> Option<[usize; 2]> {
+pub fn common(
+    first: &Session,
+    second: &Session,
+    divergence: Option<&Divergence>,
+) -> Option<[usize; 2]> {
     let is_whole = |session: &&Session| {
         let recording = session.recording();
         recording.is_some_and(|recording| recording.tape().left_out() == 0)
     };
     // With events left out, equal cursors are not equal events.
-    if ![a, b].iter().all(is_whole) {
+    if ![first, second].iter().all(is_whole) {
         return None;
     }
 
@@ -50,7 +54,7 @@ pub fn corresponding(
     {
         // At `a + 1` the event by which the runs differ has just happened; in the other run that is so at `b + 1`. Up
         // to there cursors are equal: `common` is given only where no events were left out, so that `a` and `b` are
-        // equal, too.
+        // equal, too, and `min` changes nothing.
         let cursor = if cursor <= a { cursor.min(b) } else { b + 1 };
         return moment_at(to, cursor);
     }

@@ -64,7 +64,8 @@ pub fn count(
     // The start and the end of the range are frames, too.
     let frames = ticks / every + 2;
     if frames > MAX_FRAMES {
-        // The smallest number that does: ticks < enough * (MAX_FRAMES - 1), so that at most MAX_FRAMES - 2 of them are frames.
+        // The least number of ticks between frames that keeps the limit: ticks < enough * (MAX_FRAMES - 1), so that at
+        // most MAX_FRAMES - 2 of them are frames.
         let enough = ticks / (MAX_FRAMES - 1) + 1;
         return Err(ExportRefusal::TooManyFrames { frames, enough });
     }

@@ -141,7 +141,8 @@ impl<'de> Deserialize<'de> for WriteError {
 ///
 /// # Errors
 ///
-/// [`WriteError`]; no new file is left then, and an existing one is unchanged.
+/// [`WriteError`]; no unfinished file is left then, and a file that was not replaced is unchanged. Pictures of scenes
+/// that were written before the error stay.
 #[cfg(not(target_arch = "wasm32"))]
 pub fn write(job: &ExportJob, monitor: &Monitor) -> Result<Written, WriteError> {
     let written = match &job.content {

@@ -84,6 +84,7 @@ pub(super) fn find_pattern(
         return Err("it lies on another machine; put it beside the session".to_owned());
     }
 
+    // Whether this is the pattern of the session is checked by its digest when the run is recorded.
     read_pattern(path, monitor)
 }
 

@@ -370,7 +370,7 @@ fn session_on_ground(
     let locality = varying::locality(&request.recipe(&saved.parameters))
         .map_err(|error| refused(error.to_string()))?;
 
-    // The same darts as before, as the digest below proves.
+    // The same darts as before: `resume` compares the digest of the set with the saved one below.
     let mut observer = Reporter { monitor };
     let recording = match saved.record_in(&locality, &mut observer) {
         Ok(recording) => recording,
@@ -381,7 +381,7 @@ fn session_on_ground(
     };
     let session = varying::prepared(recording, &recipe, &request, generation, &mut observer)
         .map_err(|error| named(&error))?;
-    // Refused here if the saved moment, or a breakpoint, does not fit the recording.
+    // Another set than the saved one is refused here, and a saved moment beyond the end of this one.
     if let Some(recording) = session.recording() {
         Debugger::resume(&saved, Arc::clone(recording)).map_err(|error| named(&error))?;
     }

@@ -110,9 +110,10 @@ pub fn read<'a>(
             continue;
         };
 
-        let read = changed(&parameters, parameter, text);
-        if read.is_none() {
+        let new = changed(&parameters, parameter, text);
+        if new.is_none() {
             let (text, used, name) = (quoted(text), value(base, parameter), name_of(parameter));
+            // Some names are methods of the command line that are no tiling, and the warning says so.
             let refusal = match parameter {
                 Parameter::Method => method_refusal(&text.to_lowercase()),
                 _ => None,
@@ -122,7 +123,7 @@ pub fn read<'a>(
                 "The link asked for {name}{run} {text}; {used} is used instead{why}."
             ));
         }
-        parameters = read.unwrap_or(parameters);
+        parameters = new.unwrap_or(parameters);
     }
 
     fit(&mut parameters, run, warnings);
@@ -152,7 +153,7 @@ fn fit(p: &mut Parameters, run: &str, warnings: &mut LinkWarnings) {
         .pattern
         .side
         .clamp(MIN_PATTERN_SIDE_RADII, MAX_PATTERN_SIDE);
-    // The sides are compared as links and messages write them.
+    // The sides are compared as a warning writes them, which must name two different ones.
     if exact(side) != exact(p.pattern.side) {
         warnings.add(format!(
             "The link asked for a pattern{run} of {} r; {side} r is used instead.",

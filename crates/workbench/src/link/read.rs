@@ -273,7 +273,7 @@ impl LinkReader {
             Ok((request, samples))
         });
 
-        // The limit of links is that of any run.
+        // The limit is that of links to runs.
         let most = MAX_SAMPLES;
         let why = match checked {
             Ok((request, samples)) if samples <= most => return request,
@@ -500,7 +500,7 @@ fn scene(text: &str) -> Option<SavedScene> {
         anchor: anchor.map_or(Some(None), |read| read.map(Some))?,
         ..SavedScene::default()
     })
-    // So does a part behind the anchor.
+    // A part behind the anchor makes it invalid, too.
     .filter(|_| parts.next().is_none())
 }
 

@@ -112,7 +112,10 @@ pub(super) fn read_scene_view(text: &str) -> Option<Value> {
         let (key, value) = part.split_once(':')?;
         match key {
             "camera" => camera = Some(read_camera(value)?),
-            "layers" => view.appearance.chosen_layers = read_layers(value).0,
+            "layers" => {
+                let (layers, _unknown) = read_layers(value);
+                view.appearance.chosen_layers = layers;
+            }
             "colouring" => view.appearance.colouring = named(&COLOURINGS, value)?,
             "look" => view.appearance.look = named(&Look::ALL, value)?,
             "select" => view.selection = read_selection(value)?,

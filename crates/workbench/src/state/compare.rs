@@ -37,9 +37,15 @@ impl Runs {
             CompareCommand::Swap => self.swap(context),
             CompareCommand::Close => self.second = None,
             CompareCommand::GoToDivergence => self.go_to_divergence(context),
-            CompareCommand::LinkCameras(on) => self.set(|known| known.linked_cameras = on),
-            CompareCommand::LinkPlayback(on) => self.set(|known| known.linked_playback = on),
-            CompareCommand::ShowDifferences(on) => self.set(|known| known.shows_differences = on),
+            CompareCommand::LinkCameras(on) => {
+                self.set(|comparison| comparison.linked_cameras = on);
+            }
+            CompareCommand::LinkPlayback(on) => {
+                self.set(|comparison| comparison.linked_playback = on);
+            }
+            CompareCommand::ShowDifferences(on) => {
+                self.set(|comparison| comparison.shows_differences = on);
+            }
         }
     }
 

@@ -43,6 +43,7 @@ impl SaveTask {
         let run = first.debugger.as_ref().zip(session);
 
         Self {
+            // Saving from the sheet puts the name that is typed there in its place.
             name: LAST_SESSION.to_owned(),
             combination: session
                 .and_then(|session| SavedCombination::of(session, first.stage, view.clone())),

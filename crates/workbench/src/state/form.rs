@@ -130,7 +130,7 @@ impl Form {
 
             FormCommand::Reset => {
                 self.take(Self::default());
-                // The engine is shown among the parameters.
+                // The engine is shown among the parameters, and returns to its default with them.
                 let automatic = Command::Gpu(GpuCommand::Engine(EngineChoice::Auto));
                 context.ask(Effect::Issue(Box::new(automatic)));
             }

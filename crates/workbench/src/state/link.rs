@@ -161,6 +161,7 @@ impl LinkSource<'_> {
                     let what =
                         "the field or the shape, which has an image or is too long for a link";
                     left_out.push(what.to_owned());
+                    // The moment is one of the set that is left out.
                     content.moment = NamedMoment::End;
                 }
                 left_out.extend(link::excess(&recipe.parameters));

@@ -344,7 +344,11 @@ impl RunView {
             let is_gap = self.geometry.is_gap(&shown, place);
             // Until the extent of the gap is known, the place stands for the deepest place in it.
             let gap = self.geometry.gap_at(&shown, place);
-            is_gap.then(|| gap.map_or(place, |gap| gap.deepest.0))
+            let middle = gap.map_or(place, |gap| {
+                let (deepest, _distance) = gap.deepest;
+                deepest
+            });
+            is_gap.then_some(middle)
         });
         if let Some(middle) = gap {
             self.pick(Selection::Place(place), context);
