@@ -78,6 +78,7 @@ pub fn stage_named(name: &str) -> Option<Stage> {
         Stage::Eliminate,
         Stage::Finish,
     ];
+    // Regions are missing: they are a stage of the parallel engine, whose runs have no events.
     match name.strip_prefix("iterate-") {
         Some(number) => number.parse().ok().map(Stage::Iterate),
         None => others.into_iter().find(|stage| stage.to_string() == name),
@@ -98,6 +99,7 @@ impl Recording {
             };
 
             if let Some((last, events)) = stages.last_mut() {
+                // Two beginnings of one stage in a row, as no engine of today records them, count as one.
                 if *last == stage {
                     continue;
                 }

@@ -62,6 +62,7 @@ impl Event {
     pub const fn is_detail(&self) -> bool {
         match self.kind {
             EventKind::Test => self.tags == 0,
+            // The lowest three bits are the verdict: 0 is that of an accepted place.
             EventKind::Candidate | EventKind::Dart => self.tags & 7 != 0,
             EventKind::Cut => true,
             _ => false,
@@ -97,11 +98,13 @@ impl Event {
             | EventKind::Pairs
             | EventKind::Insert => [a, NONE, NONE, NONE],
             EventKind::Test | EventKind::Eliminate | EventKind::Mark => [a, b, NONE, NONE],
+            // Their first two words are a place.
             EventKind::Pass | EventKind::Wake | EventKind::Dart => [c, NONE, NONE, NONE],
             // The lowest three bits are the verdict: a candidate that is covered (3), or has a nearer sample (4), names
             // that sample, too.
             EventKind::Candidate if matches!(self.tags & 7, 3 | 4) => [a, b, c, d],
             EventKind::Candidate => [a, b, c, NONE],
+            // The words of all other kinds are numbers of other things.
             _ => [NONE; 4],
         }
     }

@@ -48,7 +48,8 @@ pub(crate) const UNBORN: Life = Life {
     marked: NONE,
 };
 
-/// Records in `lives` how an event changes a sample.
+/// Records in `lives` how the event of number `index` changes the status of a sample. The recording itself notes that a
+/// sample becomes a detector, which is no change of status.
 pub(crate) fn note_change(lives: &mut [Life], run_event: RunEvent, index: u32) {
     match run_event {
         RunEvent::Tiled { sample, inside, .. } => {
@@ -68,6 +69,8 @@ pub(crate) fn note_change(lives: &mut [Life], run_event: RunEvent, index: u32) {
             // An inserted sample never awaits a decision.
             (life.born, life.kept) = (index, index);
         }
+
+        // All other events change the status of no sample.
         _ => {}
     }
 }

@@ -27,11 +27,14 @@ impl Density {
 
     /// Counts an event under its sort.
     pub(crate) const fn add(&mut self, event: &Event) {
-        let dull = event.is_detail();
+        let came_to_nothing = event.is_detail();
         let count = match event.kind() {
-            EventKind::Test | EventKind::Candidate | EventKind::Dart if dull => &mut self.tests,
+            EventKind::Test | EventKind::Candidate | EventKind::Dart if came_to_nothing => {
+                &mut self.tests
+            }
             EventKind::Test | EventKind::Eliminate => &mut self.conflicts,
             EventKind::Candidate => &mut self.gaps,
+            // An accepted dart is examined twice, as it lands and when its rank is reached: the second time counts.
             EventKind::Dart if event.is_ranked() => &mut self.gaps,
             EventKind::Insert => &mut self.insertions,
             _ => &mut self.others,

@@ -173,6 +173,7 @@ fn thin(chunk: &[Event]) -> (Vec<Event>, u64) {
     let mut thin = Vec::new();
     let mut left_out = 0;
     for row in chunk.chunk_by(|a, b| a.is_detail() == b.is_detail()) {
+        // A notice in the place of a single detail would save nothing.
         if row[0].is_detail() && row.len() > 1 {
             thin.push(Event::thinned(row.len() as u32, row[0].line()));
             left_out += row.len() as u64;

@@ -155,8 +155,8 @@ fn cause_of_dart(recording: &Recording, dart: RunEvent, index: usize) -> Option<
         Verdict::Covered { .. } if recording.run().locality.is_some() => {
             kept(recording.covering(point, index)?)
         }
-        // In exact tiling, a dart that is accepted when it arrives was expected since an event, and one thrown at an open place
-        // hits it since it is bare.
+        // In exact tiling an earlier event announced each dart that arrives (`ranked`): its wake, or its throw. A throw
+        // itself hits an open place because an event has laid that bare.
         _ if recording.is_exact() && ranked => recording.expected(point, index),
         _ if recording.is_exact() => bared(recording, point, index),
         // Insertion by darts does not record which kept sample refused one.
@@ -191,7 +191,8 @@ fn parent_split(recording: &Recording, index: u32) -> Option<u32> {
     at(&recording.splits, parent as u32)
 }
 
-/// Returns the split that made a block: the deepest one that contains it.
+/// Returns the split that made a block: the deepest one that contains it, which is the last, as a node is cut before its
+/// parts.
 fn split_of_block(recording: &Recording, block: u32) -> Option<u32> {
     let blocks = &recording.run().blocks;
     let corner = blocks.leaves.get(block as usize)?.rect.min;
@@ -202,7 +203,7 @@ fn split_of_block(recording: &Recording, block: u32) -> Option<u32> {
     at(&recording.splits, split as u32)
 }
 
-/// Returns the insertion of an inserted detector, or the mark of a tiled one.
+/// Returns the insertion of an inserted detector, or the mark of a tiled one; its tiling, if no mark came before.
 fn marked_or_born(recording: &Recording, sample: u32, before: usize) -> u32 {
     let Some(life) = recording.life(sample) else {
         return NONE;

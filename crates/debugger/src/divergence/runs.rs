@@ -199,6 +199,7 @@ impl Pair<'_> {
     /// Returns the first difference of an iteration, counted from 0.
     fn iteration(&self, k: usize) -> Option<Divergence> {
         let number = k as u32 + 1;
+        // Algorithm 4 as printed makes iteration 1 in its first loop, together with elimination.
         let stage = match self.a.parameters.variant {
             Variant::AsPrinted if number == 1 => Stage::Eliminate,
             _ => Stage::Iterate(number),
@@ -206,7 +207,7 @@ impl Pair<'_> {
 
         let compare = |noun: &str, of: fn(&Run, usize) -> Vec<Key>| {
             // A list that is empty in all iterations is one that the engine does not fill.
-            let keeps = |run: &Run| (0..run.iterations.len()).any(|k| !of(run, k).is_empty());
+            let keeps = |run: &Run| (0..run.iterations.len()).any(|each| !of(run, each).is_empty());
             let (a, b) = (of(self.a, k), of(self.b, k));
             let both = keeps(self.a) && keeps(self.b);
             both.then(|| lists(stage, noun, &a, &b)).flatten()
@@ -224,7 +225,7 @@ impl Pair<'_> {
 
     /// Returns the first difference of the candidates' sites in iteration `k`, counted from 0. The candidates' points are equal.
     fn sites(&self, stage: Stage, k: usize) -> Option<Divergence> {
-        let sorted = |run: &Run| {
+        let in_order = |run: &Run| {
             // As the points of both runs are equal, their order by points pairs the candidates.
             let mut all = run
                 .iterations
@@ -234,10 +235,13 @@ impl Pair<'_> {
             all
         };
 
-        let (a, b) = (sorted(self.a), sorted(self.b));
+        let (a, b) = (in_order(self.a), in_order(self.b));
         a.iter().zip(&b).find_map(|(one, other)| {
             // Sites that one of the engines did not record are not compared.
-            let (of_a, of_b) = (sites(self.a, one)?, sites(self.b, other)?);
+            let (of_a, of_b) = (
+                points_of_sites(self.a, one)?,
+                points_of_sites(self.b, other)?,
+            );
 
             let text = |sites: &[Key]| {
                 // A key has the row first, which is y.
@@ -315,7 +319,7 @@ fn candidates(run: &Run, k: usize) -> Vec<Key> {
 }
 
 /// Returns the positions of the samples that made a candidate, or `None` if they were not recorded.
-fn sites(run: &Run, candidate: &Candidate) -> Option<Vec<Key>> {
+fn points_of_sites(run: &Run, candidate: &Candidate) -> Option<Vec<Key>> {
     let sites = &candidate.sites;
     (*sites != Sites::Unrecorded).then(|| points(run, sites.ids().iter().copied()))
 }

@@ -100,6 +100,7 @@ impl Words<'_> {
                 "the dart at {at} arrives and is refused: {} came first",
                 self.blocker(point, by)
             )),
+            // No dart of an exact tiling gets one of these verdicts.
             (
                 _,
                 Verdict::TooFar | Verdict::Outside | Verdict::Thinned | Verdict::NotNearest { .. },

@@ -56,7 +56,7 @@ impl Words<'_> {
         })
     }
 
-    /// Returns the sentence of a dart that lands or, if it is `ranked`, of one whose turn comes.
+    /// Returns the sentence of a dart that lands or, if it is `ranked`, of one whose turn comes; `index` is its event's.
     fn local_dart(
         &self,
         locality: &Locality,
@@ -115,6 +115,7 @@ impl Words<'_> {
                 "a dart at {at} is left out by its coin: its cell throws as many as suit the cell's side, and the radius here, {}, is larger",
                 radius()
             ),
+            // Only candidates of detectors get these verdicts.
             (_, Verdict::TooFar | Verdict::NotNearest { .. }) => return None,
         })
     }
