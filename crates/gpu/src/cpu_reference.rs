@@ -63,7 +63,8 @@ impl CpuReference {
         stage: Stage,
         observer: &mut dyn Observer,
     ) -> Result<(), SampleError> {
-        // The sequential engine has no stage for an iteration that finds nothing.
+        // The sequential engine has no stage for an iteration that finds nothing: its next stage may then lie behind
+        // the one that is asked for, and is not run.
         while self.done < Some(stage)
             && (stage == Stage::Finish || self.engine.next().is_some_and(|next| next <= stage))
         {

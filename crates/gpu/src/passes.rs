@@ -173,7 +173,9 @@ const fn clear_counter(counter: u32) -> Command {
     Command::Clear(Name::Counters, Some((counter, counter + 1)))
 }
 
-/// Returns `rounds` rounds of a pass, an even number. Each begins by setting its counter to 0.
+/// Returns `rounds` rounds of a pass, an even number, so that the last one counts in the second counter, which the host
+/// reads, and further rounds begin with the first again. Each begins by setting its counter to 0. The round that
+/// `is_first` of its stage has no round before, and always runs.
 fn alternating(pass: &'static Pass, size: &str, rounds: u32, is_first: bool) -> Vec<Command> {
     // Two counters in turn: a round reads whether the round before left anything, while it writes its own.
     let round = |k: u32| {

@@ -121,7 +121,8 @@ impl WindowPlan {
         })
     }
 
-    /// Doubles most of the room, and makes room for all cells to be open.
+    /// Doubles most of the room, and makes room for all cells to be open. Tiled samples, whose number is estimated
+    /// within about a hundredth, get a quarter more, and the result gets no more.
     pub(crate) const fn double_room(&mut self) {
         self.uniform.tiled_capacity += self.uniform.tiled_capacity / 4;
         self.uniform.list_capacity = self.uniform.cells;
@@ -353,7 +354,7 @@ fn expected(setup: &Setup, frame: &Frame, images: &[Image]) -> Room {
     Room {
         // There is room for a hundredth more than the density implies, and for a sample for each cell at the rim.
         tiled: (clipped * setup.density * 1.01) as u32 + rim + 1024,
-        // Uniform insertion does not list open cells.
+        // Uniform insertion does not list open cells, and the other one no active ones: those lists have room for one.
         open: if uniform { 1 } else { share(0.8, 7.0) },
         // The cells at the frame's edge are unsure from the beginning (survive.wgsl). There is as much room again, and room
         // for one of 64 cells inside.

@@ -205,6 +205,7 @@ impl RowLocator {
         let frame = &self.frame;
         let axis = |origin: u32, window: i32, side: u32| {
             let first = origin.wrapping_add(window as u32);
+            // A bounded domain does not repeat, and a side of 0 is a fault that was injected.
             let reduced = match (frame.periodic, side) {
                 (0, _) | (_, 0) => i64::from(first as i32),
                 _ => i64::from(first % side),
@@ -277,6 +278,7 @@ impl RowLocator {
             _ => None,
         };
         let from = sample(row)?;
+        // Indices are stored plus one; 0 stands for none.
         let to = usize::try_from(by - 1).ok().and_then(sample);
         Some(to.map_or(RowPlace::Point(from), |to| RowPlace::Link([from, to])))
     }

@@ -45,6 +45,7 @@ pub async fn self_test(gpu: &Arc<Gpu>) -> Result<SelfTest, GpuError> {
             // Each insertion runs with each boundary.
             boundary: [Boundary::Periodic, Boundary::Bounded][k as usize % 2],
             insertion: [Insertion::Circumcentre, Insertion::Uniform][k as usize / 2],
+            // Each insertion and each boundary runs once with symmetries and once without.
             dihedral: k == 1 || k == 2,
             // A small pattern, since the device stores it in each of its eight symmetries.
             pattern: PatternSpec {

@@ -62,7 +62,7 @@ impl Setup {
 
     /// Returns how many cells away an unsure cell can affect the detection of iteration 1. Candidates are up to 2r + 16
     /// units from their samples, 3.5r in bounded domains, and a lost sample 2r + 4 units further makes those samples
-    /// detectors. In uniform insertion only samples that covered the place matter.
+    /// detectors: in whole cells of r, 5 or 6. In uniform insertion only samples that covered the place matter.
     pub(crate) fn first_reach(&self) -> u32 {
         match self.parameters.insertion {
             Insertion::Circumcentre if self.domain.is_periodic() => 5.max(self.lost_reach as u32),

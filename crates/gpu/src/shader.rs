@@ -36,6 +36,7 @@ pub fn compose(file: &str, bindings: &[Binding]) -> String {
     source.push_str(&declarations(bindings));
     let mut done = Vec::new();
     append(FILES, file, &mut done, &mut source);
+    // Files without this function, such as scans, have an entry point of their own.
     if source.contains("fn run(index: u32)") {
         source.push_str(ENTRY);
     }

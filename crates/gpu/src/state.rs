@@ -158,6 +158,7 @@ impl State {
         match sample.word & FATE_MASK {
             _ if !sample.lies_inside => Fate::Dropped,
             FATE_KEPT if decided => Fate::Kept,
+            // `tile` fills in the winner, once all ids are known.
             FATE_LOST if decided => Fate::Eliminated { by: 0 },
             _ => Fate::Undecided,
         }
@@ -317,8 +318,10 @@ impl State {
         let grid: Vec<u32> = bytemuck::pod_collect_to_vec(grid);
         let mut detectors = Vec::new();
         for (cell, slots) in grid.chunks_exact(4).enumerate() {
+            // A cell has three slots and a word whose lowest two bits count the samples in them.
             for &slot in &slots[..(slots[3] & 3) as usize] {
                 let [x, y] = unpack(work, cell, slot);
+                // Of the bits above the position, a slot of the grid has that of a detector alone.
                 if slot & !POSITION_MASK != 0 && work.plan.frame.window.contains(Point::new(x, y)) {
                     detectors.extend(ids.get(&work.plan.frame.point(x, y)));
                 }
@@ -354,7 +357,8 @@ fn cells(work: &WindowRun, k: u32, active: &[u8], before: Option<&Iteration>) ->
         .collect();
     cells.sort_unstable_by_key(|p| p.row_major());
 
-    // Core splits the cells of the level before one by one, so they are not in the order of positions.
+    // Core splits the cells of the level before one by one, so they are not in the order of positions. Those of level 1
+    // come from the gaps, in that order.
     if let Some(before) = before.filter(|_| k > 1) {
         let known: std::collections::HashSet<Point> = cells.iter().copied().collect();
         let quarters = |cell: &Cell| {

@@ -78,6 +78,7 @@ fn tile_images(work: &WindowRun) -> Vec<u32> {
     let mut lists = vec![0; (frame.tiles * TILE_WORDS) as usize];
     // Pieces are in the order of images, so that the lists are sorted, as the pass `sort blocks` leaves them.
     for &[image, column, row, size] in &work.plan.pieces {
+        // A piece has its rows of tiles in the upper half of its size, and its columns in the lower (`plan.rs`).
         for up in 0..size >> 16 {
             for right in 0..size & 0xffff {
                 let tile = (row + up) * frame.tile_columns + column + right;
@@ -92,10 +93,10 @@ fn tile_images(work: &WindowRun) -> Vec<u32> {
 
 /// Writes the tiled samples with their fates. All cells that hold samples are listed as contested.
 fn write_tiled(work: &mut WindowRun, run: &Run, counters: &mut [u32]) -> Result<(), GpuError> {
-    let tiled = tiled(work, run);
+    let samples = tiled(work, run);
     let cells = work.plan.cells() as usize;
     let mut starts = vec![0_u32; cells + 1];
-    for sample in &tiled {
+    for sample in &samples {
         starts[sample.cell + 1] += 1;
     }
 
@@ -109,11 +110,11 @@ fn write_tiled(work: &mut WindowRun, run: &Run, counters: &mut [u32]) -> Result<
         starts[cell + 1] += starts[cell];
     }
 
-    let places: Vec<u32> = tiled.iter().map(|s| s.offset | s.fate).collect();
-    let origins: Vec<u32> = tiled.iter().flat_map(|s| [s.image, s.pattern]).collect();
+    let places: Vec<u32> = samples.iter().map(|s| s.offset | s.fate).collect();
+    let origins: Vec<u32> = samples.iter().flat_map(|s| [s.image, s.pattern]).collect();
 
     counters[counter::CONTESTED as usize] = contested.len() as u32;
-    counters[counter::TILED as usize] = tiled.len() as u32;
+    counters[counter::TILED as usize] = samples.len() as u32;
 
     let device = &work.device;
     device.write(Name::Starts, bytes(&starts))?;
@@ -141,8 +142,10 @@ fn tiled(work: &WindowRun, run: &Run) -> Vec<TiledWords> {
     let mut tiled = Vec::new();
 
     for (placed, index) in plan.placed.iter().zip(0..) {
+        // A block's clip has the samples of the pattern that are laid on the block and up to r beyond it.
         let enlarged = placed.rect.grown(R.into(), R.into());
-        // The ids of a block's samples follow its clip row by row: the place of an offset among all gives the id.
+        // A block numbers the samples of its clip from `first` on, row by row: how many offsets of the whole clip come
+        // before a sample's own gives its id. The frame below may cut the clip off.
         let offsets = offsets_by_block
             .entry(placed.index)
             .or_insert_with(|| clip_of(work, placed));
@@ -176,7 +179,8 @@ fn tiled(work: &WindowRun, run: &Run) -> Vec<TiledWords> {
 fn clip_of(work: &WindowRun, placed: &tilescope_core::windows::PlacedBlock) -> Vec<(i64, i64)> {
     let clipper = &work.setup.clipper;
     let mut moved = *placed;
-    // Relative to its own corner a block fits 32 bits; longer ones are refused earlier, as too large to run in one go.
+    // The block is moved so that its clip, which begins r before it, begins at (0, 0): positions are then offsets. They
+    // fit 32 bits, as longer blocks are refused earlier: they are too large to run in one go.
     moved.rect.min = I64Vec2::splat(R.into());
     moved.rect.max = placed.rect.max - placed.rect.min + i64::from(R);
 
@@ -237,6 +241,7 @@ fn write_grid(
                 // Iterations take a byte for each slot, above the count and the flags.
                 slots[3] = (slots[3] + 1) | iteration << (8 + 8 * count);
             } else {
+                // Eliminated or dropped.
                 slots[3] |= FLAG_LOST;
             }
         }
@@ -245,16 +250,16 @@ fn write_grid(
     let mut unsure = Vec::new();
     for (cell, slots) in grid.iter_mut().enumerate() {
         let (column, row) = frame.column_row(cell);
-        let rim = rim(work, column, row);
+        let to_edge = rim(work, column, row);
         // Only detectors make candidates, so that searching every cell finds no more than searching those near them.
         slots[3] |= FLAG_FRESH;
 
         // As on the device, the cells at the frame's edge are unsure, and those beside them hot.
-        if rim == 0 {
+        if to_edge == 0 {
             slots[3] |= FLAG_UNSURE;
             unsure.push(cell as u32);
         }
-        if rim <= 1 {
+        if to_edge <= 1 {
             slots[3] |= FLAG_HOT;
         }
     }

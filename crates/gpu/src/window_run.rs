@@ -461,7 +461,8 @@ impl WindowRun {
 
         match self.counter(counter::FAULT) {
             0 => {}
-            // Where this fault is, the count of tiled samples has shown above that they need more room.
+            // This fault comes with a count of tiled samples beyond their room, for which the window has been given up
+            // above. Should it come alone, the window is computed again as it is.
             FAULT_TILED => return Ok(Some(Shortage::Room(wanted))),
             code => {
                 let stage = self.stage;

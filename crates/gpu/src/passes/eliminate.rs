@@ -5,7 +5,7 @@ use super::{Command, Pass, Size, alternating, atomic, prepare, read, run, unifor
 use crate::layout::Name;
 use crate::plan::WindowPlan;
 
-/// Rounds between two readings of the counters.
+/// Rounds between two readings of the counters, an even number (`alternating`). Chosen, not measured.
 const ROUNDS: u32 = 8;
 
 pub(super) const ELIMINATE: Pass = Pass {

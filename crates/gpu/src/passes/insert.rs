@@ -5,7 +5,7 @@ use super::{
 };
 use crate::layout::{Name, counter};
 
-/// Rounds between two readings of the counters.
+/// Rounds between two readings of the counters, an even number (`alternating`). Chosen, not measured.
 const ROUNDS: u32 = 6;
 
 pub(super) const LINK: Pass = Pass {

@@ -59,7 +59,8 @@ pub(crate) fn start(plan: &WindowPlan, reach: u32) -> Vec<Command> {
     commands
 }
 
-/// Records a level: darts are thrown with a key into cells of side 2^`side_bits`, and inserted.
+/// Records a level: darts are thrown with a key, of the words `a` and `b`, into cells of side 2^`side_bits`, and
+/// inserted.
 pub(crate) fn level(level: u32, side_bits: u32, [a, b]: [u32; 2]) -> Vec<Command> {
     let mut commands = vec![
         prepare(0),
