@@ -138,7 +138,7 @@ impl Device {
 
     /// Makes a buffer in the place of the one of the same name.
     fn allocate(&mut self, name: Name, length: u64) -> Result<(), GpuError> {
-        // WebGPU does not allow bindings of length 0.
+        // WebGPU does not allow bindings of length 0. 32 bytes hold an element of each list that may be empty.
         let length = length.max(32).next_multiple_of(4);
         let usage = if name == Name::Frame {
             wgpu::BufferUsages::UNIFORM

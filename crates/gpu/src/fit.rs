@@ -13,7 +13,7 @@ use crate::window_run::Shortage;
 /// samples beyond the halo, it is computed again with twice the halo.
 pub(crate) const HALO: i32 = 24;
 
-/// The shortest side of a window, in cells.
+/// The shortest side of a window, in cells. Chosen, not measured: around one so short, nearly all of the frame is halo.
 pub(crate) const MIN_SIDE: u32 = 8;
 
 /// How often a window may need more room before that counts as a fault.

@@ -17,7 +17,7 @@ use crate::state::State;
 use crate::upload;
 use crate::window_run::{Shortage, WindowRun};
 
-/// The widest halo, in cells.
+/// The widest halo, in cells: [`HALO`] doubled three times. Chosen, not measured.
 const MAX_HALO: i32 = 192;
 
 /// A run on a GPU between two passes.

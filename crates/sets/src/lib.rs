@@ -4,8 +4,8 @@
 //! set with its [`Facts`]: how it was made, and the domain and radius that a verdict on it is about. [`Facts::context`] is what
 //! an export certifies.
 //!
-//! A set whose radius varies, or that covers a shape, is made from a [`VaryingRecipe`], a set of balls from a [`SolidRecipe`]. [`thinning`] chooses from points that
-//! are there.
+//! A set whose radius varies, or that covers a shape, is made from a [`VaryingRecipe`], a set of balls from a
+//! [`SolidRecipe`]. [`thinning`] chooses from points that are there.
 //!
 //! The sampler and the verifier share nothing, so that they cannot be wrong together. Their types meet here: [`region()`] is
 //! the sampler's domain as the verifier has it.

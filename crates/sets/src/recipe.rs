@@ -49,9 +49,8 @@ pub fn facts_of_exact(
     pattern: &Pattern,
     samples: f64,
 ) -> Facts {
-    // Stated parameters can be typed again as they are.
+    // Stated parameters can be typed again as they are: those go that exact tiling would refuse.
     let mut used = stated(parameters);
-    // Exact tiling refuses these by their names.
     for parameter in NOT_OF_EXACT {
         used.remove(parameter.key());
     }

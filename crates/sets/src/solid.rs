@@ -58,7 +58,7 @@ impl SolidRecipe {
         // A number of samples is searched for by whole sets, of which the last one is returned.
         let (found, is_beginning) = match balls {
             BallSize::Radius(radius) => {
-                // Of a given radius the first set is the set.
+                // With a given radius there is nothing to search for: one set is made.
                 let domain = SolidDomain::from_size(size, radius, boundary)?;
                 let places = solid_sample_parallel(domain, seed, observer)?;
                 let made = places.len();

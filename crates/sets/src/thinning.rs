@@ -178,7 +178,8 @@ pub fn thin(cloud: &Cloud<'_>, control: Control<'_>) -> Result<Vec<bool>, ThinEr
     if extent / radius > MAX_EXTENT_RADII {
         return Err(ThinError::Extent { extent, radius });
     }
-    // Of another point the nearest image counts, and of a point itself none: a radius longer than a side would reach one.
+    // A point is compared with the nearest image of another one, and never with its own images, of which a radius
+    // longer than a side would reach one.
     if let Some(sides) = cloud.period() {
         let (radius, side) = (greatest, sides[0].min(sides[1]));
         if radius > side {

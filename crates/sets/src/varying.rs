@@ -76,6 +76,7 @@ impl VaryingRecipe {
                 let polygon = PlanarPolygon::of_rings(rings.clone());
                 Some(ShapeSource::Polygon(polygon))
             }
+            // A certificate holds no pixels. Dark places follow from the image of the density; other masks must be given.
             (None, Some(CertifiedShape::Mask { .. })) => {
                 let needed = || needed("a mask", &stated.parameters, "mask", "--mask");
                 Some(dark().ok_or_else(needed)?)
@@ -91,6 +92,7 @@ impl VaryingRecipe {
             size: region.size().map(Some),
             origin: Some(stated.origin.unwrap_or_default()),
             boundary: Boundary::of(region.is_periodic()),
+            // To judge a set no other is made, so that neither has a meaning.
             seed: 0,
             count: None,
         })
@@ -133,6 +135,7 @@ impl VaryingRecipe {
         for _ in 0..MAX_TRIES {
             let made = self.attempt(&radius, observer)?;
             let found = made.set.len() as u64;
+            // Of few samples a hundredth is less than one: then one more or fewer is near enough.
             if found.abs_diff(count) <= (count / TOLERANCE).max(1) {
                 return Ok((made, settled(radius)));
             }

@@ -18,7 +18,7 @@ pub(super) struct Grid {
     low: [f64; 2],
     /// Cells of a unit of length, along x and y.
     inverse: [f64; 2],
-    /// How many cells there are along x and y.
+    /// How many whole cells there are along x and y. In a rectangle a narrower one at the upper border may follow.
     cells: [u32; 2],
     is_periodic: bool,
 }
@@ -72,7 +72,8 @@ impl Grid {
         let [column, row] = [0, 1].map(|axis| {
             let along = (point[axis] - self.low[axis]) * self.inverse[axis];
             let last = self.cells[axis].saturating_sub(u32::from(self.is_periodic));
-            // A point on the upper border belongs to the last cell.
+            // In a rectangle the number behind the last whole cell is that of the rest at the upper border. On a torus,
+            // which has no rest, a point that is rounded onto the border belongs to the last cell.
             (along.max(0.0) as u32).min(last)
         });
         Place { column, row }
@@ -218,6 +219,7 @@ impl Layer {
 
     /// Returns the band of a row, where the rows from the lowest to the highest are divided into `bands` bands.
     pub fn band(&self, row: u32, bands: u32) -> u32 {
+        // One more than the whole rows, for the rest at the upper border.
         let rows = u64::from(self.grid.cells[1]) + 1;
         (u64::from(row) * u64::from(bands) / rows) as u32
     }

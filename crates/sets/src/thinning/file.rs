@@ -145,7 +145,8 @@ impl<'a> PointFile<'a> {
         }
     }
 
-    /// Returns the file with only those points that are kept, to be called `name`.
+    /// Returns the file with only those points that are kept, to be called `name`. Its bytes stand in `rows`, from which
+    /// it borrows them.
     ///
     /// # Errors
     ///
@@ -161,7 +162,7 @@ impl<'a> PointFile<'a> {
     {
         *rows = keep_rows(self.bytes, &self.hint, kept)?;
         let chosen = PointFile::new(&rows.bytes, self.hint_of_chosen(name))?;
-        // With fewer rows another format may be recognised than before, which a first look at the name could not tell.
+        // With fewer rows another format may be recognised than before, which a first look at the name could not show.
         let found_format = chosen.read.detection.format;
         if found_format != self.read.detection.format {
             return Err(self.misnamed(name, found_format));
@@ -303,7 +304,8 @@ impl ThinRecipe {
 fn around(points: &[[f64; 2]], radius: Option<f64>) -> Result<(Region, [f64; 2]), ThinFileError> {
     let (origin, size) = bounds(points);
     let longer = size[0].max(size[1]);
-    // A field has no radius before it is evaluated: about a thousandth of the longer side stands for it.
+    // A field has no radius before it is evaluated: about a thousandth of the longer side stands for it. The part was
+    // chosen, not measured.
     let least = radius.unwrap_or(longer / 1024.0);
     let region = Region::new(size.map(|side| side.max(least)), false);
     if region.is_supported() {

@@ -147,7 +147,7 @@ impl VaryingRecipe {
         self.radius.check()?;
         let frame = self.frame(&self.radius)?;
         let Some(squares) = frame.squares else {
-            // Without pixels and functions there is one radius, in a rectangle or a polygon.
+            // Without pixels and functions there is one radius, in a rectangle or a polygon: the 1 is never used.
             let radius = self.radius.constant().unwrap_or(1.0);
             Domain::from_size(frame.size, radius, self.boundary)?;
             return Ok(samples_in(frame.size[0] * frame.size[1], radius));
@@ -476,6 +476,7 @@ fn squares_of(size: [f64; 2], boundary: Boundary) -> Result<Squares, VaryingErro
     }
 
     // The largest number of squares for which both sides are whole: nodes go around without a step between them.
+    // A side of less than half a square would be rounded to none.
     let fits = |along: &usize| {
         fractions(pitch_of(*along))
             .iter()

@@ -235,7 +235,7 @@ impl GrayImage {
         sum as f64 / f64::from(WHITE)
     }
 
-    /// Returns how many pixels are at least so dark, but not as dark as something else.
+    /// Returns how many pixels are at least as dark as `least`, and not as dark as `most`.
     pub(super) fn lighter_than(&self, least: f64, most: f64) -> usize {
         let between = |&&grey: &&u16| (least..most).contains(&darkness(grey));
         self.grey.iter().filter(between).count()

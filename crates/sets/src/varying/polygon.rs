@@ -170,11 +170,11 @@ impl PlanarPolygon {
         // A sweep: what ended before the next edge begins cannot cross it.
         let mut open: Vec<RingEdge> = Vec::new();
         for edge in edges {
-            let ([start, _], [low, high]) = (edge.span(axis), edge.span(1 - axis));
+            let ([start, _], [least, most]) = (edge.span(axis), edge.span(1 - axis));
             open.retain(|other| other.span(axis)[1] >= start);
             let crosses = |other: &&RingEdge| {
-                let [other_low, other_high] = other.span(1 - axis);
-                other_low <= high && other_high >= low && edge.crosses(other, tolerance)
+                let [other_least, other_most] = other.span(1 - axis);
+                other_least <= most && other_most >= least && edge.crosses(other, tolerance)
             };
             if let Some(&other) = open.iter().find(crosses) {
                 return Some([other, edge]);

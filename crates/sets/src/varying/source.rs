@@ -81,7 +81,7 @@ impl RadiusSource {
         }
     }
 
-    /// Refuses sources that define no field.
+    /// Refuses sources that define no field, as far as their own numbers show it. Each radius is checked at its node.
     pub(super) fn check(&self) -> Result<(), VaryingError> {
         match self {
             Self::Image { radii, .. } if !(0.0 < radii[0] && radii[0] <= radii[1]) => {
@@ -114,7 +114,7 @@ impl RadiusSource {
         }
     }
 
-    /// Returns the source that a certificate states, with the image or the expression that is given.
+    /// Returns the source that a certificate states, with the image, the expression or the grid that is given.
     pub(crate) fn of_certificate(
         stated: &Certificate,
         given: GivenRadius,
@@ -125,7 +125,8 @@ impl RadiusSource {
             return Ok(Self::Constant(stated.radius.least()));
         }
 
-        // A function of x and y has the values of an expression at its nodes, so that either may stand for the other.
+        // The scale of a given expression or grid is that of whichever the certificate states, 1 if it states neither:
+        // the values of a grid may be those of a function of x and y, which an expression may state as well.
         let scale = || {
             let names = ["radius-expression", RADIUS_GRID, DENSITY_GRID];
             let found = names
@@ -134,7 +135,7 @@ impl RadiusSource {
             found.map_or(Ok(1.0), |name| number(&parameters[name]["scale"], "scale"))
         };
 
-        // Images wait for the parameters that name them.
+        // The radii of an image follow from the parameters that name it, which `of_image` reads below.
         let image = match given {
             GivenRadius::Image(image) => Some(image),
             GivenRadius::Nothing => None,

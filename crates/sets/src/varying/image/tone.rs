@@ -17,7 +17,8 @@ const CONTRASTS: RangeInclusive<f64> = 0.0..=100.0;
 /// How grey values follow from the light of pixels, from 0 to 1: contrast first, then gamma.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Tone {
-    /// The light is raised to this power: above 1 an image becomes darker. 2.2 gives dots in proportion to the light that a screen sends.
+    /// The light is raised to this power: above 1 an image becomes darker. 2.2 gives dots in proportion to the light
+    /// that a screen sends.
     pub gamma: f64,
     /// Differences from half grey are multiplied by this.
     pub contrast: f64,
