@@ -14,6 +14,7 @@ pub(crate) fn key(gate: &str, seed: u64) -> Key {
 /// many successive seeds as there are options each shows the right one at another place, so that no place is right more
 /// often than the others.
 pub(crate) fn balanced(gate: &str, count: usize, right: usize, seed: u64) -> Vec<usize> {
+    // `count` successive seeds share one shuffle of the places, and each of them takes another one.
     let mut places: Vec<usize> = (0..count).collect();
     shuffle(&mut places, key(gate, seed / count as u64));
     let place = places[(seed % count as u64) as usize];

@@ -430,6 +430,7 @@ impl Now {
 
         let near = self.recording.valid_near(point, R, self.cursor());
         let mut others: Vec<u32> = near.into_iter().filter(|&other| other != id(s)).collect();
+        // `valid_near` includes samples at a distance of exactly r, which are no conflicts.
         others.retain(|&other| self.distance(id(s), other) < 1.0);
 
         others.sort_unstable();
@@ -627,6 +628,7 @@ impl Now {
             Divergence::Events { a: event, .. } | Divergence::Ends { event, .. } => {
                 (event as i64 + 1).into()
             }
+            // Equal runs have no such event, and runs in other domains are not compared event by event.
             _ => Dynamic::UNIT,
         })
     }

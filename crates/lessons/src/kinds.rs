@@ -235,11 +235,11 @@ pub struct TracedEvent {
 pub enum Secret<'a> {
     /// A number, beside a word of the question.
     Number(f64),
-    /// Right samples, without all others of the list.
+    /// The samples of the list, and the right ones among them, which no text may name without all others.
     Samples(&'a [u32], &'a [u32]),
-    /// Right places, without all others of the list.
+    /// The places of the list, and the right ones among them, which no text may name without all others.
     Places(&'a [[f64; 2]], &'a [[f64; 2]]),
-    /// What one of the options says.
+    /// The options, and the index of the right one, of which no text may say the same.
     Option(&'a [String], usize),
 }
 
@@ -307,7 +307,7 @@ pub trait Interaction: Debug + Send + Sync {
         Some(known.clone())
     }
 
-    /// Returns the secret that no text on the screen may tell while the question is open.
+    /// Returns the secret that no text on the screen may give away while the question is open.
     fn secret(&self) -> Option<Secret<'_>> {
         None
     }

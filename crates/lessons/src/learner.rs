@@ -40,8 +40,10 @@ struct Attempt {
     hints: u32,
     /// The answer of the first try and its score; of a trace, once it is complete.
     first: Option<(String, f64)>,
-    /// The number of events of a trace that are right now, and of those that were right at the first try.
-    traced: (usize, usize),
+    /// The number of events of a trace that are right now.
+    traced: usize,
+    /// The number of those that were right at the first try.
+    right_at_once: usize,
     /// Whether the last answer to the event of a trace was wrong.
     missed: bool,
     asked_to_give_up: bool,
@@ -262,7 +264,7 @@ impl Learner {
     /// Returns how many answers were given, and how many of a trace's events are done.
     #[must_use]
     pub const fn tries(&self) -> (u32, usize) {
-        (self.attempt.tries, self.attempt.traced.0)
+        (self.attempt.tries, self.attempt.traced)
     }
 
     /// Returns whether a question is open, also while its run is being made.
@@ -279,7 +281,7 @@ impl Learner {
         Some(match &self.question {
             Some(question) if !self.is_open() => question.decided,
             Some(question) => {
-                let event = question.interaction.events().get(self.attempt.traced.0);
+                let event = question.interaction.events().get(self.attempt.traced);
                 event.map_or(question.cursor, |event| event.cursor)
             }
             None => scene.cursor(),
@@ -297,7 +299,7 @@ impl Learner {
         let question = self.question.as_ref();
         let events = question.map_or(&[][..], |question| question.interaction.events());
         // After the last event it stays where that was.
-        let event = events.get(self.attempt.traced.0).or(events.last());
+        let event = events.get(self.attempt.traced).or(events.last());
         let there = event.and_then(|event| seen(&Scene::at(scene.recording(), event.cursor)));
         there.or_else(|| seen(scene))
     }
@@ -328,7 +330,7 @@ impl Learner {
 
         let attempt = &mut self.attempt;
         // An answer of a wrong kind is an error, and does not count as a try.
-        let grade = question.grade(answer, attempt.traced.0, scene)?;
+        let grade = question.grade(answer, attempt.traced, scene)?;
 
         attempt.tries += 1;
         // A learner who answers has not given up.
@@ -337,12 +339,12 @@ impl Learner {
         // A trace is done when its last event is answered rightly; until then each answer is about one event.
         if let Some(events) = question.traced() {
             if grade.is_right() {
-                attempt.traced.0 += 1;
-                attempt.traced.1 += usize::from(!attempt.missed);
+                attempt.traced += 1;
+                attempt.right_at_once += usize::from(!attempt.missed);
                 attempt.missed = false;
                 // The score of a trace is the share of its events that were right at the first try.
-                if attempt.traced.0 == events {
-                    let right = attempt.traced.1;
+                if attempt.traced == events {
+                    let right = attempt.right_at_once;
                     let share = right as f64 / events as f64;
                     attempt.first = Some((format!("{right} of {events}"), share));
                     attempt.state = Progress::Right;

@@ -74,7 +74,7 @@ impl Lesson {
             objective: front.need("objective")?.value.clone(),
             minutes: minutes.unwrap_or(USUAL_MINUTES) as u32,
             form: front.optional("form", form)?,
-            // 16 of 64 digits suffice to tell the versions of a lesson apart.
+            // 16 of 64 digits suffice to distinguish the versions of a lesson.
             hash: blake3::hash(text.as_bytes()).to_hex()[..16].to_owned(),
             steps,
         };

@@ -46,8 +46,8 @@ pub(crate) fn unseen(
         return Ok(None);
     }
 
-    let named = named(gate, question, scene)?;
-    if let Some(near) = near_the_border(&named, scene) {
+    let things = named(gate, question, scene)?;
+    if let Some(near) = near_the_border(&things, scene) {
         return Ok(Some(near));
     }
 
@@ -63,8 +63,8 @@ pub(crate) fn unseen(
         };
 
         // Where the whole domain is seen, no edge of the canvas cuts anything off.
-        let outside = camera.and_then(|_| near_the_edge(&named, center, scale, canvas));
-        outside.or_else(|| too_close(&named, scale, canvas))
+        let outside = camera.and_then(|_| near_the_edge(&things, center, scale, canvas));
+        outside.or_else(|| too_close(&things, scale, canvas))
     }))
 }
 

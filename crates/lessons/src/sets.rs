@@ -221,6 +221,7 @@ pub(crate) fn mean(power: &[MeanPower], [low, high]: [f64; 2]) -> (f64, f64) {
     }
 
     let mean = sum / f64::max(count, 1.0);
+    // In a band of one or two frequencies the error is the mean itself.
     (mean, mean / (0.5 * count).sqrt().max(1.0))
 }
 

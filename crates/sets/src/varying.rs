@@ -76,7 +76,7 @@ impl VaryingRecipe {
                 let polygon = PlanarPolygon::of_rings(rings.clone());
                 Some(ShapeSource::Polygon(polygon))
             }
-            // A certificate holds no pixels. Dark places follow from the image of the density; other masks must be given.
+            // A certificate holds no pixels. Dark places follow from the density's image; other masks must be given.
             (None, Some(CertifiedShape::Mask { .. })) => {
                 let needed = || needed("a mask", &stated.parameters, "mask", "--mask");
                 Some(dark().ok_or_else(needed)?)

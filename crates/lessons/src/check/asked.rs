@@ -116,6 +116,7 @@ fn score(
         let Some(answer) = answers(traced, attempt) else {
             return Ok(None);
         };
+        // The time of an answer matters for results alone, and so does that of giving up.
         let feedback = learner.answer(&answer, 1.0)?;
         // Only a trace takes several answers; of other questions the first answer counts.
         if feedback.is_done || question.traced().is_none() {

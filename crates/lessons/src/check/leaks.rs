@@ -87,6 +87,8 @@ fn number(part: &str) -> Option<(f64, f64)> {
 
 /// Returns whether a part of a text is a number, as far as its digits go.
 fn is_number(part: &str, wanted: f64) -> bool {
+    // Texts have two decimals (`Scene::fill`). One with fewer states a number only if it is as near as with two; the
+    // rest is rounding.
     number(part).is_some_and(|(number, half)| (number - wanted).abs() <= half.min(0.005 + 1e-9))
 }
 

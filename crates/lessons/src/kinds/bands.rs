@@ -41,6 +41,7 @@ fn read(fields: &Fields) -> Result<Arc<dyn GateKind>, LessonError> {
         let (low, Some(high)) = field.split("..") else {
             return Err(field.wrong("a band is of the form \"band: 0.2..0.5\", in 1/r"));
         };
+        // Spectra of maximal sets end at about 3 / r (`sets.rs`).
         let end = |text: &str| field.part(text).number([0.0, 3.0]);
         Ok([end(low)?, end(high)?])
     };
@@ -76,7 +77,8 @@ impl GateKind for BandsGate {
 /// Returns how the power of a band changes.
 fn change_of(band: [f64; 2], before: &[MeanPower], after: &[MeanPower]) -> Change {
     let ((a, a_error), (b, b_error)) = (sets::mean(before, band), sets::mean(after, band));
-    // A smaller change is not to be seen in the curves, even where it is no noise.
+    // Chance alone moves a mean by three standard errors once in 370 bands. A change by less than the share `SAME` is
+    // not to be seen in the curves, even where it is no noise.
     let noise = (3.0 * a_error.hypot(b_error)).max(SAME * a.max(b));
     if (b - a).abs() <= noise {
         Change::Same
@@ -116,7 +118,7 @@ impl Bands {
             chosen: view.draft.band(band) == Some(change),
             change: DraftCommand::Band(band, change),
             sign: Some(sign(change)),
-            // An open question does not tell which word is right.
+            // An open question does not show which word is right.
             is_right: !view.is_open && self.right[band] == change,
         });
         Row {

@@ -171,10 +171,12 @@ impl Interaction for Cut {
             DraftCommand::Choose(index) => {
                 if let Some(&Line { axis, at }) = self.candidates.get(index) {
                     draft.set(DraftCommand::Axis(axis));
+                    // A place has two coordinates: `drawn` reads the one on the axis of the cut.
                     draft.set(DraftCommand::Place([at, at]));
                 }
             }
             DraftCommand::Place(_) | DraftCommand::Axis(_) => draft.set(change),
+            // `Question::change` clears the draft itself. The other changes are of other types of questions.
             DraftCommand::Clear
             | DraftCommand::Pick(_)
             | DraftCommand::Type(_)
@@ -212,6 +214,7 @@ impl Interaction for Cut {
             chosen: view.draft.axis() == Some(axis),
             change: DraftCommand::Axis(axis),
             sign: None,
+            // An axis alone is no answer: the list and the lines in the picture show what is right.
             is_right: false,
         });
         let rows = vec![Row {
@@ -256,7 +259,7 @@ impl Interaction for Cut {
     }
 }
 
-/// Returns an interval of cuts as learners are told it: to a tenth, rounded inwards, so that every cut of it is legal.
+/// Returns an interval of cuts as learners read it: to a tenth, rounded inwards, so that every cut of it is legal.
 fn within([low, high]: [f64; 2]) -> [f64; 2] {
     let tenths = [(low * 10.0).ceil() / 10.0, (high * 10.0).floor() / 10.0];
     // A very short interval may hold no tenth.

@@ -97,6 +97,7 @@ impl Interaction for Number {
         };
         let off = (number - self.right).abs();
         let tolerance = self.tolerance.max(MIN_TOLERANCE);
+        // Twice as far off is still half of the answer: chosen, not measured.
         Ok(if off <= tolerance {
             1.0
         } else if off <= 2.0 * tolerance {
@@ -111,7 +112,7 @@ impl Interaction for Number {
     }
 
     fn right_words(&self, translation: &Translation, _: &dyn Fn(&str) -> String) -> String {
-        let number = translation.number(told(self.right, self.tolerance).to_string());
+        let number = translation.number(as_read(self.right, self.tolerance).to_string());
         format!("{number} {}", self.unit).trim().to_owned()
     }
 
@@ -152,7 +153,7 @@ impl Interaction for Number {
             label: (view.word)("Number"),
             unit: self.unit.clone(),
         };
-        // The number is read from the curve, so it would tell the answer.
+        // The number is read from the curve, so that the curve would give the answer away.
         let curve = self.curve.iter().filter(|_| !view.is_open);
         let plot = curve.map(|curve| Control::Plot {
             curves: vec![curve.clone()],
@@ -182,9 +183,9 @@ impl Interaction for Number {
     }
 }
 
-/// Returns a right number as learners are told it: with three significant digits and every digit before the decimal sign;
-/// with more decimals where an answer that is so rounded would be wrong.
-fn told(number: f64, tolerance: f64) -> f64 {
+/// Returns a right number as learners read it: with three significant digits and every digit before the decimal sign;
+/// with more decimals where an answer rounded like this would be wrong.
+fn as_read(number: f64, tolerance: f64) -> f64 {
     // Of smaller numbers, the digits are counted as of a thousandth.
     let before = number.abs().max(1e-3).log10().floor() as i32 + 1;
     let scale = 10_f64.powi((3 - before).max(0));

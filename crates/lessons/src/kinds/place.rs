@@ -57,6 +57,7 @@ fn read(fields: &Fields) -> Result<Arc<dyn GateKind>, LessonError> {
 impl GateKind for PlaceGate {
     fn ask(&self, asking: &Asking<'_>) -> Result<Arc<dyn Interaction>, LessonError> {
         let right = asking.scene.places(&self.right)?;
+        // Of several right places the list has the first.
         let mut candidates: Vec<[f64; 2]> = right.iter().take(1).copied().collect();
 
         // Believed places stand in the list, too, so that a learner with a misconception finds them.

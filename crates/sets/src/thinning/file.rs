@@ -145,8 +145,8 @@ impl<'a> PointFile<'a> {
         }
     }
 
-    /// Returns the file with only those points that are kept, to be called `name`. Its bytes stand in `rows`, from which
-    /// it borrows them.
+    /// Returns the file with only those points that are kept, to be called `name`. Its bytes stand in `rows`, from
+    /// which it borrows them.
     ///
     /// # Errors
     ///
