@@ -17,20 +17,20 @@ impl OpenLesson {
         self.learner.right_answer(&in_language(language))
     }
 
-    /// Returns the same as a learner is told it: after giving up, and where an answer can be right without being exact. Of a
-    /// place it says that the picture marks it, by [`MarkKind::Right`](tilescope_lessons::MarkKind::Right). `None` while the
-    /// question is open.
+    /// Returns the right answer as a learner reads it: after giving up, and where an answer can be right without being
+    /// exact. Of a place it says that the picture marks it, by [`MarkKind::Right`](tilescope_lessons::MarkKind::Right).
+    /// `None` while the question is open, and after an answer that was exactly right.
     #[must_use]
     pub fn told_answer(&self, language: &str) -> Option<String> {
         let question = self.learner.question()?;
-        let is_told = match self.learner.progress() {
+        let is_shown = match self.learner.progress() {
             Progress::Open => false,
             // An inexact answer was right within its tolerance; the exact number is still news.
             Progress::Right => question.interaction.is_inexact(),
             Progress::GivenUp => true,
         };
 
-        if !is_told {
+        if !is_shown {
             return None;
         }
         if question.interaction.is_marked() {

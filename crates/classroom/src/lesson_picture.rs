@@ -91,7 +91,7 @@ pub fn picture(open: &OpenLesson, style: PictureStyle, strokes: &[PenStroke]) ->
         return Scene::new(width, height, color(palette.outside));
     };
 
-    // The session ends at the moment, so that nothing later is drawn. A generation tells one session of a window from the next;
+    // The session ends at the moment, so that nothing later is drawn. Generations distinguish the sessions of a window;
     // this one serves a single picture.
     let generation = 0;
     let session = Session::from_recording(Arc::new(run.until(cursor)), generation);

@@ -312,8 +312,8 @@ impl Recording {
 
     /// Returns the darts that events of an exact tiling refuse, each with its first blocker.
     pub fn refused(&self, events: Range<usize>) -> impl Iterator<Item = (Point, u32)> {
-        let told = self.tape.from(events.start).take(events.len());
-        told.filter_map(|(_, event)| match event.run_event()? {
+        let within = self.tape.from(events.start).take(events.len());
+        within.filter_map(|(_, event)| match event.run_event()? {
             RunEvent::Dart {
                 point,
                 verdict: Verdict::Covered { by },
@@ -395,6 +395,7 @@ impl Recording {
     /// Returns the context after the events before `cursor`. Reads at most 1024 events.
     #[must_use]
     pub fn context(&self, cursor: usize) -> Context {
+        // A tape of whole strides has no context stored at its end: that before its last stride serves.
         let key = (cursor.min(self.len()) / STRIDE).min(self.contexts.len().saturating_sub(1));
 
         let mut context = self.contexts.get(key).copied().unwrap_or_default();
@@ -447,6 +448,7 @@ impl Recording {
             return self.ever_near(place, R);
         };
 
+        // Samples within `sight`, twice the place's radius, may be near it; whether one is depends on both radii.
         let mut found = self.ever_near(place, locality.sight(place));
         let points = &self.run.samples.points;
         found.retain(|&id| locality.is_near(points[id as usize], place));
@@ -476,6 +478,7 @@ impl Recording {
             | RunEvent::Wake { point, .. }
             | RunEvent::Dart { point, .. } => Some(point),
             RunEvent::Cut { cell, .. } => Some(cell),
+            // Other events are where the first sample is that they name, if they name one.
             _ => self.point(event.samples()[0]),
         }
     }

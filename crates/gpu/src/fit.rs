@@ -145,13 +145,13 @@ pub(crate) fn longest_side(setup: &Setup, limits: &Limits, memory: u64) -> Resul
     let mut parts = 1;
     loop {
         let side = whole.div_ceil(parts).max(MIN_SIDE);
-        let end = |max: i32| (i64::from(side) * i64::from(R)).min(max.into()) as i32;
+        let length = |domain: i32| (i64::from(side) * i64::from(R)).min(domain.into()) as i32;
         // The part lies in the middle, where a bounded domain has room for a halo on all sides. It begins with a cell.
-        let low = |max: i32| (max - end(max)) / 2 / R * R;
+        let low = |domain: i32| (domain - length(domain)) / 2 / R * R;
 
         let window = Rect {
             min: Point::new(low(max.x), low(max.y)),
-            max: Point::new(low(max.x) + end(max.x), low(max.y) + end(max.y)),
+            max: Point::new(low(max.x) + length(max.x), low(max.y) + length(max.y)),
         };
 
         // A window must fit with twice the usual halo, as the halo may have to be doubled.

@@ -32,7 +32,7 @@ impl RowLocator {
     /// Reads what places follow from, between two passes. `stage` is that of the inspected pass.
     pub(crate) async fn read(work: &WindowRun, stage: Stage) -> Result<Self, GpuError> {
         let device = &work.device;
-        // The frame is read back from the device, since shaders use that one.
+        // The frame is read back from the device, since shaders use that one. A range is cut off at the buffer's end.
         let frame = device.bytes(Name::Frame, 0..u64::MAX).await?;
         let mut locator = Self {
             // Where the buffer is missing, the frame of the plan stands for it.

@@ -201,7 +201,7 @@ impl GpuSweep {
         let side = |cells: u32| cells.div_ceil(cells.div_ceil(longest));
         let (width, height) = (side(columns), side(rows));
         let max = self.setup.domain.rect().max;
-        let units = |cells: u32, max: i32| (i64::from(cells) * i64::from(R)).min(max.into()) as i32;
+        let units = |cells: u32, end: i32| (i64::from(cells) * i64::from(R)).min(end.into()) as i32;
         let top = (self.done + height).min(rows);
 
         let mut windows = Vec::new();
@@ -254,6 +254,7 @@ impl GpuSweep {
             self.memory,
         )?;
 
+        // In rows of cells, as progress is counted.
         let height = f64::from(plan.frame.window.height()) / f64::from(R);
         let (done, rows) = self.rows();
         // The buffers of the window before are used again where they are long enough.

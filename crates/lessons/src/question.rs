@@ -227,8 +227,8 @@ impl Question {
         let score = self.score(answer, event, scene)?;
         let known = || {
             let mut wrong = self.wrong.iter();
-            let known = wrong.find(|wrong| self.interaction.is_wrong_as(&wrong.answer, answer));
-            known.map(|wrong| wrong.sentence.clone())
+            let found = wrong.find(|wrong| self.interaction.is_wrong_as(&wrong.answer, answer));
+            found.map(|wrong| wrong.sentence.clone())
         };
 
         let sentence = match (self.interaction.options(), answer) {

@@ -1,5 +1,5 @@
-//! Makes the JavaScript bindings of the module, cuts it in two, and strips the names of functions. `wasm-opt` is not used: its output
-//! is smaller but compresses to more bytes, and the compressed file is downloaded.
+//! Makes the JavaScript bindings of the module, cuts it in two, and strips the names of functions. `wasm-opt` is not
+//! used: its output is smaller but compresses to more bytes, and the compressed file is downloaded.
 
 use anyhow::{Context, Result, ensure};
 use wasm_bindgen_cli_support::Bindgen;

@@ -21,7 +21,7 @@ pub use weights::Weights;
 
 /// The export of the first module that loads the later one. It has neither parameters nor results.
 pub const LOADER: &str = "load_later";
-/// The export that tells [`LOADER`] how to load, where there is one.
+/// The export that gives [`LOADER`] the way to load, where there is one.
 pub const SETTER: &str = "load_later_with";
 
 /// The two modules of a program.

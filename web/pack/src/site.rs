@@ -166,7 +166,7 @@ pub fn add(sources: &mut BTreeMap<String, Source>, address: &str) -> Result<()> 
     let index = sources
         .get_mut("index.html")
         .context("there is no file index.html")?;
-    let filled = filled(
+    let page = filled(
         index.text()?,
         &[
             ("address", first_page_head(&entries, address)),
@@ -177,7 +177,7 @@ pub fn add(sources: &mut BTreeMap<String, Source>, address: &str) -> Result<()> 
             ("version", env!("CARGO_PKG_VERSION").to_owned()),
         ],
     );
-    *index = Source::of_page("index.html", filled?.into_bytes());
+    *index = Source::of_page("index.html", page?.into_bytes());
 
     // A map of addresses needs whole ones.
     if !address.is_empty() {

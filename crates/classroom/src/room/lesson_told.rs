@@ -219,20 +219,21 @@ impl QuestionTold {
         let question = learner.question()?;
         let gate = learner.step().gate.as_ref()?;
 
-        let (tries, traced) = learner.tries();
+        // The index of the event that a trace asks for, and how many it has.
+        let (tries, event) = learner.tries();
         let steps = question.traced();
 
         Some(Self {
             r#type: gate.kind_name,
             name: gate.name.clone(),
-            ask: spans(question.ask(traced)),
+            ask: spans(question.ask(event)),
             open: learner.is_open(),
             tries,
             hint: question.hint.is_some(),
             practice: gate.practice.is_some(),
             key: open.told_answer(language),
             // The number of the event that is asked for. Once all are traced, it stays at the last one.
-            at: steps.map(|steps| (traced + 1).min(steps)),
+            at: steps.map(|steps| (event + 1).min(steps)),
             steps,
             controls: open.controls(language),
             draft: open.draft.changes().to_vec(),

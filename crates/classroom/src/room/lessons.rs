@@ -165,7 +165,7 @@ impl Classroom {
             LessonCommand::File(path) => self.open_lesson_file(&path, context),
             LessonCommand::SaveResults(format) => self.save_results(&format, context),
             LessonCommand::ClearResults => self.clear_results(),
-            // The learner does not want to clear the results. The question has ended above, which is all there is to do.
+            // The question whether to clear the results has ended above, and they stay as they are.
             LessonCommand::KeepResults => {}
             LessonCommand::Name(name) => self.lessons.name_learner(&name),
         }
@@ -192,7 +192,8 @@ impl Classroom {
         if let Some(open) = &mut self.lessons.open
             && open.learner.give_up(now)
         {
-            self.note_answer(0.0, true);
+            let (score, given_up) = (0.0, true);
+            self.note_answer(score, given_up);
             self.reveal(context);
         }
     }

@@ -649,6 +649,7 @@ impl Talk {
             TalkCommand::Point(at) => self.pointer = at,
             TalkCommand::Lift => self.is_drawing = false,
             TalkCommand::ToggleCode => self.toggle_cover(Cover::Code),
+            // `Classroom::apply_to_talk` carries out all others.
             _ => {}
         }
     }

@@ -21,7 +21,7 @@ impl Classroom {
 
         let question = learner.question();
         // In a trace the question is about one event after the other.
-        let (_, traced) = learner.tries();
+        let (_, event) = learner.tries();
         let options = question.map_or(0, |question| question.options().len());
 
         let key = self.talk_key();
@@ -45,7 +45,7 @@ impl Classroom {
             "title": learner.words(&step.title),
             "language": self.lessons.language,
             "notes": step.notes.iter().map(|note| spans(learner.speaker_note(note))).collect::<Vec<_>>(),
-            "ask": question.map(|question| spans(question.ask(traced))),
+            "ask": question.map(|question| spans(question.ask(event))),
             "answer": open.right_answer(&self.lessons.language),
             "hint": question.and_then(|question| question.hint.as_deref()).map(spans),
             "options": options,

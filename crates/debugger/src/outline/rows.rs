@@ -115,6 +115,7 @@ impl Node {
     fn row_of(&self, event: usize) -> Option<usize> {
         let index = self.child_of(event)?;
         let at = self.open_at(index);
+        // The last expanded child before this one: as an error, `at` is the place that this one would have among them.
         let earlier = at.unwrap_or_else(|next| next).checked_sub(1);
         let before = earlier.map_or(0, |last| self.open[last].before + self.open[last].rows);
 

@@ -92,15 +92,15 @@ impl ChoiceGate {
         if let Some(own) = drawn.get(right) {
             // The right curve is drawn from other samples than those on the screen. It must still be the curve nearest to
             // their spectrum, or the question would have a wrong key.
-            let shown = asking
+            let on_screen = asking
                 .valid()?
                 .power()
                 .map_err(|error| asking.fault(error))?;
-            let own_distance = sets::rms(&shown, own);
+            let own_distance = sets::rms(&on_screen, own);
 
             let all = drawn.iter().enumerate();
             let mut others = all.filter(|(other, _)| *other != right);
-            if others.any(|(_, curve)| sets::rms(&shown, curve) <= own_distance) {
+            if others.any(|(_, curve)| sets::rms(&on_screen, curve) <= own_distance) {
                 return Err(asking.fault(
                     "another curve is nearer to the spectrum than that of the right option",
                 ));

@@ -156,8 +156,8 @@ impl Interaction for Order {
 
             // Items of equal rank share a place.
             let before = |rank: &&f64| **rank < self.ranks[index];
-            let place = 1 + self.ranks.iter().filter(before).count();
-            item.right_place = (!view.is_open).then_some(place);
+            let right_place = 1 + self.ranks.iter().filter(before).count();
+            item.right_place = (!view.is_open).then_some(right_place);
             item
         });
         let items = items.collect();

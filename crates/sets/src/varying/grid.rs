@@ -77,6 +77,7 @@ impl RadiusGrid {
         // NaN is refused, too: it is neither at least 0 nor finite.
         let is_density = |density: f64| density >= 0.0 && density.is_finite();
         if let Some(at) = pixels.iter().position(|&density| !is_density(density)) {
+            // A grid without columns is refused below.
             let (density, place) = (pixels[at], [at % columns.max(1), at / columns.max(1)]);
             return Err(VaryingError::Density { density, place });
         }

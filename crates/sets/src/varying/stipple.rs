@@ -108,7 +108,8 @@ impl StippleRecipe {
             if (self.dots..=most).contains(&found) {
                 break;
             }
-            // The count goes with the square of the scale, but for borders and steep places.
+            // The count goes with the square of the scale, but for borders and steep places. Without any dot the radius
+            // would become 0, of which no further try could recover.
             black *= (found.max(1) as f64 / aim).sqrt();
         }
 
