@@ -269,8 +269,8 @@ impl HandoutTask {
 }
 
 /// Writes a question with the controls that paper has. `sign` divides a number from its decimals.
-fn ask(html: &mut String, ask: &str, controls: &[Control], sign: char) {
-    let _ = writeln!(html, "<p class=\"ask\">{}</p>", inline(ask));
+fn ask(html: &mut String, asked: &str, controls: &[Control], sign: char) {
+    let _ = writeln!(html, "<p class=\"ask\">{}</p>", inline(asked));
 
     for control in controls {
         match control {

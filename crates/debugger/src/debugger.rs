@@ -301,32 +301,32 @@ impl Debugger {
 
     /// Returns where a scene is in this run.
     #[must_use]
-    pub fn marked(&self, mark: &SavedScene) -> Marked {
-        if mark.run == self.run_id() && mark.event <= self.recording.len() {
-            return Marked::Here(mark.event);
+    pub fn marked(&self, scene: &SavedScene) -> Marked {
+        if scene.run == self.run_id() && scene.event <= self.recording.len() {
+            return Marked::Here(scene.event);
         }
 
         // In another run an event has another number. The end of a stage is found as such, since the events before
         // it are not the same.
-        let cursor = match (mark.ends, &mark.anchor) {
+        let cursor = match (scene.ends, &scene.anchor) {
             (Some(stage), _) => self.recording.end_of(stage),
             (None, Some(anchor)) => self.recording.anchored(anchor).map(|event| event + 1),
-            (None, None) => (mark.event == 0).then_some(0),
+            (None, None) => (scene.event == 0).then_some(0),
         };
 
         cursor.map_or(Marked::Nowhere, Marked::Like)
     }
 
     /// Returns a scene with the run and the anchor that it lacks.
-    fn anchored(&self, mut mark: SavedScene) -> SavedScene {
+    fn anchored(&self, mut scene: SavedScene) -> SavedScene {
         // Without a run it was set in this one, where its number of events can be looked up.
-        if mark.run.is_empty() {
-            self.run_id().clone_into(&mut mark.run);
-            let last = mark.event.checked_sub(1);
-            mark.anchor = last.and_then(|event| self.recording.anchor(event));
-            mark.ends = self.recording.stage_ending_at(mark.event);
+        if scene.run.is_empty() {
+            self.run_id().clone_into(&mut scene.run);
+            let last = scene.event.checked_sub(1);
+            scene.anchor = last.and_then(|event| self.recording.anchor(event));
+            scene.ends = self.recording.stage_ending_at(scene.event);
         }
-        mark
+        scene
     }
 
     /// Returns breakpoints, watches and scenes.
@@ -357,7 +357,7 @@ impl Debugger {
             self.add_saved(saved)?;
         }
         self.watches = stops.watches;
-        let anchored = stops.scenes.into_iter().map(|mark| self.anchored(mark));
+        let anchored = stops.scenes.into_iter().map(|scene| self.anchored(scene));
         self.scenes = anchored.collect();
         Ok(())
     }

@@ -16,7 +16,7 @@ pub fn density(recording: &Recording, range: Range<usize>, buckets: usize) -> Ve
     let bound = |k: usize| start + ((end - start) as u128 * k as u128 / buckets as u128) as usize;
     let mut all = Vec::with_capacity(buckets);
 
-    // Each bucket is the difference of two counts from the start, of which the earlier one is known.
+    // Each bucket is the difference of two counts from the start. The earlier one is the bucket before's later one.
     let mut before = CountsUpTo::default().on_to(recording, start);
     for k in 1..=buckets {
         let after = before.on_to(recording, bound(k));
@@ -37,7 +37,7 @@ impl CountsUpTo {
     /// Returns the counts of the events before a later end.
     fn on_to(self, recording: &Recording, end: usize) -> Self {
         let key = end / STRIDE;
-        // The nearer of the last stored count and the one that is known already.
+        // Counting goes on from the last stored count or from this one, whichever is nearer to the end.
         let mut known = match recording.tallies.get(key) {
             Some(&counts) if key * STRIDE > self.end => Self {
                 end: key * STRIDE,

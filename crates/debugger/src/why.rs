@@ -12,8 +12,8 @@ use crate::recording::Recording;
 /// place, and r / 8 is small beside the distances of samples.
 pub const POINT_REACH: i32 = R / 8;
 
-/// Returns the event that caused an event, which is always an earlier one; `None` for events without a cause: a phase,
-/// an iteration, the first split.
+/// Returns the event that caused an event, which is always an earlier one; `None` for events without a cause: the
+/// begin of a stage, an iteration, the first split, the end of the run.
 #[must_use]
 pub fn cause(recording: &Recording, index: usize) -> Option<usize> {
     let run_event = recording.event(index)?.run_event();

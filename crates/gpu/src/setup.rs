@@ -100,7 +100,7 @@ impl Setup {
 /// Returns the variants as words: first all shapes, then for each variant the starts of its cells and its points.
 fn pattern_words(variants: &[CellPattern]) -> Vec<u32> {
     let mut words = vec![0; variants.len() * SHAPE_WORDS as usize];
-    for (variant, shape) in variants.iter().zip((0..).step_by(SHAPE_WORDS as usize)) {
+    for (variant, shape_at) in variants.iter().zip((0..).step_by(SHAPE_WORDS as usize)) {
         let starts_at = words.len() as u32;
         words.extend(&variant.starts);
         let points_at = words.len() as u32;
@@ -109,16 +109,16 @@ fn pattern_words(variants: &[CellPattern]) -> Vec<u32> {
             words.extend([x, y, id]);
         }
 
-        let form = &variant.shape;
+        let shape = &variant.shape;
         let described = [
-            form.width as u32,
-            form.height as u32,
+            shape.width as u32,
+            shape.height as u32,
             variant.columns as u32,
             starts_at,
             points_at,
-            u32::from(form.periodic),
+            u32::from(shape.periodic),
         ];
-        words[shape..shape + described.len()].copy_from_slice(&described);
+        words[shape_at..shape_at + described.len()].copy_from_slice(&described);
     }
     words
 }

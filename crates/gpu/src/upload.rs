@@ -29,6 +29,7 @@ pub(crate) fn upload(
             let lists = tile_images(work);
             work.device.write(Name::TileImages, bytes(&lists))?;
         }
+        // From these stages on the device makes the grid of survivors itself.
         Stage::Eliminate | Stage::Iterate(1) => write_tiled(work, engine.run(), &mut counters)?,
         Stage::Iterate(_) | Stage::Finish => {
             // The run may end before this iteration.
@@ -251,7 +252,8 @@ fn write_grid(
     for (cell, slots) in grid.iter_mut().enumerate() {
         let (column, row) = frame.column_row(cell);
         let to_edge = rim(work, column, row);
-        // Only detectors make candidates, so that searching every cell finds no more than searching those near them.
+        // The flag lets the device search a cell. Only detectors make candidates, so that searching every cell finds no
+        // more than searching those near them.
         slots[3] |= FLAG_FRESH;
 
         // As on the device, the cells at the frame's edge are unsure, and those beside them hot.

@@ -126,6 +126,7 @@ impl WindowRun {
             Stage::Iterate(k) if uniform => Step::Level(k),
             Stage::Iterate(k) => Step::Iterate(k),
             Stage::Finish => Step::Finish,
+            // `upload` refuses all other stages.
             _ => Step::Blocks,
         };
         self.inserted = inserted;

@@ -246,8 +246,9 @@ impl Results {
         self.add([]);
     }
 
-    /// Adds entries of a learner that are not among those seen, each once, and sorts all by their times. Entries are equal if
-    /// everything in them is. Returns how many were left out.
+    /// Adds entries of a learner that are not among those seen, each once, and sorts all by their times. Entries are
+    /// equal if everything in them is: `seen` has what `id` gives for each entry and its learner. Returns how many were
+    /// left out.
     fn take_unseen(
         &mut self,
         entries: &[Entry],

@@ -187,7 +187,7 @@ pub fn thin(cloud: &Cloud<'_>, control: Control<'_>) -> Result<Vec<bool>, ThinEr
         }
     }
 
-    // A program ends at once when an allocation fails.
+    // Memory is asked for before it is needed: a program ends at once when an allocation fails.
     ask_for(count as f64, BYTES_A_POINT)?;
     greedy::choose(cloud, low, size, control)
 }

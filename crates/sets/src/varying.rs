@@ -155,7 +155,7 @@ impl VaryingRecipe {
         observer: &mut dyn Observer,
     ) -> Result<Made, VaryingError> {
         let ground = self.ground_of(radius)?;
-        // Asked for first: a program ends at once when an allocation fails.
+        // Memory is asked for before it is needed: a program ends at once when an allocation fails.
         let bytes = Making::Reference.bytes_a_sample();
         ask_for(self.expected(radius)?, bytes).map_err(SampleError::from)?;
         let points = varying_sample(&ground.field, &ground.shape, self.seed, observer)?;

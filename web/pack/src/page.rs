@@ -253,7 +253,7 @@ impl Assembly<'_> {
             source.bytes.clone()
         };
 
-        // Before the name, which is a hash of the served bytes.
+        // Comments go before the file gets its name, which has the hash of the served bytes.
         let bytes = if names::is_script(name) {
             let text = std::str::from_utf8(&bytes).with_context(|| name.to_owned())?;
             without_comments(text).into_bytes()

@@ -410,7 +410,7 @@ fn lesson_page(
     }
 
     // The last lesson has no next one.
-    let next = next.map_or_else(String::new, |next| {
+    let next_link = next.map_or_else(String::new, |next| {
         let (name, folder) = (&next.name, words.folder);
         format!(
             "<a href=\"{up}lesson/{name}/{folder}\">{}: {}</a>",
@@ -447,7 +447,7 @@ fn lesson_page(
         ("other-link", format!("{up}{}", path(other))),
         ("sections", sections(entry, words)),
         ("snippets", snippets(entry, words, address)),
-        ("next-lesson", next),
+        ("next-lesson", next_link),
     ]);
     filled(LESSON, &values).with_context(|| format!("the page of {}", entry.name))
 }

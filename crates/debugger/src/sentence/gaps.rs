@@ -27,7 +27,8 @@ impl Words<'_> {
                 )
             }
 
-            // The bisectors with its neighbours bound the detector's Voronoi cell. It lies within the detector's disk.
+            // The bisectors with the neighbours bound the detector's Voronoi cell. It lies within the detector's disk:
+            // no place of the cell is bare.
             RunEvent::NoGap { sample } => {
                 format!(
                     "the neighbours of {} leave no gap around it",

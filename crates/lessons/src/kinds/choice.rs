@@ -62,13 +62,13 @@ impl GateKind for ChoiceGate {
 
         // Over the seeds each letter is right about equally often, so that no letter can be guessed.
         let in_file = balanced(asking.name, self.options.len(), index, asking.seed());
-        let right = shown_at(&in_file, index);
+        let right_shown = shown_at(&in_file, index);
         let options = Options::of(asking.scene, &self.options, in_file)?;
-        let curves = self.spectra(asking, &options, right)?;
+        let curves = self.spectra(asking, &options, right_shown)?;
         Ok(Arc::new(Lettered {
             options,
             curves,
-            right: vec![right],
+            right: vec![right_shown],
             events: Vec::new(),
         }))
     }

@@ -257,7 +257,8 @@ impl ThinRecipe {
             | ThinningPriority::Order
             | ThinningPriority::Random { .. } => Vec::new(),
         };
-        let ranks = with_ranks.then(|| ranks(&self.priority, points.len(), &column));
+        // None without ranks, and none for the order of the file.
+        let in_order = with_ranks.then(|| ranks(&self.priority, points.len(), &column));
 
         let (name, value) = self.radius.stated();
         Ok(Thinning {
@@ -265,7 +266,7 @@ impl ThinRecipe {
             origin,
             radius,
             radii,
-            ranks: ranks.flatten(),
+            ranks: in_order.flatten(),
             priority: self.priority.clone(),
             parameters: Stated::from([(name.to_owned(), value)]),
         })

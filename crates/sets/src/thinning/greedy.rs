@@ -116,11 +116,11 @@ fn layers(cloud: &Cloud<'_>, low: [f64; 2], size: [f64; 2]) -> Vec<Layer> {
     let least = radii.iter().copied().fold(f64::INFINITY, f64::min);
     let mut octaves: Vec<Vec<u32>> = Vec::new();
     for index in all {
-        let octave = octave(radii[index as usize], least);
-        if octaves.len() <= octave {
-            octaves.resize(octave + 1, Vec::new());
+        let own = octave(radii[index as usize], least);
+        if octaves.len() <= own {
+            octaves.resize(own + 1, Vec::new());
         }
-        octaves[octave].push(index);
+        octaves[own].push(index);
     }
     // Radii of an octave are below twice its least.
     (octaves.into_iter().zip(0..))
@@ -240,19 +240,13 @@ impl Visitor<'_> {
                 has_looked = true;
             }
 
-            let earliest = match self.meets(layer, open) {
+            let is_kept = match self.meets(layer, open) {
                 // That holds whatever else is open: a kept point near another came before it.
-                Meeting::Kept => {
-                    layer.decide(cell.number, false);
-                    self.decided += 1;
-                    continue;
-                }
-                Meeting::Open(earliest) => earliest,
+                Meeting::Kept => false,
+                Meeting::Open(Some(earlier)) => return Visit::Waits(earlier),
+                Meeting::Open(None) => true,
             };
-            if let Some(earlier) = earliest {
-                return Visit::Waits(earlier);
-            }
-            layer.decide(cell.number, true);
+            layer.decide(cell.number, is_kept);
             self.decided += 1;
         }
         Visit::Done

@@ -52,8 +52,9 @@ pub(super) fn offset(a: [f64; 2], b: [f64; 2], period: Option<[f64; 2]>) -> [f64
     [0, 1].map(|axis| straight[axis].min((sides[axis] - straight[axis]).abs()))
 }
 
-/// Returns whether dx^2 + dy^2 < distance^2, exactly. A square too small for its own last bits to be doubles decides nothing:
-/// beside it the other one would have to equal the distance, and then the sum is not below it either way.
+/// Returns whether dx^2 + dy^2 < distance^2, exactly. The last bits of a very small square are no doubles and are lost.
+/// That changes nothing: the distance is not as small, so that such a square matters only where the other difference
+/// equals the distance, and then the sum is not below, with or without these bits.
 fn is_below(dx: f64, dy: f64, distance: f64) -> bool {
     let [x, y, limit] = [dx, dy, distance].map(|length| {
         let square = length * length;

@@ -180,7 +180,7 @@ impl StippleRecipe {
     ) -> Result<Run, VaryingError> {
         let recipe = self.recipe(image, black);
         let ground = recipe.ground()?;
-        // A program ends at once when an allocation fails.
+        // Memory is asked for before it is needed: a program ends at once when an allocation fails.
         let bytes = Making::Reference.bytes_a_sample();
         ask_for(self.dots as f64, bytes).map_err(SampleError::from)?;
 
@@ -263,7 +263,8 @@ impl Wider {
         let across = (0..=columns).flat_map(|column| [at(column, 0), at(column, rows)]);
         let along = (0..=rows).flat_map(|row| [at(0, row), at(columns, row)]);
         let greatest = across.chain(along).max().unwrap_or(1);
-        // Where a border is white, its radius is as large as possible: no margin needs to be as wide as the image.
+        // Where a border is white, its radius is as large as possible: the margin ends at the longer side of the image.
+        // Nodes are 2^bits units apart.
         let reach = (f64::from(greatest) * BEYOND / f64::from(1_u32 << bits)).ceil() as usize;
         let pixels = reach.min(columns.max(rows));
 

@@ -60,7 +60,7 @@ fn words(data: &[u8], depth: BitDepth) -> Vec<u16> {
 
 /// Returns the luminance of pixels, and their alpha if some of them are transparent.
 fn pixels(words: &[u16], color: ColorType, columns: usize) -> Pixels {
-    let (samples, has_alpha) = match color {
+    let (channels, has_alpha) = match color {
         ColorType::Grayscale => (1, false),
         ColorType::GrayscaleAlpha => (2, true),
         // Palettes are expanded.
@@ -69,7 +69,7 @@ fn pixels(words: &[u16], color: ColorType, columns: usize) -> Pixels {
     };
 
     // The weights of Rec. 709. Integers to the end: floating-point luminance would be rounded as the compiler likes.
-    let all = words.chunks_exact(samples);
+    let all = words.chunks_exact(channels);
     let light = all.clone().map(|pixel| match *pixel {
         [r, g, b] | [r, g, b, _] => {
             let luminance = 2126 * u32::from(r) + 7152 * u32::from(g) + 722 * u32::from(b);
@@ -78,7 +78,7 @@ fn pixels(words: &[u16], color: ColorType, columns: usize) -> Pixels {
         _ => pixel[0],
     });
     // An alpha channel that is opaque everywhere is left out, so that the grey values serve as the mask.
-    let alpha = |pixel: &[u16]| pixel[samples - 1];
+    let alpha = |pixel: &[u16]| pixel[channels - 1];
     let is_transparent = has_alpha && all.clone().any(|pixel| u32::from(alpha(pixel)) < WHITE);
     Pixels {
         columns,
