@@ -197,7 +197,8 @@ fn inspect(
         }
 
         monitor.advance(0)?;
-        // The reach is infinite while no sample is in the window of a side.
+        // The reach is infinite while no sample is in the window of a side: then the halo grows by a factor of 16
+        // (chosen, not measured).
         halo = survey.side_reach.min(16.0 * halo);
     }
 }

@@ -29,7 +29,8 @@ impl CutReport {
 }
 
 /// Judges the part of a large set in and around a window. The window reaches from its `low` to its `high` corner, both
-/// included. `points` are the samples of the part, and `region` is the rectangle that the part fills.
+/// included. `points` are the samples of the part, `region` is the rectangle that the part fills, and `radius` that of
+/// the set.
 ///
 /// The part needs a margin around the window, except where the large set itself ends. Two radii are enough: every empty
 /// circle of up to two radii about a place of the window then lies in the part, with the samples on it.

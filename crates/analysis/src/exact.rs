@@ -24,6 +24,7 @@ pub(crate) fn exceeds(
     flatness: f64,
     exact: impl FnOnce() -> bool,
 ) -> bool {
+    // 10^-9 times 10^-6: about ten times the rounding of a length, enlarged by the flatness.
     let doubt = DOUBT * (1.0 + 1e-6 * flatness);
     if (distance / limit - 1.0).abs() < doubt {
         exact()
@@ -136,7 +137,7 @@ fn square_length([x, y]: &[BigInt; 2]) -> BigInt {
     square(x) + square(y)
 }
 
-/// The integer and the exponent whose product with a power of two is the value.
+/// An integer, and the exponent of the power of two by which it is multiplied to give the value.
 fn parts(value: f64) -> (i64, i32) {
     let bits = value.to_bits();
     let field = (bits >> 52 & 0x7FF) as i32;

@@ -49,8 +49,9 @@ pub(crate) fn check_points(points: &[[f64; 2]], region: Region) -> Result<(), Ve
 )]
 pub(crate) fn all_are_in(points: &[[f64; 2]], region: Region) -> bool {
     let [right, top] = region.last_point();
-    let both = |all, &[x, y]: &[f64; 2]| all & (x >= 0.0) & (x <= right) & (y >= 0.0) & (y <= top);
-    points.iter().fold(true, both)
+    let and_in =
+        |all, &[x, y]: &[f64; 2]| all & (x >= 0.0) & (x <= right) & (y >= 0.0) & (y <= top);
+    points.iter().fold(true, and_in)
 }
 
 /// Refuses a sample that does not lie in the region.

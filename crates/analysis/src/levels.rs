@@ -54,12 +54,14 @@ impl PrefixClaim {
     /// ```
     #[must_use]
     pub fn within(levels: &[Self], count: usize) -> Option<Self> {
-        let holding = levels.iter().find(|level| level.count >= count)?;
-        let held = levels.iter().rev().find(|level| level.count <= count);
+        // All of these samples are of this prefix, and so keep its distance.
+        let around = levels.iter().find(|level| level.count >= count)?;
+        // All samples of this prefix are among these, which therefore cover as it does.
+        let within = levels.iter().rev().find(|level| level.count <= count);
         Some(Self {
             count,
-            distance: holding.distance,
-            covering: held.and_then(|level| level.covering),
+            distance: around.distance,
+            covering: within.and_then(|level| level.covering),
         })
     }
 

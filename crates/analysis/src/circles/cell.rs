@@ -178,6 +178,7 @@ impl Circles<'_> {
             [Edge::Border(one), Edge::Border(other)] if one.axis != other.axis => {
                 Some(self.corner([one, other], limit))
             }
+            // Two parallel sides of the region. (`cut` has left cells with an unknown edge out.)
             _ => None,
         }
     }

@@ -100,6 +100,7 @@ fn of_open_circles<T: Send>(
         witnesses: 0,
     };
 
+    // Cells have the radius's size: there are too many of them for the samples only where the radius is too small.
     let declined = |declined| match declined {
         Declined::Crowded => VerifyError::Crowded {
             samples: points.len(),

@@ -122,7 +122,8 @@ impl CircleBands {
         Some(all)
     }
 
-    /// Whether a region is so high that its rows are worth being judged in bands.
+    /// Whether a region is so high that its rows are worth being judged in bands: it has many times the rows that are
+    /// kept (eight times; chosen, not measured).
     pub fn streams(question: &Question) -> bool {
         let cells = Cells::new(question.domain, question.limit);
         cells.is_ok_and(|cells| cells.counts[1] >= 8 * KEPT && cells.reach[1] == 1)
@@ -203,7 +204,7 @@ impl CircleBands {
         monitor: &Monitor<'_>,
     ) -> Result<(), VerifyError> {
         let is_ready = |sample: &Sample| ready(samples.cells.row(sample.position.y));
-        // Those that wait for later rows are set aside, and put back in the end.
+        // Samples that wait for later rows are set aside during the search, and put back after it.
         let (exposed, later) = mem::take(&mut self.found.exposed)
             .into_iter()
             .partition(is_ready);
@@ -287,7 +288,8 @@ fn first(cells: &Cells) -> usize {
     }
 }
 
-/// Rows kept from the start of a torus: those of circles judged at the end, and those their cells may need.
+/// Rows kept from the start of a torus: those of circles judged at the end, which are the first ones and, beside a
+/// hole, those up to row `KEPT`; and `KEPT` rows above these, which their cells may need.
 fn seam_rows(cells: &Cells) -> usize {
     (first(cells) + KEPT).max(KEPT + 1) + KEPT
 }

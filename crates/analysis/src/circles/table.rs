@@ -229,7 +229,9 @@ impl Arc {
     /// overlap, or may be the same.
     fn at([x, y]: [usize; 2]) -> Option<Self> {
         let [x, y] = [x, y].map(|value| value as f64 / PER_RADIUS);
+        // Twice, as an offset is uncertain along both axes.
         let uncertain = 2.0 * UNCERTAIN / PER_RADIUS;
+        // Half of the largest distance that the offset may have: the arc of the farthest disk is the shortest.
         let half_distance = x.hypot(y).midpoint(uncertain);
         if half_distance <= 2.0 * uncertain || half_distance >= 1.0 {
             return None;

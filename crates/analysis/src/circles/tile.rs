@@ -161,14 +161,14 @@ impl Tile {
 
         self.per_unit = cells.per_unit;
         self.low = DVec2::new(columns.start as f64, rows.start as f64) * cells.sides;
-        let runs = runs(cells, &columns);
+        let runs_of_row = runs(cells, &columns);
         self.clear();
         // Pairs in one cell, each twice, and each sample with itself: they tell how long the scan of pairs will take.
         let mut crowd = 0;
         for row in rows {
             let period = row.div_euclid(cells.counts[1] as i64);
             let up = period as f64 * cells.domain.extent.y;
-            for run in &runs {
+            for run in &runs_of_row {
                 let starts = samples.starts(row, run.columns.clone());
                 let (first, end) = (starts[0], starts[starts.len() - 1]);
 

@@ -35,8 +35,8 @@ impl Buried {
             cells.min(grid.cells[axis])
         });
 
-        // A cell stays if all cells of the rectangle around it are occupied: first those along its row, then those
-        // across.
+        // A cell is buried if all cells of the rectangle around it are occupied: first those along its row are looked
+        // at, then those across.
         let along_rows = eroded(grid, &occupied(grid), 0, reach[0]);
         let cells = eroded(grid, &along_rows, 1, reach[1]);
         let columns = grid.cells[0];
@@ -51,6 +51,8 @@ impl Buried {
     ///
     /// `at` is the cell counted on across the seams, as the tile sees it.
     pub fn hides(&self, cell: [usize; 2], at: [i64; 2], tile: [&Range<usize>; 2]) -> bool {
+        // As many cells as the reach are a diagonal wide: the tile lies beyond every place `u` of the proof at the
+        // head.
         let far = |axis: usize| {
             let before = tile[axis].start as i64 - at[axis] - 1;
             let after = at[axis] - tile[axis].end as i64;
@@ -70,8 +72,8 @@ fn occupied(grid: &Grid) -> Vec<bool> {
         .collect()
 }
 
-/// Returns which cells are kept: those that have only kept cells within `reach` along an axis. Cells beyond a closed border count
-/// as kept, since no place of the region lies there.
+/// Returns which cells are of `kept` and have only such cells within `reach` along an axis. Cells beyond a closed
+/// border count as kept, since no place of the region lies there.
 fn eroded(grid: &Grid, kept: &[bool], axis: usize, reach: usize) -> Vec<bool> {
     let columns = grid.cells[0];
     // Cells are numbered row by row, so that the next one along x is one number on, and along y a row of numbers.

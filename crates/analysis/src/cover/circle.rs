@@ -59,7 +59,8 @@ fn from_widest([a, b, c]: [DVec2; 3]) -> [DVec2; 3] {
 fn cross(a: DVec2, b: DVec2) -> f64 {
     let (left, right) = (a.x * b.y, a.y * b.x);
     let plain = left - right;
-    // Fused multiplication is a library call on the baseline targets, so only where it pays.
+    // Fused multiplication is a library call on the baseline targets. It is left out where the difference is above a
+    // hundredth of its products, and so loses less than seven binary digits.
     if plain.abs() > 0.01 * left.abs().max(right.abs()) {
         return plain;
     }

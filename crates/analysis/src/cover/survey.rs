@@ -48,7 +48,7 @@ impl Survey {
             self.covering_radius = self.covering_radius.max(circle.distance);
             self.gaps.push(circle);
         } else {
-            // The rounded radius of a circle that does not exceed the limit may.
+            // The circle does not exceed the limit, though its rounded radius may.
             let distance = circle.distance.min(task.limit);
             self.covering_radius = self.covering_radius.max(distance);
         }
@@ -217,8 +217,8 @@ impl TileSide {
         }
     }
 
-    /// The samples within the halo of the line. If none further off were nearest anywhere, neither
-    /// is the result changed; if one were, the nearest kept is further than the halo, too.
+    /// The samples within the halo of the line. Where a sample further off would be the nearest, all samples that are
+    /// kept are further than the halo, too, so that the reach exceeds the halo, and the window is widened.
     fn sites(self, level: f64, window: &TileWindow) -> Vec<BorderSite> {
         (window.points.iter())
             .map(|point| {

@@ -62,7 +62,8 @@ impl Tile {
     }
 
     /// The halo to try first: two radii do for a maximal set (one would, were it exactly
-    /// maximal). The density bounds it where the radius is far off.
+    /// maximal). The density bounds it where the radius is far off: samples of a maximal set are spaced by 1.2 radii,
+    /// so that two radii lie well within the bounds.
     pub fn first_halo(&self, task: &CoverSearch<'_>) -> f64 {
         let area = (self.high - self.low).element_product();
         let spacing = (area / self.count.max(1) as f64).sqrt();
@@ -96,7 +97,7 @@ pub(crate) fn split(grid: &Grid, rows: Range<usize>, tile_samples: usize) -> Vec
     done
 }
 
-/// Windows that reach further than this many cells beyond their tile leave buried samples out.
+/// Windows that reach further than this many cells beyond their tile leave buried samples out. Chosen, not measured.
 const WIDE: i64 = 8;
 
 /// The samples seen from a tile: at least all, copies included, within the halo of it that are

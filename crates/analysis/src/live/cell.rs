@@ -299,8 +299,9 @@ impl CellVertices<'_> {
     /// so that they come in a sequence in which this direction rises up to one of them and then falls. So a cell compares its
     /// sample with the two beside it alone, however many samples are equally far.
     pub fn open(&self) -> impl Iterator<Item = usize> {
+        // A quick test, as nearly all vertices are nearer than the limit. A millionth is far above the rounding of
+        // places.
         let least = self.limit * (1.0 - 1e-6);
-        // A quick test with a little to spare, as nearly all vertices are nearer than the limit.
         let is_near = move |index: usize| self.vertices[index].at.length_squared() < least * least;
         let is_open = move |&index: &usize| {
             !is_near(index) && self.is_beyond(index) && self.counts_for_its_cell(index)
@@ -330,14 +331,16 @@ impl CellVertices<'_> {
         others.all(|(_, offset)| is_less(offset))
     }
 
-    /// Whether a vertex is farther than the limit. That is (1 + 2^-15) r.
+    /// Whether a vertex is farther than the limit, which is (1 + 2^-15) r.
     fn is_beyond(&self, index: usize) -> bool {
         let distance = self.vertices[index].at.length();
+        // The flatness is 1, as a place is off by a few last bits only (see `Meeting::place`).
         exceeds(distance, self.limit, 1.0, || {
             let Meeting {
                 offset,
                 determinant,
             } = self.meeting(index);
+            // |offset| / (2 determinant) > r 32,769 / 32,768, squared and multiplied out.
             let square = |value: BigInt| &value * &value;
             let [x, y] = offset.map(|value| square(BigInt::from(value)));
             let limit = BigInt::from(determinant) * (2 * i64::from(self.plane.radius) * 32_769);

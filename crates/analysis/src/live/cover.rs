@@ -48,7 +48,8 @@ const REACH: usize = 2;
 /// The first threshold, as a part of the limit. Of a maximal set about 2% of the cells reach farther.
 const FIRST_THRESHOLD: f64 = 0.99;
 
-/// On narrower tori, in radii, a disk covers a circle from two sides, and all cells are kept.
+/// On tori narrower than this many limits (the radius of the circles), all cells are kept, since a disk may cover a
+/// circle from two sides. Chosen with room to spare.
 const MIN_TORUS: f64 = 8.0;
 
 /// The steps that a change of a maximal set takes in the mean, as measured.
@@ -207,7 +208,7 @@ impl LiveCover {
         let neighbours = vertices.iter().filter_map(Vertex::neighbour);
         touched.extend(neighbours.map(|(other, _)| other));
 
-        self.forget(slot);
+        self.drop_cell(slot);
         self.grid.remove(place, |occupant| occupant.slot == slot);
         self.free.push(slot);
 
@@ -295,7 +296,7 @@ impl LiveCover {
         let place = self.taken[slot as usize].place;
         let (mut steps, is_covered) = self.test(place);
         if is_covered {
-            self.forget(slot);
+            self.drop_cell(slot);
         } else {
             steps += self.cut(place, slot);
             // The slot's own buffer is filled again, so that a change allocates little.
@@ -410,26 +411,29 @@ impl LiveCover {
         steps
     }
 
-    /// Finds the sample, or the copy of one, that is nearest to a vertex of the cell, if it is nearer than the cell's own.
+    /// Finds the sample, or the copy of one, that is nearest to a vertex of the cell, if it is nearer than the cell's
+    /// own. Returns the counted steps, and the offset of that sample from the cell's own with its slot.
     fn nearer(&self, place: [i32; 2], index: usize) -> (u64, Option<([i64; 2], u32)>) {
         let at = self.cell.vertices[index].at;
         let size = self.plane.size.map(i64::from);
         let center = DVec2::from(place.map(f64::from)) + at;
         let mut found = None;
         // A hair more: whether a sample on the circle is within is decided exactly.
-        let square = at.length_squared() * (1.0 + 1e-12);
+        let first_square = at.length_squared() * (1.0 + 1e-12);
 
-        let steps = self.grid.within(center, square, |other, periods, square| {
-            let offset = [0, 1].map(|axis| {
-                let copy = i64::from(other.place[axis]) + i64::from(periods[axis]) * size[axis];
-                copy - i64::from(place[axis])
+        let steps = self
+            .grid
+            .within(center, first_square, |other, periods, nearest_square| {
+                let offset = [0, 1].map(|axis| {
+                    let copy = i64::from(other.place[axis]) + i64::from(periods[axis]) * size[axis];
+                    copy - i64::from(place[axis])
+                });
+                if offset != [0, 0] && self.cell.cuts(index, offset) {
+                    let distance = DVec2::from(offset.map(|value| value as f64)) - at;
+                    *nearest_square = nearest_square.min(distance.length_squared());
+                    found = Some((offset, other.slot));
+                }
             });
-            if offset != [0, 0] && self.cell.cuts(index, offset) {
-                let distance = DVec2::from(offset.map(|value| value as f64)) - at;
-                *square = square.min(distance.length_squared());
-                found = Some((offset, other.slot));
-            }
-        });
         (steps, found)
     }
 
@@ -456,13 +460,13 @@ impl LiveCover {
         self.taken[slot as usize].vertices.len() as u64
     }
 
-    /// Counts what of a cell is open, and lets go of a cell that does not reach beyond the threshold.
+    /// Counts the open places of a cell anew, and drops a cell that does not reach beyond the threshold.
     fn weigh(&mut self, slot: u32) {
         let taken = &self.taken[slot as usize];
         let squares = (taken.vertices.iter()).map(|vertex| vertex.at.length_squared());
         let reach = squares.fold(0.0, f64::max).sqrt();
         if reach <= self.threshold {
-            self.forget(slot);
+            self.drop_cell(slot);
             return;
         }
 
@@ -473,12 +477,12 @@ impl LiveCover {
         taken.open = open;
     }
 
-    /// Lets go of a cell.
-    fn forget(&mut self, slot: u32) {
+    /// Drops a cell, if it is kept.
+    fn drop_cell(&mut self, slot: u32) {
         let taken = &mut self.taken[slot as usize];
         self.open -= u64::from(taken.open);
         taken.open = 0;
-        // Most have none to be taken out of the tree.
+        // Most samples have no reach to be taken out of the tree.
         if self.reaches_of(slot) > 0 {
             self.reaches.set(slot, 0);
         }
@@ -504,6 +508,7 @@ impl LiveCover {
     fn lower_threshold(&mut self) -> u64 {
         let mut steps = 0;
         while self.count > 0 && self.reaches.largest() == 0 {
+            // The threshold's distance from the limit doubles.
             let lower = self.limit - 2.0 * (self.limit - self.threshold);
             // Below half of the limit no circle is worth a test.
             self.threshold = if lower > 0.5 * self.limit { lower } else { 0.0 };
@@ -628,7 +633,8 @@ impl LiveCover {
 }
 
 impl Renew for LiveCover {
-    /// The samples that are in, and then those whose circles are tested, too.
+    /// The number of slices that are done: one for each sample that is put in, then one for each slot whose circle is
+    /// tested.
     type Work = usize;
 
     const BEGINNING: u64 = 1;

@@ -362,7 +362,7 @@ impl LivePairs {
             candidates.extend(self.closest_of_sparse());
         }
 
-        // All pairs of the smallest distance: their order by ids decides below.
+        // All pairs of the smallest distance, whose square is `!kept`, are listed: their order by ids decides below.
         for slot in self.nearest.winners() {
             self.each_nearer(slot, !kept + 1, |other| {
                 candidates.push((!kept, [slot, other]));
@@ -492,10 +492,12 @@ impl LivePairs {
 
         // The region is in radii, so that a radius, the unit of the bins, is 1.
         let unit = 1.0;
-        let (most, bins) = PairCorrelation::bins_in_units_of(count, region, unit)?;
+        // The curve ends at this multiple of the largest minimum distance that so many samples can have.
+        let (end_in_multiples, bins) = PairCorrelation::bins_in_units_of(count, region, unit)?;
         let domain = Domain::new(region)?;
-        let distance = most * largest_min_distance(count, region.area()) * domain.scale;
-        let per_length = bins as f64 / distance;
+        // The same end in the domain's unit, in which `PairCorrelation` counts.
+        let end = end_in_multiples * largest_min_distance(count, region.area()) * domain.scale;
+        let per_length = bins as f64 / end;
 
         // One bin more is for farther pairs.
         let (mut counts, mut sums) = (vec![0; bins + 1], vec![0; bins + 1]);
@@ -506,20 +508,25 @@ impl LivePairs {
             let to = [((edge * per_length) as usize).min(bins), index.min(bins)];
             for part in [0, 1] {
                 counts[to[part]] += in_bin[part];
-                let weight = self.histogram.weights.get(index);
-                sums[to[part]] += weight.map_or(0, |weight| weight[part]);
+                // On a torus no weights are kept, and none for the last bin.
+                let in_bin_weights = self.histogram.weights.get(index);
+                sums[to[part]] += in_bin_weights.map_or(0, |weights| weights[part]);
             }
         }
         counts.pop();
 
         let area = domain.extent.element_product();
-        let weight = |(count, sum): (&u64, u128)| match self.histogram.plane.boundary {
-            Boundary::Periodic => *count as f64 / area,
+        let density = |(pairs, sum): (&u64, u128)| match self.histogram.plane.boundary {
+            Boundary::Periodic => *pairs as f64 / area,
             Boundary::Bounded => sum as f64 / WEIGHT_UNITS / area,
         };
-        let weights: Vec<f64> = counts.iter().zip(sums).map(weight).collect();
+        let weights: Vec<f64> = counts.iter().zip(sums).map(density).collect();
         Ok(PairCorrelation::of_sums(
-            count, &domain, most, counts, &weights,
+            count,
+            &domain,
+            end_in_multiples,
+            counts,
+            &weights,
         ))
     }
 }

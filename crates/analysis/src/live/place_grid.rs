@@ -240,8 +240,8 @@ impl PlaceGrid {
         [along(0), along(1)]
     }
 
-    /// Whether the given number of cells to either side, and one more to be sure of the shorter way, are fewer than
-    /// there are.
+    /// Whether there are more cells than the given number to either side of one, with one to spare so that each sample
+    /// in them is seen at its shorter offset.
     fn is_wide(&self, axis: usize, reach: usize) -> bool {
         self.counts[axis] > 2 * reach + 2
     }
@@ -433,7 +433,7 @@ impl DiskSearch {
             let high = part(self.center[axis] + radius).saturating_add(1);
             [low, high].map(|part| part.clamp(0, BLOCK as i64) as u32)
         };
-        // The bits before the first `count` lines of `width` bits.
+        // The bits of the first `count` lines of `width` bits each.
         let before = |count: u32, width: u32| !u64::MAX.checked_shl(count * width).unwrap_or(0);
 
         let [[left, right], [low, high]] = [along(0), along(1)];

@@ -26,8 +26,8 @@ const SQUARE_UNITS: f64 = (1_u128 << 90) as f64;
 const PRODUCTS_PER_SAMPLE: u64 = 1000;
 const PRODUCTS_PER_FREQUENCY: u64 = 3000;
 
-/// The same for a grid point along an axis, of which there are about 20 for each frequency, and for a frequency whose sums are
-/// written.
+/// The parts of [`PRODUCTS_PER_FREQUENCY`]: for a grid point along an axis, of which there are about 20 for each
+/// frequency, and for a frequency whose sums are written. 20 times 125 and 500 are 3,000.
 const PRODUCTS_PER_POINT: u64 = PRODUCTS_PER_FREQUENCY / 24;
 const PRODUCTS_PER_SUM: u64 = PRODUCTS_PER_FREQUENCY / 6;
 
@@ -534,6 +534,8 @@ impl<'a> RowReader<'a> {
         Self {
             spectrum,
             scale: if squares > 0.0 { 1.0 / squares } else { 0.0 },
+            // At frequency zero both cosines are 1: the first product sum of the first column of row 0 is of weights
+            // alone.
             total: spectrum.sums.row(0)[0][0][0],
             powers: Vec::new(),
         }

@@ -86,18 +86,18 @@ impl WaveSums {
     /// Adds a sample or takes it away.
     pub fn change(&mut self, change: &WaveChange) {
         let index = self.waiting;
-        let wave = |axis: usize, scale: f64| {
+        let wave_along = |axis: usize, scale: f64| {
             let phase = TAU * self.step * change.at[axis];
             wave(phase, change.weights[axis] * scale)
         };
 
         // The wave along x carries the units, that along y the sign: their product has both.
-        for (block, values) in self.along_x.iter_mut().zip(wave(0, ONE)) {
+        for (block, values) in self.along_x.iter_mut().zip(wave_along(0, ONE)) {
             block[index] = values;
         }
 
         let rows = self.along_y.chunks_mut(LANES);
-        for (rows, [cos, sin]) in rows.zip(wave(1, change.sign)) {
+        for (rows, [cos, sin]) in rows.zip(wave_along(1, change.sign)) {
             for (lane, row) in rows.iter_mut().enumerate() {
                 row[index] = [cos[lane], sin[lane]];
             }

@@ -27,10 +27,11 @@ const NEARLY_ONE: f64 = 0.98;
 /// The length of the range in which oscillations count, as `nu`: ten times half of `sqrt(N)`.
 const OSCILLATION_RANGE: f64 = 5.0;
 
-/// Pair correlations that curves follow from reach so far, in units of `r_max`, in this many bins each.
+/// How far the pair correlation from which a curve follows reaches, in units of `r_max`, and how many bins it has in a
+/// unit.
 const MAX_DISTANCE: f64 = 8.0;
 const BINS_EACH: f64 = 100.0;
-/// The shortest reach that they may have: with less, the curve is smoothed until its features are lost.
+/// The shortest reach that a pair correlation may have: with less, the curve is smoothed until its features are lost.
 const NEAREST: f64 = 4.0;
 
 /// Power over frequency, without the zero frequency.
@@ -197,7 +198,8 @@ impl PowerCurve {
         (area > 0.0).then(|| 10.0 * (sum / area).sqrt())
     }
 
-    /// The mean power of the disk up to each frequency, by trapezoids; power below the first frequency is its.
+    /// The mean power of the disk up to each frequency, by trapezoids; below the first frequency the power counts as
+    /// that at it.
     fn disk_means(&self) -> Vec<f64> {
         let (mut before, mut sum) = ([0.0, self.powers[0]], 0.0);
         (self.frequencies.iter().zip(&self.powers))
@@ -220,7 +222,8 @@ impl PowerCurve {
     }
 }
 
-/// By how much `g` exceeds 1 far away, `(1 - P(0)) / N`, from the power at zero that follows with it taken off.
+/// By how much `g` exceeds 1 far away: the excess `e = (1 - P(0)) / N`. The power at zero depends on it: `P(0) = raw -
+/// e W`, where `raw` is the power without it and `W` the sum of the weights. Both equations are solved for `e`.
 fn far_excess(pairs: &PairCorrelation, rings: &[[f64; 2]]) -> f64 {
     if pairs.samples == 0 {
         return 0.0;
@@ -230,7 +233,7 @@ fn far_excess(pairs: &PairCorrelation, rings: &[[f64; 2]]) -> f64 {
         weights.map(|(bin, [_, weight])| weight * value(bin)).sum()
     };
     let raw = 1.0 + sum(&|bin| pairs.g[bin] - 1.0);
-    // The samples that the window holds on the average, over all: at most about a fifth.
+    // W / N: the part of all samples that the window holds on the average, at most about a fifth.
     let share = sum(&|_| 1.0) / pairs.samples as f64;
     (1.0 - raw) / (1.0 - share) / pairs.samples as f64
 }
@@ -251,6 +254,7 @@ fn bessel_j0(x: f64) -> f64 {
     }
 
     let (mut parts, mut term) = ([0.0; 2], 1.0);
+    // The first twenty terms fall, even at 14; later ones of this expansion rise again.
     for k in 0..20_u32 {
         let sign = if k / 2 % 2 == 0 { 1.0 } else { -1.0 };
         parts[(k % 2) as usize] += sign * term;

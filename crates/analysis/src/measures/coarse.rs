@@ -53,7 +53,8 @@ impl CoarsePower {
         let [x, y] = reach;
         let columns = 2 * x as usize + 1;
         let rows = (-y..y + 1).into_par_iter().map(|ky| {
-            // The window reaches as far as the picture to both sides, so that rows of the picture are parts of its rows.
+            // The window reaches as far as the picture to both sides, so that each row of the picture is a part of a
+            // row of the window, and none is missing.
             let first = periodogram.window.index([-x, ky]);
             let row = first.and_then(|first| periodogram.power.get(first..first + columns));
             let mut powers = row.map_or_else(|| Cow::Owned(vec![0.0; columns]), Cow::Borrowed);
@@ -180,6 +181,8 @@ impl CoarseSums {
 
 /// Returns the parts on either side of the middle one and their length, for frequencies up to `reach`.
 fn division(reach: i64, most: usize) -> (i64, i64) {
+    // The middle part takes half of its side from the reach. With those on both sides there are 2 parts + 1, at most
+    // `most`.
     let parts = |side: i64| (reach - (side - 1) / 2) / side;
     let side = (1..=2 * reach + 1)
         .step_by(2)

@@ -165,6 +165,7 @@ pub fn power_difference_band(
 ) -> Result<[f64; 2], MeasureError> {
     check_range("the confidence level", level, LEVELS)?;
     for count in values {
+        // An annulus of a single frequency, one of two opposite ones, has half a value.
         check_range("the number of powers", count, [0.5, 1e8])?;
     }
 

@@ -116,7 +116,7 @@ impl RangeSearch<'_> {
             .into_par_iter()
             .map(|row| {
                 let mut count = 0;
-                self.row(row, monitor, |_, _, counts| count += u64::from(counts))?;
+                self.row(row, monitor, |_, _, found| count += u64::from(found))?;
                 Ok(count)
             })
             .collect::<Result<_, VerifyError>>()?;
