@@ -125,6 +125,7 @@ fn widen(
 /// All pairs closer than this are in cells that touch, where the scan looks.
 pub(crate) fn certain_distance(grid: &Grid) -> f64 {
     let sides = grid.cell_sides();
+    // Along an axis of so few cells all of them touch, on a torus across the seam.
     let all_touch = if grid.domain.periodic { 3 } else { 2 };
     [0, 1]
         .into_iter()
@@ -208,6 +209,7 @@ impl<'a> Scan<'a> {
             grid,
             periods,
             radius,
+            // Before the first pair, a side: closest pairs that are farther apart are left to `widen` in any case.
             reach: radius.max(sides.max_element()),
             threshold,
             pairs,
@@ -241,9 +243,9 @@ impl<'a> Scan<'a> {
                 range: index + 1..own.end,
                 shift: (!has_two_ways).then_some(0.0),
             };
-            self.stretch(entry, &rest);
+            self.compare(entry, &rest);
             for stretch in stretches[..used].iter().flatten() {
-                self.stretch(entry, stretch);
+                self.compare(entry, stretch);
             }
         }
         own.len()
@@ -304,7 +306,7 @@ impl<'a> Scan<'a> {
     }
 
     /// Compares a sample with those of a stretch.
-    fn stretch(&mut self, entry: &Entry, stretch: &Stretch) {
+    fn compare(&mut self, entry: &Entry, stretch: &Stretch) {
         let entries = self.grid.entries();
         let mut run = &entries[stretch.range.clone()];
         if run.len() > LONG_RUN
@@ -320,9 +322,9 @@ impl<'a> Scan<'a> {
         }
 
         for other in run {
-            let offset = offset(self.periods, entry, other);
-            if offset.length_squared() <= self.threshold {
-                self.pair(entry, other, offset);
+            let apart = offset(self.periods, entry, other);
+            if apart.length_squared() <= self.threshold {
+                self.pair(entry, other, apart);
             }
         }
     }

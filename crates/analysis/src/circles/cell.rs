@@ -217,10 +217,10 @@ impl Circles<'_> {
             kind: GapKind::VoronoiVertex,
         };
 
-        let exceeds = exceeds(distance, limit, flatness, || {
+        let is_larger = exceeds(distance, limit, flatness, || {
             circle_exceeds([first, second, third], self.extent(), limit)
         });
-        Some((gap, exceeds))
+        Some((gap, is_larger))
     }
 
     /// Returns the circle about the crossing of two samples' bisector with a line of the border, and whether it is larger than
@@ -252,10 +252,10 @@ impl Circles<'_> {
 
         // How much the division by `along` enlarges errors of the lengths.
         let flatness = distance / along.abs();
-        let exceeds = exceeds(distance, limit, flatness, || {
+        let is_larger = exceeds(distance, limit, flatness, || {
             crossing_exceeds([first, second], line, self.extent(), limit)
         });
-        Some((gap, exceeds))
+        Some((gap, is_larger))
     }
 
     /// Returns the circle about a corner of the region, and whether it is larger than the limit.
@@ -275,10 +275,10 @@ impl Circles<'_> {
         };
         // Nothing is divided, so that no error grows.
         let flatness = 1.0;
-        let exceeds = exceeds(distance, limit, flatness, || {
+        let is_larger = exceeds(distance, limit, flatness, || {
             corner_exceeds(site, corner, extent, limit)
         });
-        (gap, exceeds)
+        (gap, is_larger)
     }
 
     /// Returns samples with the shifts of their copies, in periods, in an order that does not depend on which cell is

@@ -90,7 +90,8 @@ fn back_along_x(
     Ok(half)
 }
 
-/// Grid points from one line along y to the next: the first ones follow the last ones once more.
+/// Grid points from one line along y to the next: the first ones follow the last ones once more, as far as kernels
+/// reach, which may begin on the point after the last.
 fn stride(plan: &TransformPlan) -> usize {
     plan.axes[1].size + WIDTH + 1
 }

@@ -57,6 +57,7 @@ pub fn student_quantile(tail: f64, freedom: f64) -> f64 {
 /// Returns the value in 0..1 that a beta variable of parameters `a` and `b` stays below with probability `part`.
 pub(super) fn beta_quantile(part: f64, a: f64, b: f64) -> f64 {
     let (mut low, mut high) = (0.0, 1.0);
+    // Sixty halvings leave 2^-60, less than the last bit of a number near 1.
     for _ in 0..60 {
         let middle = 0.5 * (low + high);
         if beta_part(a, b, middle) < part {
@@ -96,6 +97,7 @@ fn falling_root(f: impl Fn(f64) -> f64) -> f64 {
 /// The logarithm of the gamma function of a positive number: Stirling's series beyond 15.
 fn ln_gamma(x: f64) -> f64 {
     let (mut shifted, mut product) = (x, 1.0);
+    // Gamma(x + 1) = x Gamma(x): a smaller number is raised, and the factors are divided out below.
     while shifted < 15.0 {
         product *= shifted;
         shifted += 1.0;

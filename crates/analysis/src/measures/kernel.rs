@@ -27,6 +27,7 @@ pub(super) struct Kernel {
 impl Kernel {
     pub fn new() -> Self {
         let lanes: [[f64; DEGREE + 1]; WIDTH] = std::array::from_fn(|lane| {
+            // As `u` goes from -1 to 1, the lane's grid point moves by one along the kernel, from `start` on.
             let start = lane as f64 - 0.5 * WIDTH as f64;
             monomials(|u| value(start + 0.5 * (u + 1.0)))
         });
@@ -34,8 +35,8 @@ impl Kernel {
         Self { coefficients }
     }
 
-    /// The kernel at the `WIDTH` grid points from the first one on that it reaches, which lies `ahead`, in
-    /// 0 to 1, behind the kernel's lower end.
+    /// The kernel at the `WIDTH` grid points that it reaches. The first of them is `ahead` beyond the kernel's lower
+    /// end, 0 to 1 grid points.
     pub fn values(&self, ahead: f64) -> [f64; WIDTH] {
         let u = 2.0 * ahead - 1.0;
         let mut sums = self.coefficients[0];

@@ -252,6 +252,7 @@ impl MeasuredSet {
         points: &[[f64; 2]],
         control: Control<'_>,
     ) -> Result<Option<Order>, MeasureError> {
+        // The report has the smallest distance, which is 0 if two samples are equal.
         self.measure(Part::Report, points, control)?;
         let has_equal = (self.verdict()).is_some_and(|report| report.min_distance <= 0.0);
         let order = (!has_equal).then(|| Order::of(points, self.region, control));
@@ -283,6 +284,7 @@ impl MeasuredSet {
     #[must_use]
     pub fn judged(&self) -> Option<&Report> {
         let radius = self.radius?;
+        // The two may be rounded differently.
         let is_same = |report: &&Report| (report.radius - radius).abs() <= 1e-9 * radius;
         self.verdict().filter(is_same)
     }

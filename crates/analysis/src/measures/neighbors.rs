@@ -24,9 +24,9 @@ impl Neighbors<'_> {
         }
     }
 
-    /// Calls `see` with runs of samples, by their indices in the grid, such that over all cells every pair of samples within
-    /// `distance` is met. The second argument of `see` is true where each pair is met once, and false where each is met twice, from both of its samples,
-    /// and each sample also meets itself.
+    /// Calls `see` with runs of samples, by their indices in the grid, that may be within `distance` of those of a
+    /// cell. Over all cells every such pair is met: once where the second argument of `see` is true. Where it is false,
+    /// a pair is met twice, from both of its samples, and a sample also meets itself.
     pub fn partners(
         &self,
         [column, row]: [usize; 2],
@@ -126,7 +126,8 @@ impl Neighbors<'_> {
         let start = own.start - whole.start + before;
         let width = self.grid.domain.extent.x;
 
-        // Compares with one more sample, and returns whether a farther one along x may still be nearer.
+        // Compares with one more sample, and returns whether a farther one along x may still be nearer: otherwise `all`
+        // ends the walk.
         let mut step = |other: &Entry| {
             let direct = (other.position.x - x).abs();
             if other.id != entry.id {
@@ -160,6 +161,7 @@ fn near(index: usize, reach: usize, cells: usize, periodic: bool) -> [Range<usiz
     if 2 * reach + 1 >= cells {
         return [0..cells, 0..0];
     }
+    // On a torus the cells beyond one end are those at the other end.
     match below {
         None if periodic => [0..above, index + cells - reach..cells],
         Some(below) if periodic && above > cells => [0..above - cells, below..cells],

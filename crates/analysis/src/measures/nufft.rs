@@ -60,6 +60,7 @@ impl GridAxis {
     }
 
     fn new(middle: i64, below: i64, above: i64) -> Self {
+        // Twice the width of the kernel keeps it from meeting itself around the torus, with room to spare.
         let least = (2 * OVERSAMPLING) as i64 * below.max(above);
         Self {
             middle,
@@ -93,7 +94,8 @@ impl GridAxis {
     }
 }
 
-/// The smallest even number with no prime factor above 5 that is not below `least`.
+/// The smallest even number with no prime factor above 5 that is not below `least`: such transforms are quick, and real
+/// lines are transformed in pairs.
 fn smooth_size(least: usize) -> usize {
     let smooth = |mut n: usize| {
         for p in [2, 3, 5] {

@@ -147,6 +147,7 @@ impl PairCorrelation {
         // A little less than half the shorter side, beyond which `g` is not defined.
         let half = 0.499 * region.shorter_side();
         let reach = half.min(Self::MAX_DISTANCE * r_max);
+        // A longer unit has no whole bin within reach, and a far shorter one has bins of no width, as in `of`.
         check_range("the unit of g(r)", unit, [1e-6 * r_max, 40.0 * reach])?;
         let bins = (40.0 * (reach / unit).min(5.0)).floor().max(1.0);
         Ok((bins / 40.0 * unit / r_max, bins as usize))

@@ -272,6 +272,8 @@ impl<'a> PairSearch<'a> {
     /// Returns whether all pairs of two runs are certainly in the first bin, which a tight cluster fills with as many
     /// pairs as the square of its samples. Where pairs are weighed, each must be computed.
     fn is_one_bin(&self, runs: [&[Entry]; 2]) -> bool {
+        // Few pairs are counted sooner than their extent is found. As a number of pairs the limit was chosen, not
+        // measured.
         let is_crowd = runs[0].len() * runs[1].len() > CROWD;
         if !is_crowd || !self.neighbors.grid.domain.periodic {
             return false;

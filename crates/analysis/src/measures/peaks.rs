@@ -35,7 +35,7 @@ impl Peaks {
             rings.filter(|ring| ring.len() >= MIN_FREQUENCIES)
         };
         let frequencies: usize = large_rings().map(Vec::len).sum();
-        let limit = limit(periodogram.sets as f64, frequencies as f64);
+        let limit = highest_by_chance(periodogram.sets as f64, frequencies as f64);
 
         let ratio = |one: &FrequencyPower| one.power / mean_at(&means, one.length);
         let ratios: Vec<f64> = large_rings().flatten().map(ratio).collect();
@@ -61,8 +61,8 @@ struct FrequencyPower {
     power: f64,
 }
 
-/// Limit of the highest ratio. The mean of n exponential powers, times 2 n, is chi-square with 2 n degrees of freedom.
-fn limit(sets: f64, frequencies: f64) -> f64 {
+/// Returns the limit of the highest ratio. The mean of n exponential powers, times 2 n, is chi-square with 2 n degrees of freedom.
+fn highest_by_chance(sets: f64, frequencies: f64) -> f64 {
     // The probability that one frequency is above the limit: the sum over all of them is at least that of any.
     let tail = CHANCE / frequencies.max(1.0);
     chi_square_quantile(tail, 2.0 * sets) / (2.0 * sets)
@@ -168,7 +168,7 @@ mod tests {
             assert!(spiked.over() > 1.0);
         }
         // One set's powers are exponential; the limit of ten is far lower.
-        assert!((limit(1.0, 1e4) - 1e6_f64.ln()).abs() < 1e-6);
-        assert!(limit(10.0, 1e4) < 0.3 * limit(1.0, 1e4));
+        assert!((highest_by_chance(1.0, 1e4) - 1e6_f64.ln()).abs() < 1e-6);
+        assert!(highest_by_chance(10.0, 1e4) < 0.3 * highest_by_chance(1.0, 1e4));
     }
 }

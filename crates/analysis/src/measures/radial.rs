@@ -242,7 +242,7 @@ impl AnnulusTable {
             let length = |x: usize| ((x * step) as f64 * x_unit).hypot(along_y);
             let row: Vec<f64> = (0..columns).map(length).collect();
 
-            // Frequencies beyond the last whole annulus share the index after it, and are left out in the end.
+            // Frequencies beyond the last whole annulus share the index after it, which `profile` leaves out.
             let annulus = |length: &f64| annulus_of(*length, width).min(whole);
             let annuli: Vec<usize> = row.iter().map(annulus).collect();
             // Counts are of one frequency of each opposite pair.
@@ -285,8 +285,8 @@ impl AnnulusTable {
     }
 }
 
-/// The columns of a row whose frequencies stand for their opposites, too, without their signs and from the lowest on: of
-/// the row of zero those above zero.
+/// Columns, as absolute values, from the lowest on: those of one frequency of each opposite pair. In row zero these are
+/// the columns above zero, in any other row all.
 fn half_row(columns: usize, row: usize) -> impl Iterator<Item = usize> {
     let below = if row == 0 { 0 } else { columns };
     let above = usize::from(row == 0);
@@ -297,7 +297,8 @@ fn half_row(columns: usize, row: usize) -> impl Iterator<Item = usize> {
 pub(crate) struct ProfileSums<'a> {
     table: &'a AnnulusTable,
     /// Of each annulus the sums of the powers and of their squares: quicker than Welford's mean and spread, which divide by each
-    /// count. The spread loses digits where powers of an annulus are equal to more than half of theirs, as of one sample alone.
+    /// count. The spread loses digits where the powers of an annulus agree in more than half of their digits, as those
+    /// of a single sample do.
     sums: Vec<[f64; 2]>,
     /// Room for the sums of the powers at a column and at its opposite, and of their squares.
     pairs: Vec<[f64; 2]>,
@@ -308,6 +309,7 @@ impl ProfileSums<'_> {
     pub fn add_row(&mut self, row: usize, powers: &[f64]) {
         let columns = self.table.columns;
         let runs = &self.table.runs[self.table.starts[row]..self.table.starts[row + 1]];
+        // Columns beyond the last run are in no annulus. The first pair is set in any case.
         let reached = runs.last().map_or(1, |run| run.end as usize);
 
         let (below, above) = powers.split_at(columns - 1);

@@ -124,7 +124,8 @@ impl Sweep<'_> {
         wanted.max(self.pairs.min_distance)
     }
 
-    /// Drops those that are beyond reach along x.
+    /// Drops from `behind` the samples from `first` on, up to `end`, that are beyond reach: `along` gives the distance
+    /// from the line along x for the x of a sample. `first` becomes the first sample that is left.
     fn drop_behind(&mut self, first: &mut usize, end: usize, along: impl Fn(f64) -> f64) {
         let reach = self.reach() * SLACK;
         while *first < end && along(self.samples[*first].position[0]) > reach {

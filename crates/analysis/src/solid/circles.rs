@@ -164,7 +164,8 @@ impl<'a> Neighbours<'a> {
         let fitting = region
             .size()
             .map(|extent| (0.999 * extent / reach).max(1.0));
-        // A cell of a set that covers holds at least five samples: its volume is that of nearly two balls.
+        // A cell of a set that covers holds at least five samples: its volume is that of nearly two balls. The 64 let a
+        // set of a few samples have a large region.
         if fitting.iter().product::<f64>() > 64.0 + points.len() as f64 {
             return None;
         }
@@ -278,7 +279,8 @@ struct Circle {
 impl Circle {
     /// Returns the circle of a sphere whose plane is `distance` from the sphere's center in a direction.
     fn of_sphere(limit: f64, direction: [f64; 3], distance: f64) -> Self {
-        // The axis that is farthest from the direction, so that the product is long.
+        // An axis far from the direction, so that the product is long: of a direction whose x is 0.6 or more, y is at
+        // most 0.8.
         let axis = if direction[0].abs() < 0.6 {
             [1.0, 0.0, 0.0]
         } else {
@@ -439,7 +441,8 @@ fn bare_angle(shares: impl Iterator<Item = Share>, arcs: &mut Vec<[f64; 2]>) -> 
         match share {
             Share::Nothing => {}
             Share::Everything => return None,
-            // Angles are at least -pi minus a half turn: once more a turn on, an arc is all around.
+            // An arc begins at -TAU or later and ends at TAU or before: of it and its copy a turn on, the parts from 0
+            // to TAU are the whole arc.
             Share::Arc([from, to]) => arcs.extend([[from, to], [from + TAU, to + TAU]]),
         }
     }

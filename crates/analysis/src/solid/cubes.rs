@@ -12,7 +12,8 @@ use super::{RESOLUTION, SolidQuestion};
 /// With this many samples near it or fewer, a cube is left to one thread: a few milliseconds.
 pub(super) const TASK_SAMPLES: usize = 2_048;
 
-/// An axis is cut while it is longer than this share of the longest, so that parts of long boxes become cubes.
+/// An axis is cut while it is longer than this share of the longest, so that parts of long boxes become cubes. Chosen,
+/// not measured.
 const CUT_SHARE: f64 = 0.6;
 
 /// The gaps found in some cubes.
@@ -81,7 +82,8 @@ struct Task<'a> {
 impl Task<'_> {
     /// Returns the gaps in a cube, given all samples that are within the limit of some place of it.
     fn of_cube(&self, cube: &Cube, near: &[[f64; 3]]) -> Result<CubesFound, SolidError> {
-        // Crowded samples stay together however small the cubes are.
+        // A cube shorter than a radius is not divided among threads either: crowded samples stay together however small
+        // it is.
         if near.len() <= TASK_SAMPLES || cube.longest_half() < self.rule.radius / 2.0 {
             let mut search = CubeSearch {
                 rule: self.rule,

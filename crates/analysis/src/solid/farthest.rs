@@ -28,7 +28,8 @@ const SKETCH_DISTANCES: usize = 1 << 24;
 /// How often the sketch cuts a cube at most, since samples may lie at one place.
 const SKETCH_CUTS: u32 = 24;
 
-/// Cubes of a root that long and longer are divided among threads; crowded samples stay together however small they are.
+/// Cubes that are no longer than this share of the root are left to one thread: crowded samples stay together however
+/// small cubes are. Chosen, not measured.
 const SMALLEST_TASK: f64 = 1.0 / 4_096.0;
 
 /// Returns the covering radius, to within one part in 2^30 of it. It does not depend on the number of threads.
@@ -53,6 +54,7 @@ pub(super) fn search(
         known: None,
         monitor,
     };
+    // The sketch comes first, and the proof begins with the distance that it found.
     task.known = Some(task.of_cube(&root, &near)?);
     Ok(task.of_cube(&root, &near)?.sqrt())
 }

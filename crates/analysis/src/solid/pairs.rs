@@ -110,7 +110,8 @@ fn smallest_distance(
     loop {
         let bins = Bins::new(points, region, reach);
         let crowd = bins.fullest();
-        // Of more samples in a bin than it has parts, two are in one part: at most its diagonal apart.
+        // A bin is cut into this many parts along each axis. As it holds more samples than parts, two of them are in
+        // one part: at most its diagonal apart.
         let parts = (crowd as f64).cbrt().ceil() - 1.0;
         let diagonal = bins.widest() * 3.0_f64.sqrt() / parts;
         if crowd > CROWD && diagonal < reach {
@@ -168,9 +169,11 @@ impl<'a> Bins<'a> {
                 let bin = (place[axis] / size[axis] * counts[axis] as f64) as u64;
                 bin.min(counts[axis] - 1)
             });
-            let key = key(x, y, z);
-            let index = index as u32;
-            Binned { key, place, index }
+            Binned {
+                key: key(x, y, z),
+                place,
+                index: index as u32,
+            }
         });
 
         // Indices differ, so that the order does not depend on threads.

@@ -10,7 +10,7 @@
 use super::super::radial::RadialProfile;
 
 /// The end of the range as `nu = |k| / sqrt(N)`: half of the frequency around which blue noise has its first peak, so that
-/// the rise to the peak is left out. In maximal sets it is 0.42 / r. Without a radius in it, any set has it.
+/// the rise to the peak is left out. In maximal sets it is 0.42 / r. It needs no radius, so that it serves any set.
 const MAX_NU: f64 = 0.5;
 
 /// The fewest rings that are fitted, those of about 300 samples in a square. The slope of noise then scatters by 0.2.
