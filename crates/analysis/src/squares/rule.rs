@@ -20,8 +20,8 @@ pub(super) const fn is_near(distance_squared: i64, a: i64, b: i64) -> bool {
         return false;
     }
 
-    let reach = reach(a, b);
-    distance_squared <= reach * reach
+    let farthest = reach(a, b);
+    distance_squared <= farthest * farthest
 }
 
 #[cfg(test)]

@@ -27,7 +27,8 @@ const TILE_SAMPLES: usize = 512;
 /// The side of the largest tiles is two to this power, so that squared distances in a tile stay within 64 bits.
 const MAX_TILE_BITS: u32 = 28;
 
-/// This many tiles are allowed for few samples, too. No region has more of the largest tiles: they are 8 x 8 at most.
+/// This many tiles (chosen, not measured) are allowed for few samples, too. No region has more of the largest tiles:
+/// they are 8 x 8 at most.
 const MIN_TILES: usize = 81;
 
 /// Returns the report on samples that lie in the domain.
@@ -298,11 +299,13 @@ impl<'a> TileSearch<'a> {
         };
         let span = self.span(&tile);
         // No place of the tile is to be covered, and no sample lies in it.
-        if self.judge.shape.share(span, self.bits) == Share::Nothing {
+        let share = self.judge.shape.share(span, self.bits);
+        if share == Share::Nothing {
             return;
         }
-        let near = self.gather(tiles, &tile, &span, 1);
-        self.visit(&tile, Share::Some, near);
+        let times = 1;
+        let near = self.gather(tiles, &tile, &span, times);
+        self.visit(&tile, share, near);
     }
 
     /// Returns the lattice points of a square that starts in the region.
@@ -380,8 +383,9 @@ impl<'a> TileSearch<'a> {
         }
     }
 
-    /// Looks for uncovered places and conflicts in a square of a larger one, given the larger one's share of the domain and the
-    /// samples that may be near a place of it. Returns whether the square has an uncovered place.
+    /// Looks for uncovered places and conflicts in a square. `around` and `near` are the share of the domain and the
+    /// samples that may be near a place of the larger square that it is a quarter of; of a tile they are its own.
+    /// Returns whether the square has an uncovered place.
     fn visit(&mut self, square: &TileSquare, around: Share, near: List) -> bool {
         let span = self.span(square);
         // A square may begin beyond the region's border.

@@ -13,7 +13,7 @@ const MIN_CORNERS: usize = 3;
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) enum Share {
     Nothing,
-    /// A part, or nothing or everything where that is dear to find out.
+    /// A part, or nothing or everything where that would take long to find out.
     Some,
     Everything,
 }
@@ -281,7 +281,8 @@ impl Pixels {
 
     fn share(&self, PointSpan { min, .. }: PointSpan, bits: u32) -> Share {
         let wanted = bits.saturating_sub(self.bits) as usize;
-        // Above the last level a square has all pixels and places beyond them.
+        // Squares wider than the last level's block: the one at the origin has all pixels and places beyond them, any
+        // other one has none.
         let Some(level) = self.levels.get(wanted) else {
             return if min == [0, 0] {
                 Share::Some

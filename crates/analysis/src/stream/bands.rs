@@ -80,7 +80,7 @@ impl StreamSearch {
     }
 
     /// Whether bands are possible; a region few cells wide or high, and one of too many cells
-    /// in a row, is held as a whole.
+    /// in a row, is held as a whole. The fewest columns and rows were chosen, not measured.
     fn streams(&self) -> bool {
         let [columns, rows] = self.cells;
         let held = (self.band.rows + SEAM).saturating_mul(columns);
@@ -233,6 +233,7 @@ impl Bands {
         let grid = Grid::of_rows(search.domain, search.cells, Rows { first, count }, parts);
         check_crowd(&grid)?;
 
+        // Pairs of the first rows of a torus are scanned with the first band, though the tiles there wait for the end.
         let scanned = self.closed.max(search.first_pairs())..rows.end;
         self.scan(search, &grid, scanned, monitor)?;
 

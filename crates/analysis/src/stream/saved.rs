@@ -124,7 +124,8 @@ const fn bad(reason: &'static str) -> VerifyError {
     VerifyError::BadState { reason }
 }
 
-/// FNV-1a over words and the remaining bytes. It finds damage, not forgery.
+/// FNV-1a over words and the remaining bytes, with a rotation, as products carry nothing to lower bits. It finds
+/// damage, not forgery.
 fn checksum(bytes: &[u8]) -> u64 {
     let (words, rest) = bytes.as_chunks::<8>();
     let mix = |sum: u64, word: u64| (sum ^ word).wrapping_mul(0x0100_0000_01B3).rotate_left(29);

@@ -94,6 +94,7 @@ impl Runs<'_> {
         let (mut last, mut angle) = (DVec2::X, 0.0);
         for &part in &self.list[run].parts {
             let [from, to] = self.places(part).map(|end| end - place);
+            // On a border through the sample, rounding may turn the angle the other way.
             angle += from.perp_dot(to).atan2(from.dot(to)).max(0.0);
             last = to;
         }
@@ -109,19 +110,25 @@ impl Runs<'_> {
         }
     }
 
-    /// The piece that follows, with the gap on the left, and the periods by which it is moved.
+    /// The piece that begins where one ends, with the gap on the left, and the periods by which it is moved.
     fn after(&self, piece: Piece, shift: IVec2) -> Option<(Piece, IVec2)> {
         match piece {
+            // A whole circle is a loop by itself.
             Piece::Arc(run) if self.list[run].closed => None,
             Piece::Arc(run) => {
+                // An arc goes backwards, and so ends where the run's first part begins: on the border with that part's
+                // line.
                 let part = *self.list[run].parts.first()?;
                 if self.is_border(part) {
                     return Some((Piece::Line(part), shift));
                 }
+                // Seen from the cell beyond, the part is the last one of its run, with whose end the arc of that run
+                // begins.
                 let (other, by) = self.across(part)?;
                 Some((Piece::Arc(self.run_of[other]), shift + by))
             }
             Piece::Line(part) if self.ends_at_corner(part) => self.after_corner(part, shift),
+            // A line that ends before the corner of its cell ends on the cell's circle, as the last part of its run.
             Piece::Line(part) => Some((Piece::Arc(self.run_of[part]), shift)),
         }
     }

@@ -223,6 +223,7 @@ impl Cells {
             [true, true] => (Some(1.0), None),
             // A head of 1 would say that the whole side is outside.
             [true, false] => (Some(fraction(enters).min(1.0 - f64::EPSILON)), None),
+            // The end alone is outside.
             _ => (None, Some(fraction(leaves))),
         }
     }

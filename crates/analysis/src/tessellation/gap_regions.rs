@@ -231,6 +231,7 @@ impl<'a> Runs<'a> {
     pub fn across(&self, part: Part) -> Option<(Part, IVec2)> {
         let side = &self.cells.sides[side_of(part)];
         let (twin, beyond) = (side.twin?, side.beyond?);
+        // The twin goes the other way, so that a head is its tail; a side that is wholly outside has a head alone.
         let whole = self.cells.sides[twin].head == Some(1.0);
         let other = if whole || !is_head(part) {
             head_of(twin)

@@ -79,7 +79,8 @@ impl Window {
         };
 
         // The halo doubles until it holds all empty circles, so that the first one decides the time alone. A maximal set has
-        // circles of at most r; a radius that is far from the samples' spacing says little.
+        // circles of at most r, which reach at most 2 r beyond the domain; a radius that is far from the samples'
+        // spacing says little. The factors were chosen with room to spare.
         let spacing = domain.spacing(samples.len());
         let mut halo = 4.0 * radius.clamp(spacing, 8.0 * spacing);
         loop {
@@ -88,19 +89,19 @@ impl Window {
 
             let mut triangles = Vec::new();
             if !domain.periodic {
-                let guards = guards(&domain);
+                let guard_sites = guards(&domain);
                 if let Some(found) = &mut found {
                     if has_triangles {
                         triangles = triangles_of(found);
                     }
-                    for guard in guards {
+                    for guard in guard_sites {
                         let inserted = found.insert(guard);
                         inserted.map_err(|error| failed(error.to_string()))?;
                     }
                 } else {
                     // Samples on one line have no triangulation; with the guards they have one.
                     let sites = home_and_copies(&samples, &domain, halo).into_iter();
-                    found = delaunay(sites.chain(guards).collect()).map_err(failed)?;
+                    found = delaunay(sites.chain(guard_sites).collect()).map_err(failed)?;
                 }
             }
 
@@ -160,7 +161,8 @@ pub(super) fn shifted(place: DVec2, shift: IVec2, domain: &Domain) -> DVec2 {
     place + shift.as_dvec2() * domain.extent
 }
 
-/// Sites so far off that no place of the domain is nearest to them, on all sides.
+/// Sites so far off that no place of the domain is nearest to them, on all sides: more than one and a half diagonals
+/// from the middle.
 fn guards(domain: &Domain) -> [Site; 4] {
     let far = 16.0 * domain.extent.x.hypot(domain.extent.y);
     let [x, y] = (domain.extent / 2.0).to_array();

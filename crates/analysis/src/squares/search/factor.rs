@@ -85,18 +85,20 @@ impl TileSearch<'_> {
             bits: self.bits,
         };
         let span = self.span(&tile);
-        if self.judge.shape.share(span, self.bits) == Share::Nothing {
+        let share = self.judge.shape.share(span, self.bits);
+        if share == Share::Nothing {
             return so_far;
         }
         // Of a place whose factor is within the limit, the sample that gives it is among these.
         let near = self.gather(tiles, &tile, &span, MAX_FACTOR);
         let mut largest = so_far;
-        self.measure(&tile, Share::Some, near, &mut largest);
+        self.measure(&tile, share, near, &mut largest);
         largest
     }
 
-    /// Raises `largest` to the largest factor of a place of a square, if that is larger. Above the limit it stops early. `around`
-    /// and `near` are the share of the domain and the samples of a larger square that holds this one.
+    /// Raises `largest` to the largest factor of a place of a square, if that is larger. Above the limit it stops
+    /// early. `around` and `near` are the share of the domain and the samples of the larger square that this one is a
+    /// quarter of; of a tile they are its own.
     fn measure(
         &mut self,
         square: &TileSquare,
