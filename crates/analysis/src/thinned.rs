@@ -305,8 +305,8 @@ fn mean(a: f64, b: f64) -> f64 {
     least * (2.0 * greatest / (least + greatest))
 }
 
-/// Returns whether shorter^2 + longer^2 < distance^2, in integers. The sides differ little, so that longer is at least half of
-/// the distance.
+/// Returns whether shorter^2 + longer^2 < distance^2, in integers. Both sides of the comparison must be nearly equal,
+/// so that `longer` is at least half of the distance.
 fn is_below(shorter: f64, longer: f64, distance: f64) -> bool {
     if longer >= distance {
         return false;
@@ -318,7 +318,8 @@ fn is_below(shorter: f64, longer: f64, distance: f64) -> bool {
     let product = (limit - long) * (limit + long);
 
     let square = u128::from(short.digits) * u128::from(short.digits);
-    // A number is below a whole one if the whole part of it is.
+    // The square, in the product's units, is a fraction: it is below the whole product exactly if its whole part is.
+    // That is 0 where the square, of 106 bits, is shifted by more than 127.
     match 2 * (unit - short.exponent) {
         finer @ 0..=127 => square >> finer < product,
         finer if finer > 127 => true,
@@ -379,7 +380,7 @@ impl Search<'_> {
 
         let near = begin..kept.len();
         // A part far smaller than a radius, as copies of one point make it, has few kept points around, and its halves
-        // would have the same ones. It is not cut further.
+        // would have the same ones. It is not cut further. The 64 was chosen, not measured.
         let is_small = width.max(height) <= largest_radius / 64.0;
         let found = if points.len() <= FEW || is_small {
             self.each(points, &mut kept[near])

@@ -124,6 +124,7 @@ impl Bitmap {
 /// Returns the pixels of a line of `length` whose centres lie between `ends` and in `seen`, each with the cell in which its
 /// centre lies.
 fn spread(ends: [f64; 2], seen: [f64; 2], cells: usize, length: usize) -> Vec<(usize, usize)> {
+    // The centre of the pixel of index i lies at i + 0.5.
     let from = (ends[0].max(seen[0]).max(0.0) - 0.5).ceil();
     let to = (ends[1].min(seen[1]).min(length as f64) - 0.5).ceil();
     let scale = cells as f64 / (ends[1] - ends[0]);

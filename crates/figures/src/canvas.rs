@@ -206,6 +206,7 @@ impl<'a> Canvas<'a> {
     /// Draws parts of the circles around points: of the circle around each point, from one angle to another.
     pub(crate) fn arcs(&mut self, points: &[DVec2], arcs: &[(usize, [f64; 2])]) {
         let mut group = self.group("exposed arcs");
+        // Wider than the rings of disks, on which they lie.
         let stroke = Stroke::new(self.palette().gap, 3.0 * self.line_px());
         for &(index, [from, to]) in arcs {
             // An arc shorter than a step is one piece; for one of no length, the step would be a division by zero.

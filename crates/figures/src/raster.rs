@@ -268,7 +268,7 @@ impl Painter {
                 spacing,
                 width,
             })) => {
-                // Lines closer than a pixel could not be told apart.
+                // Lines closer than a pixel of the scene would run together.
                 let lines = hatch(spacing.max(1.0) * self.scale);
                 self.segments(lines.into_iter(), Stroke::new(color, width));
             }
@@ -311,6 +311,7 @@ impl Painter {
 
     fn fill(&mut self, path: Option<&Path>, color: Color, rule: FillRule) {
         let Some(path) = path else { return };
+        // A smoothed edge may colour the pixel beside it.
         if let Some(clipped) = self.visibility(path, 1.0) {
             let mask = self.clip.as_ref().filter(|_| clipped);
             let (paint, still) = (paint(color), Transform::identity());
@@ -326,7 +327,8 @@ impl Painter {
             return;
         };
 
-        // A path outside the picture or its clip is not painted, and one inside needs no mask.
+        // A path outside the picture or its clip is not painted, and one inside needs no mask. The line reaches half of
+        // its width to either side, and the other half leaves room for smoothed edges.
         let Some(needs_mask) = self.visibility(&path, width) else {
             return;
         };
@@ -340,6 +342,7 @@ impl Painter {
         }
 
         // The line is filled as an area, since the rasteriser would draw all strokes of up to a pixel as hairlines.
+        // Paths are in pixels: they are dashed and outlined at the resolution of 1.
         let dashed = style.dash.as_ref().map(|dash| path.dash(dash, 1.0));
         let line = dashed.unwrap_or(Some(path));
 

@@ -127,7 +127,7 @@ impl CurveMaker {
         // Reading a spectrum costs more than the changes between two moments, so that a curve of the spectrum does not read every
         // moment. Other curves read all of them unless `moments` says less.
         let moments = moments.or(of_spectrum.map(|_| MOMENTS_OF_SPECTRUM));
-        let cursors = cursors(&course, moments.unwrap_or(usize::MAX));
+        let cursors = spread_cursors(&course, moments.unwrap_or(usize::MAX));
         let curve = Curve {
             numbers: numbers.to_vec(),
             events: Vec::with_capacity(cursors.len()),
@@ -199,7 +199,7 @@ impl CurveMaker {
 }
 
 /// Returns the cursors of a curve: both ends, and those after changes, of which at most `most` are taken.
-fn cursors(course: &Course, most: usize) -> Vec<usize> {
+fn spread_cursors(course: &Course, most: usize) -> Vec<usize> {
     let after = course
         .changes()
         .iter()

@@ -89,7 +89,7 @@ fn runs(chart: &ImageChart) -> Vec<Vec<CellRun>> {
         for (column, value) in values.iter().enumerate() {
             let absent = chart.absent == Some(row * chart.columns + column);
             // The absent cell ends a run as another shade would, and its value is not read.
-            let shade = (!absent).then(|| shade(*value, chart.clamp));
+            let shade = (!absent).then(|| shade_of(*value, chart.clamp));
 
             // Neighbours of one shade are one line: fewer pieces, and no seam between them.
             if let Some(shade) = shade {
@@ -109,7 +109,7 @@ fn runs(chart: &ImageChart) -> Vec<Vec<CellRun>> {
     shades
 }
 
-fn shade(value: f64, [low, high]: [f64; 2]) -> usize {
+fn shade_of(value: f64, [low, high]: [f64; 2]) -> usize {
     let part = ((value - low) / (high - low)).clamp(0.0, 1.0);
     ((part * SHADES as f64) as usize).min(SHADES - 1)
 }

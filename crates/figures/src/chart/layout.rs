@@ -67,12 +67,12 @@ pub fn figure_scene(figure: &Figure, palette: &Palette) -> Result<Scene, ChartEr
         return Err(ChartError::Empty(figure.title.clone()));
     }
 
-    let (legend, mut top) = legend(figure, palette, TITLE);
+    let (names, mut top) = legend(figure, palette, TITLE);
     // The height is set once all rows are there.
     let (width, height) = (tiles_width(figure).unwrap_or(WIDTH), 1.0);
     let mut scene = Scene::new(width, height, palette.background);
     scene.title.clone_from(&figure.title);
-    scene.groups.extend([title(figure, palette), legend]);
+    scene.groups.extend([title(figure, palette), names]);
     for panel in figure.rows.iter().flatten() {
         if let Panel::Scale(scale) = panel {
             scene.groups.push(scale.group(scene.width, palette));
@@ -300,7 +300,8 @@ fn true_to_scale([columns, rows]: [usize; 2], [x, y]: [[f64; 2]; 2], plot: Rect)
     let cells = DVec2::new(columns as f64, rows as f64);
     let mut cell = unit * span / cells;
 
-    // Multiples of half a pixel: pictures are often made at scale 2, where these are whole. The hair allows for rounding.
+    // Multiples of half a pixel: pictures are often made at scale 2, where these are whole. The hair allows for
+    // rounding. Cells below a pixel would lose too much of their size.
     if (cell.x / cell.y - 1.0).abs() < 1e-9 && cell.x >= 1.0 {
         let whole = (2.0 * cell.x + 1e-9).floor() / 2.0;
         if whole > MIN_SHARE_OF_ROOM * cell.x {
@@ -315,13 +316,13 @@ fn true_to_scale([columns, rows]: [usize; 2], [x, y]: [[f64; 2]; 2], plot: Rect)
 /// Returns the legend, whose upper end is `top`, and its lower end. Without names it takes no room.
 fn legend(figure: &Figure, palette: &Palette, top: f64) -> (Group, f64) {
     let mut group = Group::new("legend");
-    let entries = entries(figure);
-    if entries.is_empty() {
+    let looks_by_name = entries(figure);
+    if looks_by_name.is_empty() {
         return (group, top);
     }
 
     let mut at = DVec2::new(MARGIN, top + 0.5 * LEGEND_LINE);
-    for (name, look) in entries {
+    for (name, look) in looks_by_name {
         let width = SAMPLE + text_width(name, Font::Regular, LEGEND_TEXT) + GAP;
         // A name that does not fit goes to the next line. A name wider than the figure is not moved from the beginning of its
         // line, which would leave an empty one.
@@ -329,14 +330,14 @@ fn legend(figure: &Figure, palette: &Palette, top: f64) -> (Group, f64) {
             at = DVec2::new(MARGIN, at.y + LEGEND_LINE);
         }
 
-        let drawn = drawn(look, palette);
+        let line = drawn(look, palette);
         let along = (SAMPLE - SAMPLE_END) * DVec2::X;
-        group.shapes.push(Shape::line(at, at + along, drawn.stroke));
-        if let Some(marker) = drawn.marker {
+        group.shapes.push(Shape::line(at, at + along, line.stroke));
+        if let Some(marker) = line.marker {
             let middle = at + 0.5 * along;
             group
                 .shapes
-                .push(lines::mark(marker, middle, drawn.stroke.color));
+                .push(lines::mark(marker, middle, line.stroke.color));
         }
 
         let mut text = Text::new(at + SAMPLE * DVec2::X, name, LEGEND_TEXT, palette.text);

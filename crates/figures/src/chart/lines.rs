@@ -97,6 +97,8 @@ fn wide(values: impl Iterator<Item = f64>) -> [f64; 2] {
     if (high - low) > 1e-9 * high.abs().max(low.abs()) {
         return [low, high];
     }
+    // Equal values, or nearly equal ones, have room on both sides: half of themselves, and 0.5 at least, so that zero
+    // has some.
     let half = (0.5 * high.abs()).max(0.5);
     [low - half, high + half]
 }
@@ -204,7 +206,7 @@ fn level_names(chart: &LineChart, frame: &Frame<'_>) -> Group {
 /// Adds the line and the marks of a series.
 fn curve(series: &Series, frame: &Frame<'_>, group: &mut Group) {
     let points: Vec<DVec2> = series.points.iter().map(|p| frame.pixel(*p)).collect();
-    let drawn = drawn(series.look, frame.palette);
+    let line = drawn(series.look, frame.palette);
 
     // The marks of curves that run together shall stand beside each other: those of eight numbers begin at different eighths
     // of the distance of two marks, each three eighths after the number before. Other curves have no marks.
@@ -216,15 +218,15 @@ fn curve(series: &Series, frame: &Frame<'_>, group: &mut Group) {
 
     let mut marks = Vec::new();
     for point in &points {
-        if let Some(marker) = drawn.marker
+        if let Some(marker) = line.marker
             && point.x >= next_mark
         {
-            marks.push(mark(marker, *point, drawn.stroke.color));
+            marks.push(mark(marker, *point, line.stroke.color));
             next_mark = point.x + MARK_EVERY;
         }
     }
 
-    let stroke = drawn.stroke;
+    let stroke = line.stroke;
     group.shapes.push(Shape::Polyline { points, stroke });
     // Marks lie on their line.
     group.shapes.extend(marks);
