@@ -33,7 +33,8 @@ fn name(number: &'static SetNumber) -> NumberName {
     }
 }
 
-/// Returns the function that gives the value of a number at a cursor of a recording, in at most so many steps.
+/// Returns the function that gives the value of a number at a cursor of a recording. Its last argument is the most
+/// steps that it may take.
 fn follow(recording: &Recording) -> NumberAt {
     let samples = recording.run().samples.len();
     // These are all samples that the run ever has. How many there are at once is known only after its events are read below.

@@ -19,7 +19,8 @@ pub trait Follows: Renew {
     fn prepare_reading(&mut self);
 }
 
-/// Implements it for measures with the rates and with what they do before they are read.
+/// Implements it for measures with the rates and with what they do before they are read. Each method calls that of the
+/// same name which the measure itself has: methods of a type come before those of its traits.
 macro_rules! follows {
     ($($measure:ty: $rate:expr, $prepare:expr;)*) => {
         $(impl Follows for $measure {
@@ -214,7 +215,7 @@ impl<M: Follows> Kept<M> {
         steps.div_ceil(M::RATE)
     }
 
-    /// Takes one change on the way to the moment after `target` of them, which is another one.
+    /// Takes one change on the way to the moment after `target` of them, which must not be the measure's own.
     fn step(&mut self, course: &Course, target: usize) -> u64 {
         let is_forwards = self.taken < target;
         let index = if is_forwards {

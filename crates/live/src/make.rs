@@ -101,6 +101,7 @@ impl Course {
         };
 
         let domain = parameters.validate_sequential()?;
+        // The reference sampler has no stage before its first iteration.
         let mut recorder = CourseRecorder::from(Stage::Iterate(1));
         let points = reference_recorded(domain, parameters.seed, observer, &mut recorder)?;
         Ok(recorder.finish(domain, &points))
@@ -116,7 +117,7 @@ impl Course {
         nested: &NestedRequest,
         observer: &mut dyn Observer,
     ) -> Result<Self, CourseError> {
-        // An exact number of samples decides the radius, so that the check must know it, too.
+        // An exact number of samples decides the radius, with which the run is checked.
         let mut expected = recipe.parameters;
         if let Some(count) = nested.exactly {
             expected.radius = radius_estimate(&expected, count as u64)?;

@@ -22,7 +22,7 @@ pub const MAX_SAMPLES: usize = 200_000;
 pub struct Wanted {
     /// The spectrum, with all numbers that are read from it.
     pub spectrum: bool,
-    /// Whether every second or third frequency along each axis will do, while all take more steps than there are.
+    /// Whether every second or third frequency along each axis will do while the budget of steps is too small for all.
     pub thinned: bool,
     /// Distances: g(r), the smallest one, conflicts.
     pub pairs: bool,

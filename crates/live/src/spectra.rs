@@ -7,10 +7,10 @@ use tilescope_analysis::measures::MeasureError;
 use crate::course::Course;
 use crate::kept::Kept;
 
-/// The rings and the picture of a spectrum are read in the time of about so many changes.
+/// The rings and the picture of a spectrum are read in the time of about this many changes.
 const READING_CHANGES: u64 = 32;
 
-/// All frequencies are thinned in the time of about so many changes of those that are left.
+/// All frequencies are thinned in the time of about this many changes of those that are left.
 const THINNING_CHANGES: u64 = 128;
 
 const STRIDES: usize = LiveSpectrum::MAX_STRIDE as usize;
@@ -89,8 +89,9 @@ impl Spectra {
         Ok(steps)
     }
 
-    /// Makes the spectrum of a stride where there is none, and takes it from that of all frequencies where this is nearer: that was
-    /// shown while time stood still, and the others stayed behind. Returns the steps.
+    /// Makes the spectrum of a stride where there is none. Where that of all frequencies is nearer to the moment, it is
+    /// thinned and takes the place of the other: so it is after a rest, during which it alone was moved. Returns the
+    /// steps.
     fn begin(&mut self, index: usize, course: &Course, target: usize) -> Result<u64, MeasureError> {
         let stride = index as u32 + 1;
         self.kept[index]

@@ -45,8 +45,8 @@ pub(crate) struct Cells {
 }
 
 impl Cells {
-    /// Returns cells of at least `radius` along x and twice that along y, where the region is so large. Declines a radius for which
-    /// they would be too many, or would have to look too many cells far.
+    /// Returns cells of at least `radius` along x and twice that along y, where the region is so large. Declines a
+    /// radius for which there would be too many cells, or too many of them within two radii.
     pub fn new(domain: Domain, radius: f64) -> Result<Self, Declined> {
         let side = radius * SLACK;
         // Rounded down: cells may be larger than asked for, but not smaller.

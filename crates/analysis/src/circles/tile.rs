@@ -85,8 +85,8 @@ struct Group {
 const GROUPS: usize = 64 / LANES;
 
 impl Unmarked {
-    /// Adds a group: a sample and those from `start` on, of which the lanes with a bit in `hits` hold neighbours. There is
-    /// room until [`Self::is_full`].
+    /// Adds a group: a sample, and those from `start` on, one a lane. Lanes with a bit in `hits` hold its neighbours.
+    /// There is room until [`Self::is_full`].
     #[inline]
     fn add(&mut self, sample: usize, start: usize, squares: [Square; LANES], hits: u64) {
         let place = self.count % GROUPS;

@@ -295,9 +295,9 @@ impl CellVertices<'_> {
     /// The vertices beyond the limit that count for this cell, by index. Of all cells around a place it counts for one.
     ///
     /// That is the cell that holds the place a little to the right and, if an edge goes there, a little up from it; on an
-    /// upright border, the place a little up. The samples around a place lie on a circle about it, on a border on half of one,
-    /// so that they come in a sequence in which this direction rises up to one of them and then falls. So a cell compares its
-    /// sample with the two beside it alone, however many samples are equally far.
+    /// upright border, the place a little up. The samples around a place lie on a circle about it, or on half of one at
+    /// a border. Around it, they lie farther and farther in that direction up to one sample, and then less and less. So
+    /// a cell compares its sample with the two beside it alone, however many samples are equally far.
     pub fn open(&self) -> impl Iterator<Item = usize> {
         // A quick test, as nearly all vertices are nearer than the limit. A millionth is far above the rounding of
         // places.

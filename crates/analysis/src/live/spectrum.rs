@@ -280,9 +280,9 @@ impl LiveSpectrum {
         UNITS_OFF * (rounded / self.square_sum()).sqrt() / ONE
     }
 
-    /// Returns whether sums are off by so much that they must be renewed: after a set of which nearly nothing is left,
-    /// and of a few samples that all lie at the border of a bounded plane, where they weigh next to nothing. Otherwise never:
-    /// with a million times as many changes as samples the error is still below the limit.
+    /// Returns whether sums are off by so much that they must be renewed. They are where nearly all samples of a set
+    /// were removed, and where a few samples all lie at the border of a bounded plane and weigh next to nothing.
+    /// Otherwise they never are: with a million times as many changes as samples the error is still below the limit.
     #[must_use]
     pub fn must_renew(&self) -> bool {
         5.0 * self.error() >= Self::MAX_ERROR

@@ -4,7 +4,7 @@ use super::cover::LiveCover;
 use super::pairs::LivePairs;
 use crate::witness::{Conflict, Gap};
 
-/// What of a moment's samples decides whether they are valid, with its witnesses. Lengths are in radii.
+/// The numbers that decide whether a moment's samples are valid, with witnesses. Lengths are in radii.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct LiveVerdict {
     /// How many samples there are.

@@ -205,8 +205,9 @@ fn wave(phase: f64, scale: f64) -> impl Iterator<Item = WavePair> {
     blocks.map(|pair| pair.map(|lanes| lanes.map(|value| value as f32)))
 }
 
-/// Writes the squared transforms of a row of sums, multiplied by `scale`: from the middle on those at the columns, and
-/// before it, from there on down, those at the columns of the opposite row, which are those of the opposite columns.
+/// Writes the squared transforms of a row of sums, multiplied by `scale`: those at `(column, row)` from the middle of
+/// `powers` on upwards. Those at `(column, -row)` equal those at `(-column, row)`, and are written from the middle
+/// downwards.
 pub(super) fn write_powers(sums: &[ProductSums], scale: f64, powers: &mut [f64]) {
     dispatch!(Level::new(), simd => write_in_vectors(simd, sums, scale, powers));
 }

@@ -1,5 +1,6 @@
 //! Effective Nyquist frequency and oscillation of a radial power curve (Heck, Schloemer and Deussen 2013), and the
-//! curve that follows from g(r). Frequencies are `nu = |k| / sqrt(N)` throughout. Samples enter only by g(r).
+//! curve that follows from g(r); psa is a program of Schloemer that measures both. Frequencies are `nu = |k| / sqrt(N)`
+//! throughout. Samples enter only by g(r).
 
 use std::f64::consts::{PI, TAU};
 

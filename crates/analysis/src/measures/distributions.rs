@@ -22,8 +22,8 @@ pub fn chi_square_quantile(tail: f64, freedom: f64) -> f64 {
     falling_root(|value| chi_square_tail(value, freedom) - tail)
 }
 
-/// Returns where the mean of a Poisson variable is of which `count` was seen: the interval misses it with probability
-/// `missed`.
+/// Returns an interval for the mean of a Poisson variable that took the value `count`. It misses the mean with
+/// probability `missed`.
 #[must_use]
 pub fn poisson_interval(count: usize, missed: f64) -> [f64; 2] {
     let bound = |tail: f64, events: usize| 0.5 * chi_square_quantile(tail, 2.0 * events as f64);

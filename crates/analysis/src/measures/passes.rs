@@ -54,8 +54,8 @@ impl TransformPlan {
         self.strips_along_y(&spread, transform, &Idle::default(), monitor)
     }
 
-    /// Spreads strips of the grid, and transforms each while it is in the caches: `transform` writes two lines, of which the pair
-    /// is given, at the rows of the window.
+    /// Spreads strips of the grid, and transforms each while it is in the caches. `transform` gets the index of a pair
+    /// of lines, and writes both at the rows of the window.
     fn strips_along_y<const C: usize>(
         &self,
         spread: &Spread<C>,

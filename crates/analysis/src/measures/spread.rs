@@ -282,7 +282,7 @@ impl<const C: usize> Spread<C> {
     ) {
         for sample in samples {
             let (line, start) = (sample.first[0] as usize, sample.first[1] as usize);
-            // Samples of the bands at both ends reach other lines, too, or only those.
+            // Samples of the first band and of the last one may reach other lines, too, or only other lines.
             let reached = line.max(lines.start)..(line + WIDTH).min(lines.end);
             if reached.is_empty() {
                 continue;

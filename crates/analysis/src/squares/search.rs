@@ -488,7 +488,8 @@ impl<'a> TileSearch<'a> {
         first..self.lists.len()
     }
 
-    /// Finds the conflicts of the samples that were listed last with others that are listed, and lists the former no longer.
+    /// Finds the conflicts of the samples `own`, which were listed last, with those of `near`. Then takes `own` off the
+    /// list.
     fn find_conflicts(&mut self, own: Range<usize>, near: List) {
         for index in own.clone() {
             let one = self.lists[index];

@@ -350,7 +350,7 @@ impl GapRegion {
         }
     }
 
-    /// Returns the gap in the units of the user, `scale` of which are computed with for one.
+    /// Returns the gap in the units of the user, one of which is `scale` units of the domain.
     fn in_user_units(mut self, scale: f64) -> Self {
         let user = |place: &mut DVec2| *place /= scale;
         self.area /= scale * scale;

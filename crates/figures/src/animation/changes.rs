@@ -70,8 +70,8 @@ impl Change {
         change
     }
 
-    /// Returns the pixels to lay over the frame before, of which those that stay are transparent. Where all change, or some that
-    /// change are not opaque, they are to be put in their place.
+    /// Returns the pixels to lay over the frame before: those that stay are transparent. Where all pixels change, or a
+    /// changed one is not opaque, they are to be put in the place of the old ones.
     pub fn layer(&self) -> Layer {
         let mut rgba = self.rgba.clone();
         let pixels = || self.rgba.chunks_exact(4).zip(&self.stays);
