@@ -286,6 +286,7 @@ impl Circles<'_> {
     fn in_sequence<const N: usize>(&self, indices: [usize; N]) -> [(u32, Site); N] {
         let mut sites = indices.map(|index| {
             let Sample { position, id } = self.samples.at(self.tile.source[index] as usize);
+            // In a bounded region the periods are infinite, and no sample is moved.
             let moved =
                 (self.tile.position(index) - position) / self.samples.cells.domain.periods();
             let periods = moved.to_array().map(|value| value.round() as i64);

@@ -260,7 +260,8 @@ impl<'a> Search<'a> {
         tile.around(index, self.samples.cells.reach, |_, offset| {
             let offset = offset * per_rho;
             arcs.push(Arc::of_disk(offset));
-            // Without a branch, which would be mispredicted for a third of the samples.
+            // Disks two radii apart or more do not meet. They are dropped without a branch, which would be mispredicted
+            // for a third of the samples.
             let is_near = offset.length_squared() < 4.0;
             arcs.truncate(arcs.len() - usize::from(!is_near));
         });

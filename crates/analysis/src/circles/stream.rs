@@ -77,7 +77,7 @@ impl CircleBands {
         self.open.add(points, first);
         if self.open.len() >= self.sort_at {
             let cells = cells(question)?;
-            // Sparse sets are refused where their rows are judged.
+            // At first `complete` is below 0. Sparse sets are refused where their rows are judged.
             let _ = self.sort(&cells, cells.row(complete.max(0.0)));
         }
         Ok(())
@@ -138,7 +138,7 @@ impl CircleBands {
         monitor: &Monitor<'_>,
     ) -> Result<(), VerifyError> {
         let cells = cells(question)?;
-        // Samples may still come in this row and the rows above it.
+        // Samples may still come in this row and the rows above it. At first `complete` is below 0.
         let open_row = cells.row(complete.max(0.0));
         // The row below it is left for later, too, as its circles reach into the open one.
         let rows = self.closed.max(first(&cells))..open_row.saturating_sub(1);

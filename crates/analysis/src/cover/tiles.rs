@@ -233,6 +233,7 @@ pub(super) fn original(grid: &Grid, place: DVec2) -> Site {
     let periods = |axis: usize, cell: i64| cell.div_euclid(grid.cells[axis] as i64);
     for (at_row, at_column) in near(1).flat_map(|row| near(0).map(move |column| (row, column))) {
         let ((row, y), (column, x)) = (wrap(grid, 1, at_row), wrap(grid, 0, at_column));
+        // A bounded region has no copies: the place is the sample's own.
         if !grid.domain.periodic || !grid.holds(row) {
             continue;
         }

@@ -194,6 +194,7 @@ impl LiveCell {
             offset,
             determinant,
         } = Meeting::of(self.before(index).edge, vertex.edge);
+        // 2 normal . offset / (2 determinant) is compared with the bound. The determinant is above zero.
         let normal = cut.normal.map(i128::from);
         let along = offset[0] * normal[0] + offset[1] * normal[1];
         along.cmp(&(i128::from(cut.bound) * determinant))

@@ -226,6 +226,7 @@ impl LiveCover {
         touched.sort_unstable();
         touched.dedup();
 
+        // On a torus a copy of the removed sample may be among its neighbours.
         for &other in touched.iter().filter(|&&other| other != slot) {
             let kept = &self.taken[other as usize].vertices;
             let mut neighbours = kept.iter().filter_map(Vertex::neighbour);
@@ -440,6 +441,7 @@ impl LiveCover {
     /// Clips a cell, if it is kept, by a new neighbour.
     fn clip_kept(&mut self, slot: u32, offset: [i64; 2], neighbour: u32) -> u64 {
         let taken = &mut self.taken[slot as usize];
+        // A new sample may be found around itself, and its own cell is complete.
         if taken.vertices.is_empty() || slot == neighbour {
             return 0;
         }

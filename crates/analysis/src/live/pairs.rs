@@ -111,8 +111,9 @@ impl Histogram {
         let at = (square as f64).sqrt() * (BINS_PER_RADIUS / radius);
         let bin = (at as usize).min(self.counts.len() - 1);
         let within_bin = at - bin as f64;
-        // `at` is at most 200 where it matters, so that its rounding is far less than 1e-9 of a bin, and such a pair is
-        // certainly in this bin. Farther pairs are in the last bin, wherever they are.
+        // `at` is at most 200 where it matters, so that its rounding is far less than 1e-9 of a bin: a pair that is
+        // farther than that from both ends of its bin is certainly in it. Pairs beyond all bins are in the last one,
+        // wherever they are.
         if (1e-9..1.0 - 1e-9).contains(&within_bin) || bin + 1 == self.counts.len() {
             return (bin, 1);
         }
@@ -174,6 +175,7 @@ impl LivePairs {
             samples: Vec::new(),
             free: Vec::new(),
             nearest: Tournament::new(0),
+            // Where all samples are seen, the distance is infinite, and its square becomes the largest number.
             certain: (certain * certain) as u64,
             count: 0,
             to_search: Vec::new(),

@@ -268,9 +268,9 @@ impl PlaceGrid {
         self.certain_distance(reach).min(half)
     }
 
-    /// Calls `each` with the samples of the cells at most `reach` cells away, two at most, and their offsets, until it breaks;
-    /// nearer cells come first, but at seams and borders. Each sample is seen once, at its shorter offset. Returns the counted
-    /// steps.
+    /// Calls `each` with the samples of the cells at most `reach` cells away, which is at most [`MAX_REACH`], and their
+    /// offsets, until it breaks. Nearer cells come first, but not at seams and borders. Each sample is seen once, at
+    /// its shorter offset. Returns the counted steps.
     pub fn around(
         &self,
         place: [i32; 2],
@@ -329,9 +329,9 @@ impl PlaceGrid {
         near.map(|line| line.rem_euclid(count) as usize).collect()
     }
 
-    /// Calls `each` with the samples, and on a torus their copies, in the closed disk about a place: `each` gets the sample and
-    /// the shift of the copy in periods, and may make the squared radius smaller. Blocks without samples are passed over at
-    /// once. Returns the counted steps.
+    /// Calls `each` with the samples, and on a torus their copies, in the closed disk of a squared radius about a
+    /// place. `each` gets the sample, the shift of the copy in periods, and the squared radius, which it may make
+    /// smaller. Blocks without samples are passed over at once. Returns the counted steps.
     pub fn within(
         &self,
         center: DVec2,

@@ -547,7 +547,7 @@ impl<'a> RowReader<'a> {
         let mut sums = spectrum.sums.row(row);
         let stride = spectrum.stride as usize;
         // The mean density is subtracted. It changes no frequency beyond the first one along each axis, as the taper's
-        // transform ends there.
+        // transform ends there, and of the four products only that of two cosines, as the taper is even.
         for column in (0..2).filter(|column| (column * stride).max(row * stride) < 2) {
             let frequency = [column, row].map(|index| (index * stride) as i64);
             sums.to_mut()[0][0][column] -= self.total * spectrum.taper.mean_factor(frequency);
