@@ -186,8 +186,8 @@ fn wave(phase: f64, scale: f64) -> impl Iterator<Item = WavePair> {
     let (sin, cos) = phase.sin_cos();
     let turn = Complex::new(cos, sin);
 
-    // Powers of one phase: after 1,024 of them they are off by less than 1e-12, where 32 bits leave 3e-8. Lanes go on side by
-    // side, as one power after the other would take as long as the products of a third of the change.
+    // Powers of one phase: after 1,024 of them they are off by less than 1e-12, where 32 bits leave 3e-8. Lanes go on
+    // side by side: one power after the other would take as long as a third of the change's products.
     let mut power = Complex::new(scale, 0.0);
     let mut first = [[0.0; LANES]; 2];
     let [cos, sin] = &mut first;
@@ -221,6 +221,8 @@ fn write_in_vectors<S: Simd>(simd: S, sums: &[ProductSums], scale: f64, powers: 
     let columns = powers.len() / 2 + 1;
     let scale = f64x8::splat(simd, scale);
     for (block, products) in sums.iter().enumerate() {
+        // The products are cos cos, sin sin, sin cos and cos sin: of them are the real and the imaginary part at a
+        // frequency, and at the one opposite along x, up to signs.
         // Closures would not be compiled for the processor below the highest level of optimisation.
         let cosines = f64x8::from_slice(simd, &products[0]);
         let sines = f64x8::from_slice(simd, &products[1]);
@@ -285,7 +287,8 @@ fn add_rows<S: Simd>(
 #[inline(always)]
 fn add_block<S: Simd>(simd: S, sums: &mut ProductSums, along_x: &[WavePair], along_y: &[[f32; 2]]) {
     let rounding = f32x8::splat(simd, ROUNDING);
-    // The bits of ROUNDING come with every product. Sums of so few products of 22 bits fit into 32.
+    // The bits of ROUNDING come with every product, and are taken off beforehand. The sum of a block's products of 22
+    // bits fits into 32.
     let none = (ROUNDING.to_bits() as i32).wrapping_mul(-(along_x.len() as i32));
     let mut units = [i32x8::splat(simd, none); 4];
 

@@ -95,6 +95,7 @@ impl Weighed {
         let squares: f64 = samples.iter().map(|sample| sample.weight.powi(2)).sum();
 
         Self {
+            // A taper is zero along the border, where all samples may lie: all sums are zero then.
             scale: if squares > 0.0 { 1.0 / squares } else { 0.0 },
             taper,
             total: samples.iter().map(|sample| sample.weight).sum(),

@@ -345,7 +345,7 @@ impl ProfileSums<'_> {
         let AnnulusTable {
             counts, lengths, ..
         } = self.table;
-        // The last ones are beyond all whole annuli.
+        // The last sums are of the frequencies beyond all whole annuli.
         let whole = self.sums.len() - 1;
         let annuli = self.sums[..whole].iter().zip(counts).zip(lengths);
         let annulus = |((&[sum, squares], &count), &length): ((&[f64; 2], &u64), &f64)| {
@@ -354,6 +354,7 @@ impl ProfileSums<'_> {
                 count,
                 length,
                 mean,
+                // Of equal powers it is 0 but for rounding, which may be negative.
                 squares: (squares - sum * mean).max(0.0),
             };
             sums.annulus()

@@ -168,7 +168,8 @@ fn window_of(region: Region, [inner, outer]: [f64; 2]) -> Result<FrequencyWindow
             value: outer,
         });
     }
-    // A product below `outer` has a quotient that is not below its factor, however both are rounded.
+    // No frequency of the ring is missed by rounding: where `k * unit` is below `outer` as rounded, `outer / unit` is
+    // not below k as rounded.
     let [x, y] = unit_lengths(region).map(|unit| (outer / unit) as i64);
     if x.max(y) > limit {
         let frequency = x.max(y);

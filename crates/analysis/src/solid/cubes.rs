@@ -35,7 +35,7 @@ impl CubesFound {
     }
 }
 
-/// Looks for places farther than the limit from all samples. Where cubes of about a radius have one, the first is enough.
+/// Looks for places farther than the limit from all samples. In each cube of about a radius the first is enough.
 pub(super) fn search(
     question: &SolidQuestion<'_>,
     monitor: &Monitor<'_>,

@@ -283,7 +283,7 @@ impl<'a> Bins<'a> {
     fn spans(&self, number: u64, axis: u32) -> Vec<RangeInclusive<u64>> {
         let count = self.counts[axis as usize];
         let last = count - 1;
-        // Around a torus of three bins each is beside each.
+        // Around a torus of three bins each is beside each. In a bounded region, to look at all of so few does no harm.
         if count <= 3 {
             return vec![0..=last];
         }

@@ -317,8 +317,9 @@ impl<'a> TileSearch<'a> {
         PointSpan { min, max }
     }
 
-    /// Lists the samples that may be near a place of the tile, or at most `times` as far from one as near places may be, and
-    /// returns the list, which is the first one. The tile's own samples come first. `span` has the lattice points of the tile.
+    /// Lists the samples that may be no farther from a place of the tile than `times` the largest distance of near
+    /// places, and returns the list, which is the first one. The tile's own samples come first. `span` has the lattice
+    /// points of the tile.
     fn gather(
         &mut self,
         tiles: &SampleTiles,

@@ -76,7 +76,7 @@ impl Frame<'_> {
         let [x, y] = self.ticks();
         let Rect { min, max } = self.plot;
 
-        // The end of the other axis is any place of it, as each line crosses all of the plot.
+        // Each line crosses all of the plot, so that any place of the other axis will do, such as its lower end.
         let upright = x.iter().map(|(value, _)| {
             let x = self.pixel([*value, self.y[0]]).x;
             [min.with_x(x), max.with_x(x)]
