@@ -108,7 +108,8 @@ pub(crate) fn clip_polygon(points: &[DVec2], Rect { min, max }: Rect) -> Vec<DVe
 /// The most hatching lines of one area; the widest picture has fewer.
 const MAX_LINES: f64 = 65_536.0;
 
-/// Returns the pieces of the lines `x + y = k * spacing * sqrt 2` inside the polygon (even-odd rule).
+/// Returns the pieces of the lines `x + y = k * spacing * sqrt 2` inside the polygon (even-odd rule). A spacing below 1
+/// counts as 1.
 pub(crate) fn hatch_polygon(points: &[DVec2], spacing: f64) -> Vec<[DVec2; 2]> {
     let mut pieces = Vec::new();
     for level in levels(points.iter().map(|p| p.element_sum()), spacing) {

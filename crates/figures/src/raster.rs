@@ -149,7 +149,7 @@ impl Painter {
         Ok(())
     }
 
-    /// Makes the clip of a group, in pixels of the scene, that of the shapes to come; without one, the whole picture is.
+    /// Clips the shapes to come to a rectangle in pixels of the scene or, without one, to the whole picture.
     fn set_clip(&mut self, clip: Option<Rect>) {
         let (width, height) = (self.pixmap.width(), self.pixmap.height());
         self.clip = None;
@@ -282,7 +282,8 @@ impl Painter {
 
     /// Draws straight lines as one shape, without those out of sight.
     fn segments(&mut self, segments: impl Iterator<Item = [DVec2; 2]>, stroke: Stroke) {
-        // A line whose middle lies outside reaches into the picture by half its width.
+        // A line whose middle lies outside reaches into the picture by half its width. The rest of the margin leaves
+        // room for smoothed edges.
         let frame = self.frame.padded(stroke.width * self.scale + 2.0);
 
         let mut builder = PathBuilder::new();

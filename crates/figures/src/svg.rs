@@ -382,7 +382,8 @@ fn stroke_attributes(stroke: Stroke) -> String {
     text
 }
 
-/// Returns `text` for XML and HTML content and attributes; what XML 1.0 cannot hold becomes U+FFFD.
+/// Returns `text` for XML and HTML content and attributes. What XML 1.0 cannot hold becomes U+FFFD, as do all control
+/// characters but the tab and the line feed.
 #[must_use]
 pub fn escape(text: &str) -> String {
     let mut escaped = String::with_capacity(text.len());

@@ -54,7 +54,7 @@ impl Curve {
             for column in &self.columns {
                 let value = column[row];
                 out.push(',');
-                // NaN stands for a number that is not defined there.
+                // NaN stands for a number that is not defined there; an infinite one counts as not defined, too.
                 if value.is_finite() {
                     let _ = write!(out, "{value}");
                 }

@@ -167,6 +167,8 @@ impl<M: Follows> Kept<M> {
         ways.changes.min(ways.at_once).min(ways.ahead)
     }
 
+    /// Returns about how many steps each way to the moment after `target` changes takes. Before the measure has begun,
+    /// all take none.
     fn ways(&self, course: &Course, target: usize) -> Ways {
         let Some(measure) = &self.measure else {
             return Ways::default();

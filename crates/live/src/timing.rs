@@ -149,7 +149,7 @@ pub fn timed(
     }
 
     let taken = seconds() - began;
-    // Every cursor but the first is the end of a move.
+    // Every cursor but the first is the end of a move. There may be no other: then nothing is divided by zero.
     let moves = (cursors.len() - 1).max(1) as f64;
     Ok(Timed {
         samples: course.final_count(),

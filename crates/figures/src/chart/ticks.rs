@@ -65,7 +65,7 @@ impl Step {
     fn of(least: f64) -> Self {
         let exponent = least.log10().floor() as i32;
         let times = |factor: f64, exponent: i32| {
-            // Inverses of whole powers are rounded once.
+            // A negative power is computed as the inverse of a whole number, and so is rounded only once.
             let power = if exponent < 0 {
                 1.0 / 10f64.powi(-exponent)
             } else {
