@@ -18,7 +18,7 @@ use colors::Indexed;
 /// The most frames of an animation.
 pub const MAX_FRAMES: usize = 10_000;
 
-/// The most pixels of a frame, 2^24 (4,096 x 4,096).
+/// The most pixels of a frame, 2^24 (4,096 x 4,096). Two frames are in memory at a time, of 64 MiB each.
 pub const MAX_FRAME_PIXELS: u64 = 1 << 24;
 
 /// The largest side of a frame of a GIF, whose sizes have 16 bits.

@@ -13,7 +13,7 @@ pub(crate) const CAPTION: f64 = 44.0;
 /// Margin around the frame, in pixels at a picture width of 1000.
 pub(crate) const MARGIN: f64 = 16.0;
 
-/// Disks are left out if all have a smaller radius in pixels.
+/// Disks are left out if all have a smaller radius in pixels: their rings would be noise.
 const MIN_DISK: f64 = 12.0;
 
 /// The longest piece of an arc that is drawn as a straight line, in radians.

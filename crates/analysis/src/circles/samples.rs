@@ -15,7 +15,7 @@ use crate::domain::Domain;
 /// Sides of a cell in radii: fewer and longer runs of samples are scanned than in square cells.
 const SHAPE: DVec2 = DVec2::new(1.0, 2.0);
 
-/// Cells that even a set of few samples may have.
+/// Cells that even a set of few samples may have: 4 MiB.
 const FEW_CELLS: usize = 1 << 20;
 
 /// Most cells per sample; a maximal set has 0.7.

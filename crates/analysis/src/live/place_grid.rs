@@ -18,7 +18,8 @@ const MAX_SIDE: u32 = 1 << 30;
 /// The largest radius: 1,600 times the square of five radii then fits 64 bits.
 const MAX_RADIUS: u32 = 1 << 20;
 
-/// Blocks of a layer of the pyramid along each side of the block above them.
+/// Blocks of a layer of the pyramid along each side of the block above them, which has a bit for each in one number of
+/// 64 bits.
 const BLOCK: usize = 8;
 
 /// The rounding of a border of cells, in units, with room to spare.
