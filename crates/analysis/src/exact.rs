@@ -139,6 +139,8 @@ fn square_length([x, y]: &[BigInt; 2]) -> BigInt {
 
 /// An integer, and the exponent of the power of two by which it is multiplied to give the value.
 fn parts(value: f64) -> (i64, i32) {
+    // The lowest 52 bits are the fraction, and the next 11 the exponent, which counts from 1023. Numbers below the
+    // normal ones have an exponent of 0 there, no leading 1, and the unit of those of exponent 1.
     let bits = value.to_bits();
     let field = (bits >> 52 & 0x7FF) as i32;
     let fraction = (bits & ((1 << 52) - 1)) as i64;

@@ -137,6 +137,7 @@ pub(crate) fn hatch_circle(center: DVec2, radius: f64, spacing: f64) -> Vec<[DVe
     levels([middle - reach, middle + reach].into_iter(), spacing)
         .map(|level| {
             let offset = (level - middle) / 2.0;
+            // A line that just touches the circle may miss it by rounding.
             let half = (radius * radius / 2.0 - offset * offset).max(0.0).sqrt();
             let along = DVec2::new(half, -half);
             [center + offset - along, center + offset + along]

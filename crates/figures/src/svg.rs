@@ -331,6 +331,7 @@ fn point_list(points: &[DVec2]) -> String {
 /// Rounded to a thousandth of a pixel, without a minus before zero.
 fn number(value: f64) -> f64 {
     let rounded = (value * 1000.0).round() / 1000.0;
+    // A number so large that the product overflows has no parts below 1.
     if rounded.is_finite() {
         rounded + 0.0
     } else {

@@ -626,6 +626,7 @@ impl LiveCover {
         let home = match self.plane.boundary {
             Boundary::Periodic => {
                 let wrapped = place - (place / extent).floor() * extent;
+                // Of a place a little below 0, rounding makes the extent itself, which is 0 again.
                 DVec2::select(wrapped.cmplt(extent), wrapped, DVec2::ZERO)
             }
             Boundary::Bounded => place.clamp(DVec2::ZERO, extent),

@@ -11,6 +11,7 @@ pub(super) struct Tournament {
 impl Tournament {
     /// Returns the tree of the given number of slots without a number.
     pub fn new(slots: usize) -> Self {
+        // With two leaves or more the root is an inner node.
         let nodes = vec![0; 2 * slots.next_power_of_two().max(2)];
         Self { nodes }
     }

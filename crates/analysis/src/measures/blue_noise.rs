@@ -220,6 +220,7 @@ impl PowerCurve {
         };
         let part = (LOW_POWER - means[below]) / (means[after] - means[below]);
         let [low, high] = [below, after].map(|index| self.frequencies[index]);
+        // The level lies between both means, but for rounding.
         low + part.clamp(0.0, 1.0) * (high - low)
     }
 }

@@ -67,6 +67,7 @@ pub(super) fn transform(frequency: f64) -> f64 {
 fn bessel_i0(x: f64) -> f64 {
     let square = 0.25 * x * x;
     let (mut sum, mut term, mut k) = (1.0, 1.0, 1.0);
+    // Smaller terms are lost in the rounding of the sum.
     while term > 1e-17 * sum {
         term *= square / (k * k);
         sum += term;

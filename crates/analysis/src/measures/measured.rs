@@ -314,7 +314,7 @@ impl MeasuredSet {
     }
 }
 
-/// Returns the low frequencies of a window.
+/// Returns the low frequencies of a window, at least up to 1 along each axis.
 fn fewer(whole: &FrequencyWindow) -> FrequencyWindow {
     let [x, y] = [&whole.x, &whole.y].map(|axis| ((axis.end - 1) / ROUGHER).max(1));
     FrequencyWindow {

@@ -148,7 +148,7 @@ impl Average {
 ///
 /// # Errors
 ///
-/// [`MeasureError::OutOfRange`] for a level outside 0.01 to 0.999999, or for less than one value.
+/// [`MeasureError::OutOfRange`] for a level outside 0.01 to 0.999999, or for less than one value or more than 1e8.
 pub fn power_band(values: f64, level: f64) -> Result<[f64; 2], MeasureError> {
     check_range("the confidence level", level, LEVELS)?;
     check_range("the number of powers", values, [1.0, 1e8])?;

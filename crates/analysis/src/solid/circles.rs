@@ -449,7 +449,7 @@ fn bare_angle(shares: impl Iterator<Item = Share>, arcs: &mut Vec<[f64; 2]>) -> 
     bare(arcs, TAU)
 }
 
-/// Returns a value from 0 to `end` that lies in none of some open intervals.
+/// Returns the least value from 0 to `end` that lies in none of some open intervals, if there is one.
 fn bare(intervals: &mut [[f64; 2]], end: f64) -> Option<f64> {
     intervals.sort_unstable_by(|a, b| a[0].total_cmp(&b[0]));
     let mut reached = 0.0;

@@ -161,8 +161,8 @@ pub(super) fn shifted(place: DVec2, shift: IVec2, domain: &Domain) -> DVec2 {
     place + shift.as_dvec2() * domain.extent
 }
 
-/// Sites so far off that no place of the domain is nearest to them, on all sides: more than one and a half diagonals
-/// from the middle.
+/// Sites so far off that no place of the domain is nearest to them, on all sides. That takes more than one and a half
+/// diagonals from the middle; 16 were chosen, with room to spare.
 fn guards(domain: &Domain) -> [Site; 4] {
     let far = 16.0 * domain.extent.x.hypot(domain.extent.y);
     let [x, y] = (domain.extent / 2.0).to_array();

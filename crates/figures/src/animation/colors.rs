@@ -97,6 +97,7 @@ fn nearest(palette: &[Rgb], color: Rgb) -> u8 {
         .map_or(0, |(place, _)| place as u8)
 }
 
+/// Returns the colour of a pixel that is laid on white. Half of the divisor, 127, rounds to the nearest.
 fn on_white(pixel: &[u8]) -> Rgb {
     let opacity = u32::from(pixel[3]);
     [0, 1, 2].map(|k| ((u32::from(pixel[k]) * opacity + 255 * (255 - opacity) + 127) / 255) as u8)
