@@ -61,7 +61,8 @@ struct FrequencyPower {
     power: f64,
 }
 
-/// Returns the limit of the highest ratio. The mean of n exponential powers, times 2 n, is chi-square with 2 n degrees of freedom.
+/// Returns the limit of the highest ratio. The mean of n exponential powers, times 2 n, is chi-square with 2 n degrees
+/// of freedom.
 fn highest_by_chance(sets: f64, frequencies: f64) -> f64 {
     // The probability that one frequency is above the limit: the sum over all of them is at least that of any.
     let tail = CHANCE / frequencies.max(1.0);
