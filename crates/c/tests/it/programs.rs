@@ -4,6 +4,7 @@ use std::io::Write;
 use std::path::{Path, PathBuf};
 use std::process::{Command, Output};
 
+use gdextension_api::version_4_2;
 use tilescope_c::exports::TilescopeSettings;
 
 use crate::support::{CPlane, buffer, sorted_bits, square};
@@ -48,6 +49,11 @@ fn compile(compiler: &str, standard: &str, source: &str) -> Output {
     let name = if compiler == "cc" { "it.c" } else { "it.cpp" };
     let path = folder_of_source.path().join(name);
     std::fs::write(&path, source).expect("a source");
+    compile_in(folder_of_source.path(), compiler, standard, name)
+}
+
+/// Compiles a file as [`compile`] does, which may include other files of its folder.
+fn compile_in(folder_of_source: &Path, compiler: &str, standard: &str, name: &str) -> Output {
     Command::new(compiler)
         .args([
             standard,
@@ -59,7 +65,7 @@ fn compile(compiler: &str, standard: &str, source: &str) -> Output {
             "-I",
         ])
         .arg(folder())
-        .arg(&path)
+        .arg(folder_of_source.join(name))
         .output()
         .expect("a compiler")
 }
@@ -166,4 +172,44 @@ fn a_program_in_c_walks_over_the_plane_and_has_the_same_points() {
     points.sort_unstable();
     assert!(points.len() > 9_000);
     assert_eq!(points, last_window());
+}
+
+#[test]
+fn the_extension_of_godot_compiles_against_the_header_of_godot() {
+    if !has("cc") {
+        return;
+    }
+    let here = tempfile::tempdir().expect("a folder");
+    let header = here.path().join("gdextension_interface.h");
+    std::fs::write(header, &*version_4_2::load_gdextension_header_h()).expect("a header");
+    let source = folder().join("examples/godot/tilescope_godot.c");
+    let source = std::fs::read_to_string(source).expect("a source");
+    let compiles = |source: &str| {
+        std::fs::write(here.path().join("it.c"), source).expect("a source");
+        let compiled = compile_in(here.path(), "cc", "-std=c99", "it.c");
+        let errors = String::from_utf8_lossy(&compiled.stderr).into_owned();
+        (compiled.status.success(), errors)
+    };
+    let (is_right, errors) = compiles(&source);
+    assert!(is_right, "{errors}");
+    // The control: the arguments of a method in another type than Godot's.
+    let wrong = source.replace(
+        "info.arguments_info = arguments",
+        "info.arguments_info = kinds",
+    );
+    assert_ne!(wrong, source);
+    assert!(!compiles(&wrong).0);
+
+    // The number of `resize` must be the one that Godot lists for its signature.
+    let api = version_4_2::load_gdextension_json();
+    // A class begins with its name, and one with an index goes on with what is at it.
+    let class = "\"name\": \"PackedVector2Array\",\n\t\t\t\"indexing_return_type\"";
+    let (_, array) = api.split_once(class).expect("the class");
+    let (_, resize) = array.split_once(r#""name": "resize""#).expect("the method");
+    let (_, hash) = resize.split_once(r#""hash": "#).expect("its number");
+    let hash: String = hash.chars().take_while(char::is_ascii_digit).collect();
+    assert!(
+        source.contains(&format!("#define RESIZE_HASH {hash}\n")),
+        "{hash}"
+    );
 }
