@@ -348,7 +348,7 @@ pub fn words(text: &str) -> Vec<(Option<char>, &str, Option<char>)> {
 fn with_signs(text: &str) -> String {
     let is_of_name = |c: char| c.is_alphanumeric() || c == '_';
     let mut signs = String::with_capacity(text.len());
-    let (mut rest, mut is_quoted) = (text, false);
+    let (mut rest, mut quote) = (text, "");
 
     while let Some(first) = rest.chars().next() {
         // A word as far as it goes, otherwise a single sign.
@@ -356,11 +356,16 @@ fn with_signs(text: &str) -> String {
         let (word, after) = rest.split_at(length.max(first.len_utf8()));
         signs.push_str(match word {
             // A blank makes the sign as long as the word, so that places in error messages stay right.
-            "and" if !is_quoted => "&& ",
-            "or" if !is_quoted => "||",
+            "and" if quote.is_empty() => "&& ",
+            "or" if quote.is_empty() => "||",
             word => word,
         });
-        is_quoted ^= word == "\"";
+        // A text in quotes ends with the sign that began it.
+        quote = match word {
+            "\"" | "'" | "`" if quote.is_empty() => word,
+            end if end == quote => "",
+            _ => quote,
+        };
         rest = after;
     }
     signs
@@ -524,6 +529,8 @@ mod tests {
                 "kind == \"this and that\" and p",
                 "kind == \"this and that\" &&  p",
             ),
+            ("`so and so` or 'x' and p", "`so and so` || 'x' &&  p"),
+            ("\"it's\" and p", "\"it's\" &&  p"),
             ("a && b", "a && b"),
             ("\u{e4}nd and \u{e4}", "\u{e4}nd &&  \u{e4}"),
         ] {

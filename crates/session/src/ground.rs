@@ -81,6 +81,16 @@ impl GroundRequest {
     }
 }
 
+/// Returns an expression with its scale as one text. A set of a given count has a scale; links and forms have the text alone.
+/// The product is that of the scaled expression, bit for bit, as a number is printed such that it is read back exactly.
+pub(crate) fn scaled_text(expression: &Expression, scale: f64) -> String {
+    let text = expression.text();
+    if scale == 1.0 {
+        return text.to_owned();
+    }
+    format!("{scale} * ({text})")
+}
+
 /// A request as sessions and links hold it: without images, which stay where they are.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 #[serde(rename_all = "kebab-case")]
@@ -102,7 +112,9 @@ impl PortableGround {
     pub fn of(request: &GroundRequest) -> Option<Self> {
         let radius_expression = match &request.radius {
             None => None,
-            Some(RadiusSource::Expression { expression, .. }) => Some(expression.text().to_owned()),
+            Some(RadiusSource::Expression { expression, scale }) => {
+                Some(scaled_text(expression, *scale))
+            }
             Some(_) => return None,
         };
 
@@ -168,5 +180,36 @@ impl MadeGround {
     #[must_use]
     pub fn varies(&self) -> bool {
         self.radii[0] < self.radii[1]
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_scaled_expression_is_one_text_with_the_same_radii() {
+        let expression = Expression::parse("0.1 + x*y").expect("an expression");
+        let scale = 0.1 + 0.2;
+        let text = scaled_text(&expression, scale);
+        let one = Expression::parse(&text).expect("an expression");
+        for place in 0..1000 {
+            let [x, y] = [0.37, 0.73].map(|by| f64::from(place) * by);
+            assert_eq!(
+                (scale * expression.at(x, y)).to_bits(),
+                one.at(x, y).to_bits()
+            );
+        }
+        assert_eq!(scaled_text(&expression, 1.0), expression.text());
+
+        // The request comes back from a session with the same radii.
+        let radius = RadiusSource::Expression { expression, scale };
+        let request = GroundRequest {
+            radius: Some(radius),
+            shape: None,
+            origin: [0.0, 0.0],
+        };
+        let portable = PortableGround::of(&request).expect("neither image nor grid");
+        assert_eq!(portable.radius_expression.as_deref(), Some(text.as_str()));
     }
 }

@@ -429,6 +429,20 @@ impl Session {
         units::position(self.run().samples.points[id as usize])
     }
 
+    /// Returns whether sample `id` covers a place, in r. None covers a place outside of the domain or its shape.
+    #[must_use]
+    pub fn covers_place(&self, id: u32, at: DVec2) -> bool {
+        let run = self.run();
+        let Some(locality) = &run.locality else {
+            return self.image_near(id, at).distance(at) <= 1.0;
+        };
+        // Radii are known at places of the lattice.
+        let place = run.domain.wrap(units::lattice(at));
+        place.is_some_and(|place| {
+            locality.inside(place) && locality.is_near(place, run.samples.points[id as usize])
+        })
+    }
+
     /// Returns whether its domain is a shape.
     #[must_use]
     pub fn has_shape(&self) -> bool {

@@ -120,7 +120,6 @@ pub fn start<T: Task>(wake: &Wake, task: T) -> Job<T::Outcome> {
     };
 
     let (job, sender) = Job::begun(wake);
-    let failed = sender.clone();
     let waker = Arc::clone(wake);
     let take = move |outcome| {
         // Fails only if the owner has dropped the job.
@@ -128,11 +127,9 @@ pub fn start<T: Task>(wake: &Wake, task: T) -> Job<T::Outcome> {
         waker();
     };
 
-    match pending(&task, Arc::clone(job.monitor()), take) {
+    match pending(&task, Arc::clone(job.monitor()), take.clone()) {
         Ok(pending) => pool.run(pending),
-        Err(fault) => {
-            let _ = failed.send(Err(fault));
-        }
+        Err(fault) => take(Err(fault)),
     }
     job
 }

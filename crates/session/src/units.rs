@@ -1,6 +1,6 @@
 //! Conversion from lattice units to r.
 
-use glam::DVec2;
+use glam::{DVec2, I64Vec2};
 use tilescope_core::{Domain, Point, R};
 
 /// Returns lattice units in r.
@@ -13,6 +13,12 @@ pub fn radii(units: i32) -> f64 {
 #[must_use]
 pub fn position(point: Point) -> DVec2 {
     DVec2::new(radii(point.x), radii(point.y))
+}
+
+/// Returns the place of the lattice nearest to a place in r.
+#[must_use]
+pub fn lattice(at: DVec2) -> I64Vec2 {
+    (at * f64::from(R)).round().as_i64vec2()
 }
 
 /// Returns the size of a domain in r.

@@ -48,7 +48,16 @@ pub struct Verdict {
 
 /// A witness in the plane, to be marked on the canvas and flown to by the camera.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub enum WitnessMark {
+pub struct WitnessMark {
+    /// The samples or the circle.
+    pub shape: WitnessShape,
+    /// Whether the verdict allows it: where radii differ and in prefixes, 1 r is not the limit.
+    pub is_valid: bool,
+}
+
+/// What a witness consists of.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum WitnessShape {
     /// Two samples, by id, and their distance in r.
     Pair([u32; 2], f64),
     /// The centre of an empty circle and its radius, in r.
@@ -156,16 +165,22 @@ impl Verdict {
         let pair = || {
             let pair = self.closest?;
             let id = |index: usize| session.run().result.get(index).copied();
-            Some(WitnessMark::Pair(
-                [id(pair.first)?, id(pair.second)?],
-                pair.distance / radius,
-            ))
+            let ids = [id(pair.first)?, id(pair.second)?];
+            Some(WitnessMark {
+                shape: WitnessShape::Pair(ids, pair.distance / radius),
+                // It is the worst pair, so that it conflicts if any does.
+                is_valid: self.conflict_free(),
+            })
         };
 
         let circle = || {
             let gap = self.largest?;
             let center = DVec2::from(gap.center) / radius;
-            Some(WitnessMark::Circle(center, gap.distance / radius))
+            Some(WitnessMark {
+                shape: WitnessShape::Circle(center, gap.distance / radius),
+                // It is the largest one, so that it is a gap if any is.
+                is_valid: self.maximal(),
+            })
         };
 
         match witness {

@@ -273,6 +273,8 @@ impl LayoutTile {
                 let empty = before.filter(|tile| (*tile).clone().pruned().is_none());
                 let open = open - empty.count();
                 let tiles: Vec<Self> = tiles.into_iter().filter_map(Self::pruned).collect();
+                // The open tab may have gone itself, as the last one.
+                let open = open.min(tiles.len().saturating_sub(1));
                 (!tiles.is_empty()).then_some(Self::Tabs { tiles, open })
             }
             Self::Linear { axis, tiles } => {

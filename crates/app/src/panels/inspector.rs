@@ -147,21 +147,28 @@ fn coordinates(ui: &mut Ui, shown: &ShownMoment<'_>, at: DVec2, palette: &Palett
 fn place(ui: &mut Ui, shown: &ShownMoment<'_>, at: DVec2, palette: &Palette) {
     coordinates(ui, shown, at, palette);
     let mut nearest: Option<(f64, u32)> = None;
-    // A sample covers 1 r around it. Its distance is shown up to 3.5 r away, so that a gap's width can be read.
-    let reach = 3.5;
+    let mut is_covered = false;
+    // A sample's distance is shown up to 3.5 r away, so that a gap's width can be read. Where radii differ, samples cover
+    // places up to twice the largest radius away.
+    let reach = f64::max(3.5, 2.0 * shown.session.largest_radius());
     shown.session.index.visit(at, at, reach, |seen| {
         let distance = seen.position.distance(at);
         // Only samples that cover their disks at this moment count.
-        if shown.covers(seen.id) && nearest.is_none_or(|(least, _)| distance < least) {
+        if !shown.covers(seen.id) {
+            return;
+        }
+        if nearest.is_none_or(|(least, _)| distance < least) {
             nearest = Some((distance, seen.id));
         }
+        // Where radii differ, another sample than the nearest may cover the place.
+        is_covered |= shown.session.covers_place(seen.id, at);
     });
 
     match nearest {
         Some((distance, id)) => {
             row(ui, "Nearest sample", &grouped(id as usize), palette);
             row(ui, "Its distance", &format!("{distance:.4} r"), palette);
-            let covered = if distance <= 1.0 { "yes" } else { "no: a gap" };
+            let covered = if is_covered { "yes" } else { "no: a gap" };
             row(ui, "Covered", covered, palette);
         }
         None => row(ui, "Covered", "no: nothing is near", palette),

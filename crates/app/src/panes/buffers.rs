@@ -26,6 +26,8 @@ const INSET: Vec2 = vec2(22.0, 24.0);
 const NOTE: f32 = 32.0;
 /// Rings of a smaller radius are drawn as dots, in screen points.
 const MIN_RING: f32 = 3.0;
+/// The largest radius of a ring, in points.
+const LARGEST_RING: f32 = 13.0;
 /// Smaller squares are filled and have no border, in screen points.
 const MIN_BORDERED: f32 = 5.0;
 
@@ -143,7 +145,8 @@ impl RowPainter<'_> {
 
     fn sees(&self, spot: &RowPlace) -> bool {
         match spot {
-            RowPlace::Point(p) => self.rect.expand(8.0).contains(self.at(*p)),
+            // A ring may reach into view from this far outside; a singled-out one is 4 points larger.
+            RowPlace::Point(p) => self.rect.expand(LARGEST_RING + 4.0).contains(self.at(*p)),
             RowPlace::Link(ends) => {
                 Rect::from_two_pos(self.at(ends[0]), self.at(ends[1])).intersects(self.rect)
             }
@@ -153,7 +156,7 @@ impl RowPainter<'_> {
 
     /// Returns the radius of rings, a little larger than that of samples.
     fn ring(&self) -> f32 {
-        (0.32 * self.subject.camera.scale as f32).clamp(1.0, 13.0)
+        (0.32 * self.subject.camera.scale as f32).clamp(1.0, LARGEST_RING)
     }
 
     fn draw(&self, view: &InView, sprites: &mut Sprites) {

@@ -293,7 +293,7 @@ impl Classroom {
     /// Removes the results, once the learner has been asked.
     fn clear_results(&mut self) {
         let lessons = &mut self.lessons;
-        if lessons.results.entries.is_empty() {
+        if lessons.results.entries.is_empty() && lessons.results.votes.is_empty() {
             lessons.asks_to_clear = false;
             return;
         }

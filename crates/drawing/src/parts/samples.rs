@@ -14,13 +14,16 @@ use crate::surface::{Mark, NO_GROWTH, Stroke, Surface};
 
 /// The width of a conflict's edge, in screen points.
 const EDGE_WIDTH: f32 = 1.4;
+/// The farthest that a symbol reaches from its sample, in screen points: the largest ring ([`crate::look::radii`]) at one and
+/// a half times its size, with its outline.
+const SYMBOL_REACH: f64 = 9.0 * 1.5 + 1.6;
 /// The opacity of the copies.
 const DIMMED: f32 = 0.42;
 
 /// Calls `visit` with every sample in view, and with those so little outside that a dot reaches into view.
 pub fn visit(scene: &Scene<'_>, mut visit: impl FnMut(u32, Pos2)) {
-    // Dots have a radius of at most 5.5 points. The scale is in points for an r, so that this is in r.
-    let reach = 6.0 * scene.shown.spacing() / scene.subject.camera.scale;
+    // The scale is in points for an r, so that this is in r.
+    let reach = SYMBOL_REACH * scene.shown.spacing() / scene.subject.camera.scale;
     let index = &scene.session.index;
     index.visit(scene.low, scene.high, reach, |seen| {
         if !seen.image {

@@ -5,7 +5,7 @@ use emath::{Align2, vec2};
 use glam::DVec2;
 use tilescope_core::{Origin, Stage, Standing};
 use tilescope_session::moment::ShownMoment;
-use tilescope_session::verification::WitnessMark;
+use tilescope_session::verification::{WitnessMark, WitnessShape};
 
 use crate::scene::Scene;
 use crate::surface::{Mark, NO_GROWTH, Stroke, Surface, dashed_circle};
@@ -54,8 +54,8 @@ pub fn draw(scene: &Scene<'_>, surface: &mut impl Surface) {
 /// Returns a place and its copies around a periodic domain, as far as they are drawn and in view: a copy may be in
 /// view, and may have been clicked, where the place itself is not.
 fn images<'a>(scene: &'a Scene<'_>, place: DVec2) -> impl Iterator<Item = DVec2> + 'a {
-    // The disk around a place up to r out of view reaches into it.
-    let reach = DVec2::ONE;
+    // The disk around a place up to its radius out of view reaches into it.
+    let reach = DVec2::splat(scene.session.largest_radius());
     let shifts = scene.shifts(place - reach, place + reach);
     let images = shifts.map(move |shift| place + shift);
     images.filter(|image| scene.is_drawn(*image))
@@ -93,28 +93,22 @@ fn causes(shown: &ShownMoment<'_>, id: u32) -> Vec<u32> {
 
 /// Draws the witness of a verdict with its length: the closest pair, or the largest empty circle.
 fn witness_mark(scene: &Scene<'_>, surface: &mut impl Surface, witness: WitnessMark) {
-    let palette = scene.palette;
-    let color_if = |is_valid| {
-        if is_valid {
-            palette.inserted
-        } else {
-            palette.conflict
-        }
+    let color = if witness.is_valid {
+        scene.palette.inserted
+    } else {
+        scene.palette.conflict
     };
 
-    match witness {
-        WitnessMark::Pair([a, b], distance) => {
+    match witness.shape {
+        WitnessShape::Pair([a, b], distance) => {
             let from = scene.session.position(a);
             let ends = [scene.at(from), scene.at(scene.session.image_near(b, from))];
-            // Samples conflict if they are nearer than r, without a tolerance.
-            surface.line(ends, Stroke::new(2.5, color_if(distance >= 1.0)));
+            surface.line(ends, Stroke::new(2.5, color));
             let middle = ends[0].lerp(ends[1], 0.5) + vec2(14.0, -14.0);
             let text = format!("{distance:.6} r");
             scene.tag(surface, middle, Align2::LEFT_BOTTOM, text);
         }
-        WitnessMark::Circle(center, radius) => {
-            // The circle may exceed r by the tolerance of the verdict, so that the colour agrees with the verdict.
-            let color = color_if(radius <= 1.0 + tilescope_analysis::COVERING_TOLERANCE);
+        WitnessShape::Circle(center, radius) => {
             let (at, reach) = (
                 scene.at(center),
                 (radius * scene.subject.camera.scale) as f32,

@@ -8,7 +8,7 @@ use tilescope_sets::{
 
 use super::refusal::part_of;
 use super::{Draft, DraftRefusal, FormPart};
-use crate::ground::GroundRequest;
+use crate::ground::{GroundRequest, scaled_text};
 use crate::typed;
 use crate::words::sentence;
 
@@ -114,9 +114,9 @@ impl From<Option<&GroundRequest>> for GroundDraft {
         };
 
         match &request.radius {
-            Some(RadiusSource::Expression { expression, .. }) => {
+            Some(RadiusSource::Expression { expression, scale }) => {
                 draft.by = RadiusBy::Expression;
-                expression.text().clone_into(&mut draft.expression);
+                draft.expression = scaled_text(expression, *scale);
             }
             Some(RadiusSource::Image { image, radii }) => {
                 (draft.by, draft.image) = (RadiusBy::Image, Some(image.clone()));

@@ -163,9 +163,16 @@ impl VaryingRecipe {
                 few.map(|grey| radius_of_darkness(*black, grey, 1))
                     .collect()
             }
-            RadiusSource::Constant(_)
-            | RadiusSource::Expression { .. }
-            | RadiusSource::Grid { .. } => {
+            RadiusSource::Grid { grid, scale } => {
+                let every = grid
+                    .radii
+                    .len()
+                    .div_ceil(GLANCE_NODES * GLANCE_NODES)
+                    .max(1);
+                let few = grid.radii.iter().step_by(every);
+                few.map(|radius| scale * radius).collect()
+            }
+            RadiusSource::Constant(_) | RadiusSource::Expression { .. } => {
                 // A glance takes few nodes: those of the field are `part` times as dense.
                 let [columns, rows] = squares.counts;
                 let part = columns.max(rows).div_ceil(GLANCE_NODES).max(1);

@@ -486,6 +486,24 @@ fn a_glance_at_an_expression_refuses_what_the_field_would() {
 }
 
 #[test]
+fn a_glance_at_a_grid_takes_nodes_of_the_whole() {
+    // The radius grows from left to right, so that the first nodes alone would ask for far too many samples.
+    let formula = recipe(expression("0.006 + 0.024*x"));
+    let nodes = grid(&formula, |x, _| 0.006 + 0.024 * x);
+    assert!(nodes.radii.len() > 64 * 64);
+    let glanced = recipe(RadiusSource::Grid {
+        grid: nodes,
+        scale: 1.0,
+    })
+    .glance();
+    let (glanced, expected) = (glanced.unwrap(), formula.expected_samples().unwrap());
+    assert!(
+        (glanced / expected - 1.0).abs() < 0.05,
+        "{glanced} {expected}"
+    );
+}
+
+#[test]
 fn rings_are_checked_as_those_of_a_file() {
     let square = vec![[2.0, 1.0], [4.0, 1.0], [4.0, 3.0], [2.0, 3.0]];
     let polygon = PlanarPolygon::from_rings("a ring", vec![square.clone()]).unwrap();

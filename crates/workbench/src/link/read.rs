@@ -397,18 +397,32 @@ impl LinkReader {
     fn stops(&mut self, content: &mut LinkContent) {
         content.breakpoints = self.list("break", "breakpoint", MAX_STOPS, breakpoint);
         content.watches = self.list("watch", "watch", MAX_STOPS, short);
-        content.scenes = self.list("mark", "scene", MAX_SCENES, scene);
+        // An invalid scene keeps its position until the views have gone to theirs.
+        let mut scenes = self.list("mark", "scene", MAX_SCENES, |text| {
+            Some(scene(text).ok_or_else(|| quoted(text)))
+        });
 
         let views = self.list("mark-view", "view of a scene", MAX_SCENES, |text| {
             Some(read_scene_view(text).ok_or_else(|| quoted(text)))
         });
         // Views are in the order of the scenes, with a placeholder where a scene has none. An invalid view keeps its
         // position in the list, so that the later ones still go to their scenes.
-        for (scene, view) in content.scenes.iter_mut().zip(views) {
-            match view {
-                Ok(view) => scene.view = view,
-                Err(text) => self.warnings.add(format!(
+        for (scene, view) in scenes.iter_mut().zip(views) {
+            match (scene, view) {
+                (Ok(scene), Ok(view)) => scene.view = view,
+                (Ok(_), Err(text)) => self.warnings.add(format!(
                     "The link's view of a scene \"{text}\" is invalid and was left out."
+                )),
+                // Without its scene a view has nowhere to go.
+                (Err(_), _) => {}
+            }
+        }
+
+        for scene in scenes {
+            match scene {
+                Ok(scene) => content.scenes.push(scene),
+                Err(text) => self.warnings.add(format!(
+                    "The link's scene \"{text}\" is invalid and was left out."
                 )),
             }
         }

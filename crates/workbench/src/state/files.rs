@@ -68,8 +68,8 @@ impl SaveTask {
 }
 
 /// Returns the session as the text of a file, from which [`FileCommand::Last`] reopens it: run, moment, view, breakpoints
-/// and scenes. `None` if it is as the program starts, if a lesson or the tour has replaced it, or if it has files that
-/// are not part of it.
+/// and scenes. `None` if it is as the program starts, if a lesson or the tour has replaced it, or if it has images or files
+/// that neither a session nor a link holds.
 #[must_use]
 pub fn session_to_keep(state: &State) -> Option<String> {
     // The run of a lesson or the tour is not the user's own.
@@ -87,10 +87,10 @@ pub fn session_to_keep(state: &State) -> Option<String> {
     }
 
     if run.save_refusal().is_some() {
-        // A session without events can be kept as a link alone, which has no files.
-        let combination = session.combination.as_ref();
-        let has_files = session.own.is_some() || combination.is_some_and(|made| made.files > 0);
-        return (!has_files).then(|| json!({ "link": state.link().fragment }).to_string());
+        // A session without events can be kept as a link alone, unless that leaves out a part: another set would be reopened.
+        let link = state.link();
+        let is_whole = link.left_out.is_empty();
+        return is_whole.then(|| json!({ "link": link.fragment }).to_string());
     }
     String::from_utf8(files::render(&SaveTask::of(state)).ok()?.bytes).ok()
 }

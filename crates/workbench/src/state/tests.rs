@@ -13,7 +13,7 @@ use tilescope_core::{Parameter, Parameters, Search, Stage};
 use tilescope_drawing::camera::{Camera, MIN_SCALE};
 use tilescope_session::layers::Layer;
 use tilescope_session::session::Session;
-use tilescope_session::verification::{Witness, WitnessMark};
+use tilescope_session::verification::{Witness, WitnessMark, WitnessShape};
 
 use super::*;
 use crate::command::{AppearanceCommand, FormCommand, GpuCommand, TimeCommand, ViewCommand, Which};
@@ -153,10 +153,13 @@ fn a_failing_verdict_leads_to_its_witness() {
         Which::First,
         ViewCommand::FlyToWitness(Witness::Verdict),
     ));
-    let Some(WitnessMark::Circle(center, radius)) = state.runs.first.witness_mark else {
+    let Some(WitnessMark { shape, is_valid }) = state.runs.first.witness_mark else {
         panic!("a gap is the witness");
     };
-    assert!(radius > 1.0);
+    let WitnessShape::Circle(center, radius) = shape else {
+        panic!("a gap is a circle");
+    };
+    assert!(radius > 1.0 && !is_valid);
     while state.advance(0.1) {}
     assert!(state.runs.first.camera.center.abs_diff_eq(center, 1e-9));
 }
@@ -169,14 +172,14 @@ fn a_valid_set_shows_its_extremes() {
         ViewCommand::FlyToWitness(Witness::Verdict),
     ));
     assert!(
-        matches!(state.runs.first.witness_mark, Some(WitnessMark::Pair(_, d)) if (1.0..1.01).contains(&d))
+        matches!(state.runs.first.witness_mark, Some(WitnessMark { shape: WitnessShape::Pair(_, d), is_valid: true }) if (1.0..1.01).contains(&d))
     );
     state.apply(Command::View(
         Which::First,
         ViewCommand::FlyToWitness(Witness::LargestHole),
     ));
     assert!(
-        matches!(state.runs.first.witness_mark, Some(WitnessMark::Circle(_, r)) if (0.9..=1.0001).contains(&r))
+        matches!(state.runs.first.witness_mark, Some(WitnessMark { shape: WitnessShape::Circle(_, r), is_valid: true }) if (0.9..=1.0001).contains(&r))
     );
 }
 

@@ -499,8 +499,10 @@ fn asked_of(state: &State, which: Which, dt_secs: f32) -> Asked {
     let is_first = which == Which::First;
     // Two runs share the time of a frame.
     let runs = if state.runs.second.is_some() { 2 } else { 1 };
+    // Layers follow the stage of the run itself, as its canvas does.
+    let run = state.runs.get(which).unwrap_or(&state.runs.first);
     Asked {
-        layers: state.appearance.layers(state.runs.first.current_stage()),
+        layers: state.appearance.layers(run.current_stage()),
         is_analysed: state.window.shows(Panel::Analysis),
         steps: frame_steps(dt_secs) / runs,
         curve: state.appearance.curve.number.filter(|_| is_first),

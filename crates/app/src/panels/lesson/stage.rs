@@ -251,8 +251,8 @@ impl Slide<'_> {
         // Only counts can be compared option by option: a share is of the right answers alone.
         if let [Vote::Counts(first), Vote::Counts(second)] = both {
             let most = first.iter().chain(second).copied().max();
-            // An option that the second vote does not name has no voices in it.
-            for option in 0..first.len() {
+            // An option that one of the votes does not name has no voices in it.
+            for option in 0..first.len().max(second.len()) {
                 let counts = [first, second].map(|counts| counts.get(option).copied().unwrap_or(0));
                 self.bars(ui, letter(option), counts.into_iter().zip(inks), most);
             }

@@ -7,7 +7,7 @@ use tilescope_core::{RunEvent, Stage};
 use tilescope_drawing::camera::{Camera, Flight, MAX_SCALE, MIN_SCALE};
 use tilescope_session::selection::Selection;
 use tilescope_session::units::{self, radii};
-use tilescope_session::verification::{Witness, WitnessMark};
+use tilescope_session::verification::{Witness, WitnessShape};
 
 use super::RunView;
 use crate::command::ViewCommand;
@@ -387,9 +387,9 @@ impl RunView {
             return;
         };
 
-        let center = match witness_mark {
-            WitnessMark::Circle(center, _) => center,
-            WitnessMark::Pair([a, b], _) => {
+        let center = match witness_mark.shape {
+            WitnessShape::Circle(center, _) => center,
+            WitnessShape::Pair([a, b], _) => {
                 // In a periodic domain the two may be nearest across the border.
                 let from = session.position(a);
                 from.midpoint(session.image_near(b, from))

@@ -1,5 +1,6 @@
 //! Links that are broken, of a newer version, too large or malicious.
 
+use serde_json::json;
 use tilescope_core::{MAXIMAL_DENSITY, Parameters};
 use tilescope_session::layers::Layer;
 use tilescope_tests::cases;
@@ -99,6 +100,20 @@ fn links_as_mail_and_course_systems_mangle_them_are_read() {
     assert_eq!(content.watches, ["a&seed=2."]);
     assert_eq!(content.scenes[0].caption, "so. ");
     assert!(warnings.is_empty() && content.parameters.seed == 1);
+
+    // A scene that is left out takes its view with it; the views of the others stay with theirs.
+    let (content, warnings) =
+        read("v=1&mark=5:a,x:b,7:c&mark-view=look:dark,look:print,look:light");
+    let views = content.scenes.iter();
+    let views: Vec<_> = views
+        .map(|scene| (scene.event, scene.view["look"].clone()))
+        .collect();
+    assert_eq!(views, [(5, json!("dark")), (7, json!("light"))]);
+    assert!(
+        warnings.text().contains("scene \"x:b\" is invalid"),
+        "{}",
+        warnings.text()
+    );
     // What is still wrong is named.
     let (_, warnings) = read("seed=9.5&language=fr");
     assert!(warnings.text().contains("seed 9.5; 1 is used"));
