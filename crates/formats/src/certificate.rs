@@ -158,8 +158,8 @@ pub struct Certificate {
     /// Smallest distance between two points; null for a single point of a bounded region.
     #[serde(deserialize_with = "stated")]
     pub min_distance: Option<f64>,
-    /// Radius of the largest empty circle, or ball, centred in the region; null where subdivision judged a set of a shape or of a
-    /// radius that varies, which does not measure it.
+    /// Radius of the largest empty circle, or ball, centred in the region; null for a set of a shape, of a radius that
+    /// varies or chosen from another one, whose judges do not measure it.
     #[serde(deserialize_with = "stated")]
     pub covering_radius: Option<f64>,
     /// Pairs closer than the radius; [`MAX_CONFLICTS`](tilescope_analysis::MAX_CONFLICTS) stand for that many or more.
@@ -258,7 +258,8 @@ impl Certificate {
         Ok(stated)
     }
 
-    /// Parameters that the certificate states a second time, as the region or the radius: name, field and that value.
+    /// Parameters that the certificate states a second time, as the region or the radius: the name of the parameter,
+    /// the name of the difference if the two are not the same, and the value stated as region or radius.
     pub(crate) fn known_parameters(&self) -> Vec<(&'static str, &'static str, Value)> {
         let region = &self.region;
         let depth = self
@@ -347,7 +348,8 @@ impl Certificate {
         })
     }
 
-    /// Refuses such a certificate for a reader that can judge only sets of one radius that cover a rectangle.
+    /// Refuses a certificate of a thinned set, of a varying radius or of a shape, for a reader that can judge only sets
+    /// of one radius that cover a rectangle.
     pub(crate) fn refuse_varying(&self, name: &str) -> Result<(), FormatError> {
         let what = if self.thinned.is_some() {
             "its points were chosen from another set"
@@ -387,7 +389,7 @@ impl Certificate {
         (parts.into_iter()).filter_map(|(part, is_stated)| is_stated.then_some(part))
     }
 
-    /// Returns a part that stands beside a third side, with which no judge takes it into account.
+    /// Returns a part that is stated beside a third side, although no judge of sets in space takes it into account.
     fn beside_depth(&self) -> Option<&'static str> {
         self.depth?;
         let levels = Some("levels").filter(|_| !self.levels.is_empty());

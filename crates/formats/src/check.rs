@@ -139,8 +139,8 @@ impl Check {
         }
     }
 
-    /// The first statement of the certificate that is not true, leaving out a region and a radius that differ because the
-    /// caller gave others.
+    /// The first statement of the certificate that is not true, leaving out a region, a radius and a shape that differ
+    /// because the caller gave others.
     #[must_use]
     pub fn falsehood(&self) -> Option<&CertificateDifference> {
         let stated = self.certificate.as_ref()?;
@@ -261,7 +261,7 @@ pub fn check_bytes(
     {
         return Err(CheckError::Thinned);
     }
-    // So may those of a set in space, of which this check is none.
+    // So may those of a set in space, which are checked by another function.
     if let Some(stated) = &beside {
         stated.refuse_depth(&format!("{name}{}", crate::CERTIFICATE_SUFFIX))?;
     }
@@ -510,7 +510,7 @@ fn implied_verdict(stated: &Certificate) -> bool {
     let limit = (1.0 + stated.covering_tolerance) * radius;
     // Some verdicts follow from the counts alone: subdivision measures no covering radius.
     let is_counted = stated.is_counted();
-    // A prefix covers within its factor, which only the judges' gaps are about.
+    // A prefix covers within its factor of the radius, and not within the radius: there only the number of gaps counts.
     let is_within_limit = is_counted || stated.prefix.is_some();
     stated.conflicts == 0
         && (is_counted || stated.min_distance.unwrap_or(f64::INFINITY) >= radius)

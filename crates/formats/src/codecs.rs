@@ -268,7 +268,7 @@ pub fn refuse_degrees(read: &ReadSet, region: Region, origin: [f64; 2]) -> Resul
 }
 
 /// The format to read `bytes` in. Where columns are chosen it is a text table, although a file of the same look may be
-/// UTK's or psa's.
+/// UTK's. psa's text has no columns, as a point may go on in the next line.
 fn detected(bytes: &[u8], hint: &Hint<'_>) -> Result<Detection, FormatError> {
     let mut detection = Detection::of(bytes, hint.name.as_ref(), hint.format)?;
     if hint.columns.is_some() {
@@ -345,7 +345,8 @@ pub(crate) fn encode_certified(
     }
 }
 
-/// Returns the level of each of `count` points, from 0; nothing if there are no levels.
+/// Returns the level of each of `count` points, from 0; nothing if there are no levels. `ends` has for each level how
+/// many points there are to its end.
 pub(crate) fn level_column(ends: &[usize], count: usize) -> Vec<u32> {
     let indices = 0..if ends.is_empty() { 0 } else { count };
     let level = |index| ends.partition_point(|&end| end <= index) as u32;
@@ -371,6 +372,7 @@ pub(crate) fn check_target(target: &Target) -> Result<(), FormatError> {
         ("the radius", target.radius),
     ];
     for (name, value) in parameters {
+        // A parameter that is not given cannot be at fault: 1 passes.
         positive(name, value.unwrap_or(1.0))?;
     }
 

@@ -160,6 +160,7 @@ fn only(
 fn is_near(name: &str, axis: &str) -> bool {
     let joined = |word: &str| {
         let rest = word.strip_prefix(axis).or_else(|| word.strip_suffix(axis));
+        // Shorter general words, such as m, would make an axis of words such as "my".
         rest.is_some_and(|rest| rest.is_empty() || (rest.len() > 2 && GENERAL.contains(&rest)))
     };
     matches!(&specific_words(name)[..], [word] if joined(word))

@@ -97,7 +97,8 @@ pub fn detect(bytes: &[u8], path: &Path) -> Result<Detection, FormatError> {
     // A mark in the bytes decides, then the name, except among tables of text, whose look decides.
     let marked = by_mark(bytes);
     let found = match (named, marked) {
-        // Most programs call GeoJSON .json; and its type need not come first in an object, so that the name alone may tell.
+        // Most programs call GeoJSON .json. Its type need not come first in an object, so that only the name may show
+        // it.
         (Some(Format::GeoJson), Some(Format::Json))
         | (Some(Format::Json), Some(Format::GeoJson)) => (Format::GeoJson, Evidence::Extension),
         (Some(named), Some(marked)) if same_family(named, marked) => (marked, Evidence::Extension),
@@ -213,13 +214,15 @@ enum TextShape {
 fn text_format(bytes: &[u8], path: &Path) -> Option<Format> {
     let (named, shape) = (NamedText::of(path), text_shape(bytes)?);
     Some(match (named, shape) {
-        // Both codecs read all tables, in the units of the file.
+        // The codecs of XYZ and CSV both read any table, in the units of the file.
         (NamedText::Cloud, _) => Format::Xyz,
         (NamedText::Table, _)
         | (_, TextShape::Table)
         | (NamedText::Any, TextShape::Words { are_several: true }) => Format::Csv,
+        // psa reads number by number, wherever lines end.
         (_, TextShape::Numbers(1) | TextShape::Counted(..=2)) => Format::PsaText,
         (_, TextShape::Numbers(2)) => Format::UtkText,
+        // Of three numbers or more, the third is z.
         (_, TextShape::Counted(_) | TextShape::Numbers(3))
         | (NamedText::Any, TextShape::Numbers(_)) => Format::Xyz,
         // Without a name, many numbers in a line may be anything.
@@ -296,7 +299,8 @@ fn looks_like_rps(bytes: &[u8]) -> Option<Format> {
             .chunks_exact(4)
             .map(|word| f32::from_le_bytes(array(word)))
     };
-    // Whole numbers of 32 bits read as floats give subnormal ones, or at most very small ones.
+    // Whole numbers of 32 bits read as floats give subnormal ones, or very small ones: 1e-6 has the bits of
+    // 897,988,541.
     let in_unit = |value: f32| (0.0..=1.0).contains(&value) && !value.is_subnormal();
     let is_spread = || values().any(|value| value > 1e-6);
     let whole = !bytes.is_empty() && bytes.len().is_multiple_of(8);
@@ -337,6 +341,7 @@ impl Format {
             | Self::PlyBinary
             | Self::GeoJson
             | Self::Svg => true,
+            // JSON is taken for GeoJSON if its name says so.
             Self::Json => named != Self::GeoJson,
             Self::Csv | Self::PsaText | Self::PsaRps | Self::UtkText | Self::Xyz => false,
         };

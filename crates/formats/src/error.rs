@@ -128,7 +128,8 @@ pub enum FormatError {
         /// The format that was asked for.
         format: Format,
     },
-    /// Floating-point numbers around an origin are too far apart for the radius.
+    /// Floating-point numbers around an origin are too far apart for the radius. The radius that the message asks for
+    /// is 5 % above the least, so that it suffices however it is rounded to two digits.
     #[error(
         "at the origin {origin} numbers ({precision}) are {spacing:.1e} apart, more than {limit} of the radius {}: rounded \
          to them, samples would no longer keep their distance and cover; an origin nearer to 0, or a radius of at least \
@@ -393,6 +394,7 @@ fn several(found: usize, chosen: Option<usize>) -> String {
 /// Bytes of a file as a short printable quotation for a message.
 pub(crate) fn quote(bytes: &[u8]) -> String {
     const MAX_QUOTED: usize = 40;
+    // A character has at most four bytes.
     let cut = &bytes[..bytes.len().min(4 * MAX_QUOTED)];
     let text = String::from_utf8_lossy(cut);
     let mut quoted: String = text

@@ -19,6 +19,8 @@ impl Separator {
     /// not separate fields where blanks separate numbers: in `0,5 0,25`, but not in `0.5, 0.25`.
     pub fn of(row: &[u8]) -> Self {
         let outside: Vec<u8> = outside_quotes(row).collect();
+        // A tab may be one of several blanks, and a comma a decimal one, so that neither separates if a part between
+        // two of them holds several numbers. A semicolon is nothing but a separator.
         let splits = |by: u8| outside.contains(&by) && !outside.split(|&b| b == by).any(is_row);
         if splits(b'\t') {
             Self::Tab

@@ -1,6 +1,6 @@
 //! Point-set files of the field, certificates and validated export.
 //!
-//! Everything that turns positions into bytes and back: eleven file formats, detection of a file's format, the
+//! Everything that turns positions into bytes and back: twelve file formats, detection of a file's format, the
 //! certificate beside a file, and the re-verification of both. Invariants: this crate does not depend on
 //! `tilescope-core`, so that a set is judged by its positions alone, no bytes make it panic, and roundings are reported: a
 //! certificate states what the *written* file holds.

@@ -12,7 +12,8 @@ use crate::error::FormatError;
 use crate::format::{Format, Precision};
 
 /// The largest spacing of floating-point numbers, in radii, at which positions are stored with an origin. Rounding moves a
-/// coordinate by half of it at most, a third of the verifier's tolerance of maximality (2^-15) in a distance.
+/// coordinate by half of it at most, and so changes the distance of a sample from a place by less than a third of the
+/// verifier's tolerance of maximality (2^-15).
 const MAX_SPACING: f64 = 1e-5;
 
 /// How the positions of a region are stored in a file.

@@ -54,7 +54,7 @@ pub(crate) fn as_utf8(bytes: &[u8]) -> Cow<'_, [u8]> {
 
     let (pairs, odd) = bytes[2..].as_chunks::<2>();
     let units = pairs.iter().map(|&pair| unit(pair));
-    // Raw numbers may begin with the same two bytes.
+    // Raw numbers may begin with the same two bytes, but 64 units in a row hardly look like text by chance.
     if !units.clone().take(64).all(is_of_tables) {
         return Cow::Borrowed(bytes);
     }
@@ -72,6 +72,7 @@ pub(crate) fn as_utf8(bytes: &[u8]) -> Cow<'_, [u8]> {
 /// with Latin letters, digits and blanks alone.
 fn is_of_tables(unit: u16) -> bool {
     let letter = char::from_u32(u32::from(unit));
+    // 0x250 is the first unit behind Unicode's Latin letters.
     unit < 0x250 && letter.is_some_and(|c| !c.is_control() || c.is_ascii_whitespace())
 }
 

@@ -40,8 +40,8 @@ impl ThinnedFacts<'_> {
         let (report, read) = (self.report, self.read);
         let count = read.set.len() as u64;
 
-        // Measures that only maximal sets have stay null, as they are about places without points, too. `with_version` raises
-        // the version for the part of thinned sets.
+        // The judge of thinned sets counts faults and measures no distance, so that the measures stay null.
+        // `with_version` raises the version for the part of thinned sets.
         let stated = Certificate {
             format_version: 1,
             program: "tilescope".to_owned(),
@@ -61,9 +61,11 @@ impl ThinnedFacts<'_> {
             covering_radius: None,
             conflicts: report.conflicts,
             gaps: report.uncovered,
+            // As in every certificate, the density is that of the least radius where radii differ.
             density: count as f64 * self.radius.least().powi(2) / self.region.area(),
             relative_radius: None,
             valid: report.valid(),
+            // The judge of thinned sets, too, divides the points until few are left in a part.
             judges: vec![Judge::Subdivision],
             levels: Vec::new(),
             prefix: None,
@@ -99,7 +101,7 @@ impl Certificate {
         list.exact("radius", &self.radius, &found.radius);
         list.exact("conflicts", &self.conflicts, &found.conflicts);
         list.exact("gaps", &self.gaps, &found.gaps);
-        // These measures are defined for maximal sets alone, so that a certificate that states one of them is not true.
+        // No judge of thinned sets measures these, so that a certificate that states one of them is not true.
         list.measure("min_distance", self.min_distance, None);
         list.measure("covering_radius", self.covering_radius, None);
         list.measure("relative_radius", self.relative_radius, None);
@@ -113,7 +115,7 @@ impl Certificate {
 }
 
 /// Returns for each of the points given whether it is a point of a thinned file; of several points at one place, only
-/// that of the least rank is.
+/// that of the least rank is. `ranks` has the rank of each point given; without it, the rank is the index.
 ///
 /// # Errors
 ///

@@ -1,8 +1,8 @@
 //! The parts of version 2: what a certificate states of a set that is more than points of one radius in a rectangle at 0 0.
 //! [`Certificate`](super::Certificate) lists them.
 //!
-//! Readers refuse what they do not know, and what they know but cannot judge, each by its name: a statement that is passed
-//! over would be lost from the next certificate of the same points.
+//! Readers refuse parts that they cannot read, and parts that they can read but not judge, each by its name: a
+//! statement that is passed over would be lost from the next certificate of the same points.
 
 use std::fmt::{self, Display};
 use std::ops::RangeInclusive;

@@ -3,9 +3,9 @@
 /// Dots on paper, with y upwards: the picture stands as the domain does.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Drawing {
-    /// The colours of the paper and of the ink, red, green and blue.
+    /// The colour of the paper: red, green and blue.
     pub paper: [u8; 3],
-    /// The colour of the ink.
+    /// The colour of the ink, likewise.
     pub ink: [u8; 3],
     /// How large the dots are.
     pub dots: Dots,

@@ -2,8 +2,8 @@
 //! `FeatureCollection` of points is written.
 //!
 //! RFC 7946 has longitudes and latitudes alone, but where all who use a file have agreed on another system; it has no place to
-//! state one. Positions are written as they are. Other geometries are refused by name. Whether positions are rather longitudes and latitudes shows only beside a domain:
-//! see [`ReadSet::degrees`](super::ReadSet).
+//! state one. Positions are written as they are. Other geometries are refused by name. Whether positions are rather
+//! longitudes and latitudes shows only beside a domain: see [`ReadSet::degrees`](super::ReadSet).
 
 use std::fmt;
 

@@ -1,6 +1,6 @@
 //! JSON: an object with `certificate`, `points` and, when known, `provenance`.
 //!
-//! Also reads a bare array of `[x, y]` pairs, and the points of `GeoJSON`; skips fields it does not know. No bit is lost:
+//! Also reads a bare array of `[x, y]` pairs, and the points of `GeoJSON`; skips all other fields. No bit is lost:
 //! shortest decimals are written and read with correct rounding.
 
 use std::fmt::{self, Debug};
@@ -35,7 +35,8 @@ pub(super) fn read(
     // A page never asks for this. The condition keeps the code for it out of the page's program.
     if any_z && !cfg!(target_arch = "wasm32") {
         let flat = kept::flat(bytes)?;
-        return read(&flat, certificate, false);
+        let any_z = false;
+        return read(&flat, certificate, any_z);
     }
     // A certificate that is left out need not be readable.
     if certificate == CertificateUse::LeftOut {

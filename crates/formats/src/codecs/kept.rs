@@ -12,7 +12,8 @@ use crate::text::{as_utf8, without_bom};
 pub struct KeptRows {
     /// The bytes of the file.
     pub bytes: Vec<u8>,
-    /// What else is not in it, in words: the faces of a mesh, whose numbers of vertices would be those of others.
+    /// What else is left out, in words: the faces of a mesh, for example, whose vertex numbers would now be those of
+    /// other vertices.
     pub left_out: Vec<String>,
 }
 
@@ -88,7 +89,7 @@ pub(super) fn rows(data: &[u8], width: usize, kept: &[bool]) -> Vec<u8> {
     out
 }
 
-/// The member of an object that holds its points, and the member of a certificate.
+/// Members of this program's documents, and of a geometry of `GeoJSON`.
 const POINTS: &str = "points";
 const CERTIFICATE: &str = "certificate";
 const COORDINATES: &str = "coordinates";
@@ -121,7 +122,7 @@ fn json(bytes: &[u8], kept: &[bool]) -> Result<Vec<u8>, FormatError> {
 /// Takes the points that are not kept out of an object of `GeoJSON`, in the order in which they are read. Returns whether any
 /// is left.
 fn keep_geo(object: &mut Value, flags: &mut impl Iterator<Item = bool>) -> bool {
-    // In the order in which points are read, or flags would be those of others.
+    // Features, geometry and coordinates come in the order in which points are read, which is that of the flags.
     let mut is_left = false;
     if let Some(features) = object.get_mut("features").and_then(Value::as_array_mut) {
         features.retain_mut(|feature| keep_geo(feature, flags));
@@ -177,11 +178,14 @@ fn json_column(bytes: &[u8], name: &str) -> Result<Vec<f64>, FormatError> {
 /// Returns a JSON point set without third coordinates.
 pub(super) fn flat(bytes: &[u8]) -> Result<Vec<u8>, FormatError> {
     let mut document: Value = serde_json::from_slice(without_bom(bytes))?;
-    flatten(&mut document, true);
+    // A document that is a bare list is a list of points.
+    let is_place = true;
+    flatten(&mut document, is_place);
     Ok(serde_json::to_vec(&document)?)
 }
 
-/// Cuts positions to two numbers: those among coordinates or points, which `is_place` says of this value.
+/// Cuts positions of three numbers to two. `is_place` says that this value lies among coordinates or points, where
+/// lists of numbers are positions.
 fn flatten(value: &mut Value, is_place: bool) {
     match value {
         Value::Array(list) => {

@@ -344,8 +344,8 @@ pub(super) fn keep(
         };
     }
     out.extend_from_slice(rest);
-    let unread = elements.iter().filter(|element| element.numbers_vertices);
-    let left_out = unread.map(|it| format!("{} ({} rows)", quote(&it.name), it.count));
+    let referring = elements.iter().filter(|element| element.numbers_vertices);
+    let left_out = referring.map(|it| format!("{} ({} rows)", quote(&it.name), it.count));
     Ok((out, left_out.collect()))
 }
 
@@ -353,6 +353,8 @@ pub(super) fn keep(
 fn keep_header(header: &[u8], elements: &[OutlinedElement], kept: &[bool], out: &mut Vec<u8>) {
     let mut from = 0;
     for element in elements {
+        // An element that refers to vertices loses all of its lines. The vertices have another number in their first
+        // line, and the lines of all other elements stay.
         let changed = if element.numbers_vertices {
             &element.lines[..]
         } else {
@@ -471,9 +473,9 @@ fn header(
         push(&mut out, format_args!("property {coordinate} {axis}\n"));
     }
 
-    let provenance = PROVENANCE.into_iter().filter(|_| provenance);
+    let origins = PROVENANCE.into_iter().filter(|_| provenance);
     let level = Some(LEVEL).filter(|_| !columns.levels.is_empty());
-    for name in provenance.chain(level) {
+    for name in origins.chain(level) {
         push(&mut out, format_args!("property uint {name}\n"));
     }
     if !columns.radii.is_empty() {
@@ -568,14 +570,15 @@ pub(super) fn push_rows(
 /// Writes points in space.
 pub(super) fn write_solid(points: &[[f64; 3]], format: Format, precision: Precision) -> Vec<u8> {
     let (count, columns) = (points.len() as u64, Columns::default());
+    let has_provenance = false;
     if format == Format::PlyAscii {
-        let mut out = header("ascii", count, "double", false, &columns);
+        let mut out = header("ascii", count, "double", has_provenance, &columns);
         for point in points {
             push_line(&mut out, point, " ");
         }
         return out;
     }
-    let mut out = binary_head(count, precision, false, &columns);
+    let mut out = binary_head(count, precision, has_provenance, &columns);
     binary::push(&mut out, points.as_flattened(), precision);
     out
 }

@@ -59,6 +59,7 @@ pub(super) fn keep_text(bytes: &[u8], kept: &[bool]) -> Vec<u8> {
     let count = kept.iter().filter(|kept| **kept).count();
     push(&mut out, format_args!("{count}\n"));
     for &is_kept in kept {
+        // The two numbers of a point that is not kept are taken from the text, too.
         if let (true, Some(x), Some(y)) = (is_kept, tokens.next(), tokens.next()) {
             out.extend_from_slice(&[x, b" ", y, b"\n"].concat());
         }

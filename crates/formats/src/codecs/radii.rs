@@ -28,7 +28,8 @@ pub(super) fn read(bytes: &[u8], format: Format) -> Result<Option<Vec<f64>>, For
     Ok(radii)
 }
 
-/// Returns nothing instead of the error that there is no such column.
+/// Returns nothing instead of the error that there is no such column. Other faults of the header were found when the
+/// points were read.
 fn if_any(column: Result<Vec<f64>, FormatError>) -> Result<Option<Vec<f64>>, FormatError> {
     match column {
         Err(FormatError::Header { .. }) => Ok(None),

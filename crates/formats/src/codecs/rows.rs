@@ -61,8 +61,8 @@ pub(crate) struct Layout {
 }
 
 impl Layout {
-    /// The layout of a file of `format` that begins with `start`; `None` if the rows of one set are not contiguous, or are
-    /// UTF-16. `columns` are those that the caller chose, which only text tables have.
+    /// The layout of a file of `format` that begins with `start`; `None` for a file that has to be read in memory, such
+    /// as one whose rows are not contiguous. `columns` are those that the caller chose, which only text tables have.
     pub fn of(
         start: &[u8],
         format: Format,
@@ -179,7 +179,7 @@ impl Rows {
         }
     }
 
-    /// How many rows there are among `bytes`, which are whole rows, or lines that were written here.
+    /// How many rows there are among `bytes`, which are whole rows, or lines that [`push_rows`] wrote: each is a point.
     pub fn count(&self, bytes: &[u8]) -> u64 {
         match self.width() {
             Some(width) => (bytes.len() / width) as u64,

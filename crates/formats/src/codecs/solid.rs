@@ -38,7 +38,7 @@ pub(crate) fn check_format(format: Format) -> Result<(), FormatError> {
 pub(crate) fn decode(bytes: &[u8], hint: &Hint<'_>) -> Result<SolidRaw, FormatError> {
     let bytes = &*as_utf8(bytes);
     let mut detection = detected(bytes, hint)?;
-    // Of three numbers in a line the name alone says whether they are UTK's, as it does of two.
+    // Three numbers in a line are taken for XYZ: only the name says that they are UTK's.
     let named = Format::from_path(hint.name.as_ref());
     if detection.format == Format::Xyz && hint.format.is_none() && named == Some(Format::UtkText) {
         detection.format = Format::UtkText;
@@ -51,7 +51,7 @@ pub(crate) fn decode(bytes: &[u8], hint: &Hint<'_>) -> Result<SolidRaw, FormatEr
         Format::Npy => npy::read_solid(bytes)?,
         Format::UtkBinary => utk::read_solid_binary(bytes, hint.set)?,
         Format::UtkText => (utk::text_of(bytes, hint.set)?.0, Precision::Double),
-        // These have z in a column of its own, which other commands read by itself, too.
+        // x and y are read as of a planar set, whatever z is, and then z as a column by itself.
         Format::Csv | Format::Xyz => {
             let (columns, any_z) = (None, true);
             let planar = table::read(bytes, format, columns, any_z)?;

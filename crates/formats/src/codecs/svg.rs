@@ -160,7 +160,9 @@ fn moves(node: Node<'_, '_>, root: Node<'_, '_>) -> bool {
     is_transformed || is_styled || (node.tag_name().name() == "svg" && node != root)
 }
 
-/// Whether a group of the root is reflected in the middle of the root's view, so that y points up in it.
+/// Whether a group of the root is reflected in the middle of the root's view, so that y points up in it. Only what
+/// `write` writes is taken for such a group: a view with single blanks between its numbers, and this one text of a
+/// transform.
 fn turns_upward(group: Node<'_, '_>, root: Node<'_, '_>) -> bool {
     let numbers = root.attribute("viewBox").unwrap_or_default().split(' ');
     let view: Vec<f64> = numbers.filter_map(|number| number.parse().ok()).collect();
@@ -271,7 +273,7 @@ pub(super) fn write(points: &[[f64; 2]], target: &Target, columns: &Columns) -> 
     };
     // Adding 0 turns -0 into 0.
     let [x, y] = target.origin.map(|at| at + 0.0);
-    // Without a sampling radius, the radius of a dot is a tenth of the mean spacing.
+    // Without a sampling radius, the radius of a dot is a tenth of the mean spacing, which was chosen and not measured.
     let spacing = (width * height / points.len() as f64).sqrt();
     let disk = target.radius.map_or(spacing / 10.0, |radius| radius / 2.0);
 
@@ -303,10 +305,10 @@ pub(super) fn write(points: &[[f64; 2]], target: &Target, columns: &Columns) -> 
     for (index, [x, y]) in points.iter().enumerate() {
         let own = columns.radii.get(index).copied();
         let dot = columns.drawing.as_ref().zip(own);
-        let disk = dot.map_or(disk, |(drawing, own)| drawing.dots.radius(own));
+        let shown = dot.map_or(disk, |(drawing, own)| drawing.dots.radius(own));
         push(
             &mut out,
-            format_args!("<circle cx=\"{x}\" cy=\"{y}\" r=\"{disk}\"/>\n"),
+            format_args!("<circle cx=\"{x}\" cy=\"{y}\" r=\"{shown}\"/>\n"),
         );
     }
 

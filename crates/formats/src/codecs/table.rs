@@ -11,7 +11,7 @@ use crate::fields::{QuotedRow, Separator, looks_numeric};
 use crate::format::{Format, Precision};
 use crate::text::{is_remark, number, push, split_line, without_bom, words};
 
-/// Reads a whole table. `columns` are those that the caller chose; of `any_z`, a column z is not read.
+/// Reads a whole table. `columns` are those that the caller chose; with `any_z`, a column z is not read.
 pub(super) fn read(
     bytes: &[u8],
     format: Format,
@@ -163,6 +163,7 @@ struct TableRows {
     places: [usize; 2],
     /// Which column is z and must be 0.
     z: Option<usize>,
+    /// The most fields that a row may have, but for empty ones at its end.
     count: usize,
     /// Whether each row must have as many fields; otherwise fields may lack at its end.
     exact: bool,
@@ -344,6 +345,7 @@ impl TextTable {
             &self.header
         };
 
+        // Without a header, whose line is then 0, a choice of columns that do not exist is reported for the first line.
         let fault = |reason| self.header_fault(FilePlace::Line((*line).max(1)), reason);
         let mut rows = TableRows {
             format,

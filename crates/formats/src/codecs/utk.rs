@@ -60,7 +60,7 @@ pub(super) fn text_of<const N: usize>(
 /// Returns the chosen set with only those of its lines that are kept.
 pub(super) fn keep_text(bytes: &[u8], chosen: Option<usize>, kept: &[bool]) -> Vec<u8> {
     let mut out = Vec::with_capacity(bytes.len() / 2);
-    // As they are read: a separator ends a set that is not empty.
+    // As they are read: a separator ends a set that is not empty, and without a choice there is only one set.
     let (mut set, mut is_begun, mut flags) = (0, false, kept.iter());
     for (_, row) in lines(bytes).filter(|(_, row)| !row.is_empty()) {
         // Remarks of other programs separate no sets.
@@ -85,6 +85,8 @@ pub(super) fn keep_binary(
     let UtkHead { precision, .. } = read_head(bytes)?;
     let count = kept.iter().filter(|kept| **kept).count() as u64;
     let width = 2 * precision.bytes();
+    // All sets have as many points as the chosen one, of which `kept` has a flag each; without a choice there is only
+    // one set.
     let begin = HEADER_BYTES as usize + chosen.unwrap_or(0) * kept.len() * width;
     let data = bytes.get(begin..).unwrap_or_default();
     let mut out = head(count, precision)?;

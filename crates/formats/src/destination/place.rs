@@ -109,11 +109,11 @@ impl Place {
         // would be false about the new file.
         let is_old = placed.as_ref().is_err_and(|failure| failure.is_old);
         // They are undone in the reverse order.
-        for (name, hidden) in aside.into_iter().rev() {
+        for (name, away) in aside.into_iter().rev() {
             let _ = if is_old {
-                fs::rename(hidden, name)
+                fs::rename(away, name)
             } else {
-                fs::remove_file(hidden)
+                fs::remove_file(away)
             };
         }
 
@@ -148,9 +148,9 @@ impl Place {
             let Some(old) = old.filter(|old| old.is_file()) else {
                 continue;
             };
-            let hidden = hidden(old, "old");
-            step(|| fs::rename(old, &hidden)).map_err(failed(old, is_old))?;
-            aside.push((old.clone(), hidden));
+            let away = hidden(old, "old");
+            step(|| fs::rename(old, &away)).map_err(failed(old, is_old))?;
+            aside.push((old.clone(), away));
         }
 
         if !aside.is_empty() {

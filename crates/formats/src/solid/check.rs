@@ -106,9 +106,9 @@ impl SolidFile {
         });
         let stated = stated.transpose()?;
 
-        // What the overrides leave open is taken from the certificate.
         let raw = codec::decode(data, &hint(name, overrides.format, overrides.set))?;
         let (format, precision) = (raw.detection.format, raw.precision);
+        // What the overrides leave open is taken from the certificate.
         let judged = SolidJudged::new(format, stated.as_ref(), overrides, depth)?;
         let mapping = SolidMapping::new(format, &judged.region, precision);
 
@@ -179,7 +179,7 @@ impl SolidJudged {
         overrides: &Overrides,
         depth: Option<f64>,
     ) -> Result<Self, CheckError> {
-        // A box without a third side would be a planar set: nothing is assumed of it.
+        // There is no usual depth: a set of which nobody states one is planar.
         let of_stated = || stated.and_then(|stated| stated.depth);
         let depth = depth
             .or_else(|| of_stated().map(|Depth(depth)| depth))
@@ -237,13 +237,13 @@ fn differences(
     // Rectangle and depth are fields of their own, and are compared so.
     let region = base(&judged.region);
     list.exact("region", &stated.region.to_string(), &region.to_string());
-    let depth = |depth: Option<Depth>| {
+    let text = |depth: Option<Depth>| {
         depth.map_or_else(|| "none".to_owned(), |Depth(depth)| depth.to_string())
     };
     list.exact(
         "depth",
-        &depth(stated.depth),
-        &depth(Some(Depth(judged.region.depth))),
+        &text(stated.depth),
+        &text(Some(Depth(judged.region.depth))),
     );
     list.exact(
         "radius",
@@ -266,7 +266,7 @@ fn differences(
 /// Compares the stated measures with those of the judges.
 fn measures(list: &mut Differences, stated: &Certificate, verdict: &SolidVerdict) {
     let report = &verdict.report;
-    // All are numbers of the positions in the file, which no other field could bear out.
+    // Each is compared with the number that was measured now.
     let measured = [
         ("min_distance", stated.min_distance, report.min_distance),
         (

@@ -221,7 +221,7 @@ fn certificate(
         depth: Some(Depth(context.depth)),
         shape: None,
         radius: CertifiedRadius::Constant(report.radius),
-        // Of a prefix the judges were asked about its factor, which is stated beside it.
+        // Not the report's, which for a prefix is that of its factor: the factor is stated by itself.
         covering_tolerance: planar.verify.covering_tolerance,
 
         count,

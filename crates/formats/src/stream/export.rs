@@ -21,7 +21,7 @@ use crate::export::{ExportContext, ExportError, target};
 use crate::files::file_name;
 use crate::point_set::Provenance;
 
-/// Points encoded, decoded and verified at a time.
+/// Points encoded, decoded and verified at a time: 256 KiB of positions. Chosen, not measured.
 const PIECE: usize = 1 << 14;
 
 /// How to write a stream.

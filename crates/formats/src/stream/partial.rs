@@ -90,7 +90,8 @@ impl Partial {
             pending.resize(before + left.min(BLOCK as u64) as usize, 0);
             self.checked(|this| this.writer.file()?.read_exact(&mut pending[before..]))?;
             left -= (pending.len() - before) as u64;
-            // The digest is of all rows, also of those before the interruption.
+            // The digest is of all rows, also of those before the interruption. (`count` only ends the borrow that
+            // `update` returns.)
             self.checked(|this| Ok(this.writer.digest()?.update(&pending[before..]).count()))?;
 
             let used = each(&pending)?;
@@ -195,7 +196,7 @@ impl Partial {
                 break;
             }
 
-            // The two digests are computed at the same time.
+            // The two digests are computed at the same time. (`count` only ends the borrows that `update` returns.)
             let block = &block[..count];
             let hash_all = || is_digested.then(|| all.update(block).count());
             rayon::join(|| rows.update(block).count(), hash_all);

@@ -127,7 +127,8 @@ impl Checkpoint {
         Ok(())
     }
 
-    /// Returns whether the file begins with the rows of the checkpoint, of which there must be some.
+    /// Returns whether the file begins with the rows of the checkpoint. There must be some, as every file begins with
+    /// none.
     fn begins(&self, file: &Path) -> Result<bool, ExportError> {
         let Some(provenance) = self.provenance else {
             return Ok(false);
@@ -185,7 +186,8 @@ pub fn checkpoint_token(path: &Path) -> Result<Option<Value>, ExportError> {
     Checkpoint::read(&file).map(|found| Some(found.token))
 }
 
-/// The unfinished file, if it is as long as the checkpoint says.
+/// The unfinished file, if it is at least as long as the checkpoint says. What was written after the checkpoint is cut
+/// off later.
 pub(super) fn reopen(path: &Path, checkpoint: &Checkpoint) -> Result<Partial, ExportError> {
     let name = partial_path(path);
     if !name.exists() {
@@ -311,6 +313,8 @@ pub fn finish_interrupted(path: &Path) -> Result<Option<u64>, ExportError> {
     if partial_path(file).exists() || !file.exists() || !checkpoint.begins(file)? {
         return Ok(None);
     }
+    // The lock has given the new file's certificate its name, if that was left to do: without one this is not the new
+    // file.
     if checkpoint.verify && !place.has_own_certificate() {
         return Ok(None);
     }
