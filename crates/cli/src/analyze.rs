@@ -113,6 +113,7 @@ pub fn run(arguments: &AnalyzeArguments) -> Result<u8> {
     let mut analysis = Analysis::of(arguments)?;
     // The reference alone is compared with nothing: there is nothing to draw.
     let is_empty = analysis.compared().is_empty();
+    // The path of the report if it was written, or why it could not be.
     let written = match out.filter(|_| !is_empty) {
         Some(path) => save(&mut analysis, path).map(|()| out),
         None => Ok(None),

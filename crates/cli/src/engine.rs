@@ -6,7 +6,7 @@ use pollster::block_on;
 use tilescope_core::Variant;
 use tilescope_gpu::{ASKED_FOR, Backend, Choice, Engine, Gpu, GpuError};
 
-/// The largest number of threads.
+/// The largest number of threads. Chosen, not measured.
 const MAX_THREADS: usize = 1024;
 
 /// Arguments that choose the engine and its device; they never change the points.

@@ -151,7 +151,8 @@ impl GroundArguments {
     ) -> Result<()> {
         let stated = set.certificate(file)?;
         if let Some(ground) = self.judged(file, set, stated.as_ref())? {
-            // Positions of others are in the coordinates of the shape, whose rectangle is then the domain.
+            // An origin that is not given is that of the field and the shape: the certificate's, or the lower corner of the
+            // rectangle around the shape.
             overrides.origin = overrides.origin.or(Some(ground.origin));
             // The verifier takes the region and the radius from it.
             overrides.varying = Some(ground.varying);

@@ -598,10 +598,10 @@ fn keys(arguments: &CheckArguments) -> Result<()> {
         if let Some(fault) = found.faults.first() {
             bail!(at(&named(file), fault));
         }
-        let keys = file.with_extension("keys");
-        // A lesson whose file ends in .keys would be replaced by its own keys.
-        check_inputs_stay(&keys, [file.as_path()])?;
-        write(&keys, &found.keys)?;
+        let target = file.with_extension("keys");
+        // A link of this name may lead to the lesson itself.
+        check_inputs_stay(&target, [file.as_path()])?;
+        write(&target, &found.keys)?;
     }
     Ok(())
 }
@@ -648,15 +648,16 @@ fn merge(arguments: &ResultsArguments) -> Result<()> {
     }
 
     // A learner who gave no name is known by the name of the file.
-    let results = |file: &PathBuf| {
+    let named_results = |file: &PathBuf| {
         let name = lossy(file.file_stem().unwrap_or_default());
         Ok((
             name.into_owned(),
             Results::read(&read(file)?).in_file(file)?,
         ))
     };
-    let read: Vec<(String, Results)> = files.iter().map(results).collect::<Result<_>>()?;
-    let merged = Merged::of(read);
+    let handed_in: Vec<(String, Results)> =
+        files.iter().map(named_results).collect::<Result<_>>()?;
+    let merged = Merged::of(handed_in);
 
     // All texts are made before the first file is written, so that a fault leaves no file behind.
     let mut made = Vec::new();

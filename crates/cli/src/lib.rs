@@ -329,7 +329,7 @@ fn exit_code(outcome: anyhow::Result<u8>) -> ExitCode {
 }
 
 /// Returns an error and its causes in one line, each once: the message of a library may repeat the file or the cause
-/// that another error of the chain names. A word of others in it cannot begin a line of its own.
+/// that another error of the chain names. Line breaks in words from files are written as escapes.
 fn describe(error: &anyhow::Error) -> String {
     let mut parts: Vec<String> = Vec::new();
     for part in error.chain().map(ToString::to_string) {

@@ -111,7 +111,7 @@ pub fn whole(run: &Settled, backend: &Backend, mut watch: Stopwatch) -> Result<W
     Ok(Worked { made, work })
 }
 
-/// Returns a run that is computed band by band.
+/// Returns a run that is computed band by band, with the provenance of each sample if `sources` asks for it.
 pub fn bands(run: &Settled, backend: &Backend, sources: bool) -> Result<Bands> {
     let (parameters, pattern) = (&run.parameters, &run.pattern);
     let warn = |text: &str| output::note(&format!("warning: {text}"));

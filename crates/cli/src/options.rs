@@ -140,10 +140,10 @@ pub fn pair(origin: Option<&Vec<f64>>) -> Option<[f64; 2]> {
     origin.and_then(|origin| origin.as_slice().try_into().ok())
 }
 
-/// What a false certificate leaves to do.
+/// What to do about a false certificate.
 pub const WITHOUT_CERTIFICATE: &str = "--no-certificate reads the set without it";
 
-/// What a set with three coordinates, of which nothing says that it is one in space, leaves to do.
+/// What to do about third coordinates, if neither a certificate nor an option says that the set is one in space.
 const IN_SPACE: &str =
     "--depth gives a set in space its third side, and --slice then takes a plane of it";
 
@@ -186,10 +186,10 @@ impl SetArguments {
 
     /// Refuses a set, read without a verdict, that seems to be of longitudes and latitudes beyond its domain.
     pub fn refuse_degrees(&self, read: &ReadSet, region: Region) -> Result<()> {
-        // Positions that were read lie in the domain, whose lower corner is 0.
         if self.planar {
             return Ok(());
         }
+        // Positions that were read are in domain units: the domain's lower corner is 0.
         refuse_degrees(read, region, [0.0; 2]).map_err(|error| hinted(error.into()))
     }
 

@@ -83,7 +83,8 @@ impl FromArgMatches for RunArguments {
             taken.map_err(|error| clap::Error::raw(ErrorKind::InvalidValue, error))?;
         }
 
-        // All options have defaults: only a typed one can be refused by a method that has no use for it.
+        // Every option but the radius has a value by default: only a typed one can be refused by a method that has no
+        // use for it.
         let is_typed = |parameter: &Parameter| {
             matches.value_source(parameter.key()) == Some(ValueSource::CommandLine)
         };
@@ -206,7 +207,7 @@ fn pattern_file() -> [Arg; 2] {
     [file, radius]
 }
 
-/// Sets a parameter to what its option says. A radius that is not given stays.
+/// Sets a parameter to what its option says; without a value it stays.
 fn take(parameters: &mut Parameters, parameter: Parameter, matches: &ArgMatches) -> Result<()> {
     let key = parameter.key();
     match &parameter.row().kind {

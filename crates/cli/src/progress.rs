@@ -10,7 +10,8 @@ use tilescope_core::{Observer, Progress, Stage};
 
 use crate::interrupt;
 
-/// Returns a bar named by a word, which may come from a file; hidden if standard error is not a terminal. It disappears when it is dropped.
+/// Returns a bar named by a word, which may come from a file; hidden if standard error is not a terminal. It disappears
+/// when it is dropped.
 pub fn bar(what: &str, total: u64) -> ProgressBar {
     let bar = ProgressBar::new(total)
         .with_message(shown_in_line(what).into_owned())

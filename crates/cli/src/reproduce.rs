@@ -115,8 +115,8 @@ pub fn run(arguments: &ReproduceArguments) -> Result<u8> {
     // Without a folder there is no place for results, so that the plan is all that can be shown.
     let (Some(out), false) = (&arguments.out, arguments.before.plan) else {
         // With --fresh the results in the folder do not count.
-        let kept = arguments.out.as_deref().filter(|_| !fresh);
-        let each = plan(&experiments, &settings, kept);
+        let counted_folder = arguments.out.as_deref().filter(|_| !fresh);
+        let each = plan(&experiments, &settings, counted_folder);
         let [units, kept] = totals(&each);
         let json = || json!({ "units": units, "kept": kept, "experiments": each });
         output::report(arguments.json, json, || plan_text(&each))?;
@@ -222,11 +222,15 @@ impl Watch for WatchBar {
 }
 
 fn verdict_line(finished: &Finished, claim: &Claim) -> String {
-    format!("  {:<VERDICT$} {}", finished.words(claim), claim.claim)
+    format!(
+        "  {:<VERDICT_WIDTH$} {}",
+        finished.words(claim),
+        claim.claim
+    )
 }
 
 /// Width of the column of verdicts: that of the longest.
-const VERDICT: usize = "not reproduced (quick)".len();
+const VERDICT_WIDTH: usize = "not reproduced (quick)".len();
 
 /// Returns the claims with their verdicts, in lines.
 fn text(summary: &Summary) -> String {
@@ -234,7 +238,9 @@ fn text(summary: &Summary) -> String {
     for one in &summary.finished {
         let _ = writeln!(out, "{}", one.experiment.title());
         for claim in &one.claims {
-            let (line, indent) = (verdict_line(one, claim), " ".repeat(VERDICT + 3));
+            // Under the claim, which has two blanks before its verdict and one behind it.
+            let indent = " ".repeat(VERDICT_WIDTH + 3);
+            let line = verdict_line(one, claim);
             let (paper, ours) = (&claim.paper, &claim.ours);
             let _ = writeln!(
                 out,

@@ -143,8 +143,8 @@ const ORDERS_WITHIN: Names<2> = [
 ];
 
 impl NestedArguments {
-    /// Returns the levels that the arguments ask for, if any. Refuses exactly so many samples without levels, of which only sets
-    /// in space have a beginning that is spread evenly.
+    /// Returns the levels that the arguments ask for, if any. Refuses `--exactly` without levels: in the plane only
+    /// levels give a set whose first samples are spread evenly.
     pub fn request(&self) -> Result<Option<NestedRequest>> {
         ensure!(
             self.exactly.is_none() || self.levels.is_some(),

@@ -174,7 +174,7 @@ fn text(sum: &Tally) -> String {
          unequal engines    {}\n",
         sum.rounds, sum.samples, sum.conflicts, sum.gaps, sum.unequal
     );
-    // Where radii vary there is none.
+    // Rounds of varying radii measure no covering radius.
     if sum.covering_radius_r > 0.0 {
         let _ = writeln!(
             out,
@@ -258,7 +258,7 @@ fn pattern(dice: &Dice, leaf: f64, seed: u64) -> PatternSpec {
     // Such a pattern is made for this round alone, which takes longer than most rounds.
     if dice.has(Feature::BoundedPattern) && dice.share(4) < 0.3 {
         // A bounded pattern must hold every clip: a block has less than two leaves along a side, and its clip r more on
-        // either side.
+        // either side. One r is to spare.
         PatternSpec {
             side: (2.0 * leaf + 3.0) * (1.0 + dice.share(5)),
             boundary: Boundary::Bounded,
@@ -268,6 +268,7 @@ fn pattern(dice: &Dice, leaf: f64, seed: u64) -> PatternSpec {
         // Mostly a few sides and seeds, whose patterns are kept: to make one takes longer than a small round.
         let any = dice.scale(5, [MIN_PATTERN_SIDE_RADII, 160.0]);
         let side = if dice.has(Feature::AnyPattern) {
+            // In a third of these rounds any side.
             dice.pick(10, &[20.0, 30.0, 50.0, 200.0, any, any])
         } else {
             100.0

@@ -74,7 +74,8 @@ fn overrides(set: &SetArguments, file: &Path) -> Result<Overrides> {
 
 /// Adds to the error of a check the options that help.
 fn hinted(error: CheckError) -> anyhow::Error {
-    // Messages of the crates below name values; the options that set them are known here.
+    // Messages of the crates below name values, and here the options that set them are added. A context is printed
+    // before its error: "give --radius: there is no certificate".
     match error {
         CheckError::Solid(error @ SolidError::OutOfRegion { .. }) => {
             anyhow::anyhow!(

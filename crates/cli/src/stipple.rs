@@ -277,13 +277,13 @@ fn radii(made: &Made) -> Vec<f64> {
 fn picture(made: &Made, context: &ExportContext, columns: u32) -> Result<Vec<u8>> {
     // Dots are drawn in the units of the set, and the view makes pixels of them.
     let [width, height] = context.region.size();
-    let scale = f64::from(columns) / width;
+    let pixels_a_unit = f64::from(columns) / width;
     let drawing = (context.drawing.as_ref()).context("no colours are chosen")?;
     let color = |[red, green, blue]: [u8; 3]| [red, green, blue, u8::MAX];
 
     let mut dots = Group {
         view: View {
-            scale,
+            scale: pixels_a_unit,
             ..View::PIXELS
         },
         ..Group::new("dots")
@@ -297,11 +297,13 @@ fn picture(made: &Made, context: &ExportContext, columns: u32) -> Result<Vec<u8>
     }
 
     // A picture has at least one row, however flat the image is.
-    let rows = (height * scale).round().max(1.0);
+    let rows = (height * pixels_a_unit).round().max(1.0);
     let mut scene = Scene::new(f64::from(columns), rows, color(drawing.paper));
     scene.title = format!("{} dots", made.set.len());
     scene.groups.push(dots);
-    match to_png_controlled(&scene, 1.0, &mut |_, _| interrupt::flow()) {
+    // The scene is laid out in pixels already.
+    let scale = 1.0;
+    match to_png_controlled(&scene, scale, &mut |_, _| interrupt::flow()) {
         // Only a request to end cancels the picture. The caller checks for it before it writes, and reports it.
         Err(FigureError::Cancelled) => Ok(Vec::new()),
         drawn => Ok(drawn?),

@@ -24,7 +24,7 @@ use crate::progress::{Stopwatch, verifying};
 use crate::sample_arguments::SampleArguments;
 use crate::{interrupt, make};
 
-/// Samples handed to the writer at a time.
+/// Samples handed to the writer at a time: 1 MiB of positions. Chosen, not measured.
 const PIECE: usize = 1 << 16;
 
 /// Makes the set of a run band by band, and writes and verifies each band.

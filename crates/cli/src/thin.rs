@@ -140,7 +140,7 @@ fn make(arguments: &ThinArguments) -> Result<ThinnedFile> {
     let file = PointFile::new(&bytes, arguments.hint(&name))
         .map_err(hinted)
         .in_file(&arguments.input)?;
-    // A stated domain says in which units it is.
+    // Points in a domain whose sides are given are taken for planar.
     if file.read.degrees && !arguments.planar && recipe.domain.is_none() {
         return Err(ThinFileError::Degrees).in_file(&arguments.input);
     }

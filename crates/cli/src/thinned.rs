@@ -35,7 +35,7 @@ pub fn run(
     let (Some(stated), Some(thinned)) = (&certificate, thinned) else {
         bail!("--source is for sets whose certificate states that they were thinned");
     };
-    // The points were chosen by the certificate's own values: the choice cannot be judged by others.
+    // The points were chosen by the certificate's own values: the choice cannot be judged by other ones.
     refuse_others(set)?;
 
     let verdict = verdict(

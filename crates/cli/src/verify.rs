@@ -152,12 +152,13 @@ fn checked(arguments: &VerifyArguments) -> Result<(Check, Option<[f64; 2]>)> {
         ..arguments.set.overrides(file)?
     };
     let (ground, set) = (&arguments.ground, &arguments.set);
-    // Without a certificate only the arguments can tell the field and the shape.
+    // Without a certificate only the arguments can state the field and the shape.
     if ground.is_given() {
         ground.judge_in(file, set, &mut overrides)?;
     }
 
     let check = |overrides: &_| verifying(|control| check_stream(file, overrides, control));
+    // A file of which neither the certificate nor the arguments state a domain is checked in the periodic unit square.
     let mut checked = check_or_unit_square(&overrides, check);
 
     // The certificate is read with the points. Only when it states a field or a shape, which few sets have, is the file

@@ -271,7 +271,7 @@ fn range_of_many(all: &[Anisotropy], levels: impl Iterator<Item = f64>) -> Axis 
 
     // The lines of sets without a preferred direction are what the curves are compared with.
     let [least, most] = levels.fold(many, wider);
-    // Half a decibel at least, so that a flat curve does not lie on the frame.
+    // A twentieth of the range; half a decibel at least, so that a flat curve does not lie on the frame.
     let spare = (0.05 * (most - least)).max(0.5);
     let [low, high] = [least - spare, most + spare];
     let is_cut = (all.iter()).any(|one| !(low..=high).contains(&one.decibels));

@@ -43,7 +43,8 @@ pub fn html(gains: &Gains) -> Result<String> {
         }
 
         let _ = writeln!(out, "<h2>{name}</h2>");
-        // A picture with a row for each learner would be as long as the class is large.
+        // The rows of learners, which alone count questions, have no picture: it would be as long as the class is
+        // large.
         if count != "questions" {
             let _ = writeln!(out, "{}", with_own_ids(&picture(name, rows)?, index));
         }

@@ -195,8 +195,8 @@ pub fn package(arguments: &PackageArguments) -> Result<String> {
             .map_err(|fault| anyhow!("{lesson_name} in {language}: {fault}"))?,
     };
 
-    let told = told(&lesson, &translation, &source, arguments);
-    let asked = match (told.questions.len(), arguments.steps.is_empty()) {
+    let packaged = packaged_lesson(&lesson, &translation, &source, arguments);
+    let asked = match (packaged.questions.len(), arguments.steps.is_empty()) {
         (0, true) => {
             bail!("{lesson_name}: the lesson has no question, so that a course would get no score")
         }
@@ -212,20 +212,20 @@ pub fn package(arguments: &PackageArguments) -> Result<String> {
         title: plain(translation.of(&lesson.title)),
         objective: plain(translation.of(&lesson.objective)),
         language,
-        mastery: told.mastery,
+        mastery: packaged.mastery,
     };
     let folder = web::folder(arguments.folder.as_deref())?;
     let mut files = program::files(&folder, source)?;
-    files.extend(page(&told, &description.title)?);
+    files.extend(page(&packaged, &description.title)?);
 
     // The manifest comes last, as it lists all other files.
     let names: Vec<&str> = files.keys().map(String::as_str).collect();
-    let (manifest, text) = manifest::of(told.system, &description, &names)?;
+    let (manifest, text) = manifest::of(packaged.system, &description, &names)?;
     files.insert(manifest.to_owned(), text);
 
     let bytes = archive::packed(&files)?;
     write_whole(out, &bytes).in_file(out)?;
-    let (length, system) = (bytes.len(), told.system.name());
+    let (length, system) = (bytes.len(), packaged.system.name());
     Ok(format!("{path}: {length} bytes, {asked}, for {system}\n"))
 }
 
@@ -260,7 +260,7 @@ fn source(arguments: &PackageArguments) -> Result<Shipped> {
 }
 
 /// Returns what the page reads about its lesson.
-fn told(
+fn packaged_lesson(
     lesson: &Lesson,
     translation: &Translation,
     source: &Shipped,
@@ -318,10 +318,10 @@ fn identity(lesson: &str, steps: &[String]) -> String {
 }
 
 /// Returns the files of the page around the program.
-fn page(told: &PackagedLesson, title: &str) -> Result<BTreeMap<String, Vec<u8>>> {
-    let policy = told.system.policy();
+fn page(packaged: &PackagedLesson, title: &str) -> Result<BTreeMap<String, Vec<u8>>> {
+    let policy = packaged.system.policy();
     let index = [
-        ("language", &*told.language),
+        ("language", &*packaged.language),
         ("title", title),
         ("policy", policy.as_str()),
     ]
@@ -330,7 +330,7 @@ fn page(told: &PackagedLesson, title: &str) -> Result<BTreeMap<String, Vec<u8>>>
         page.replace(&format!("[[{mark}]]"), &escape(value))
     });
 
-    let data = serde_json::to_string_pretty(told).context("lesson.js")?;
+    let data = serde_json::to_string_pretty(packaged).context("lesson.js")?;
     let mut files = BTreeMap::from([
         ("index.html".to_owned(), index.into_bytes()),
         (
@@ -338,7 +338,7 @@ fn page(told: &PackagedLesson, title: &str) -> Result<BTreeMap<String, Vec<u8>>>
             format!("export const LESSON = {data};\n").into_bytes(),
         ),
     ]);
-    for (name, text) in PAGE.into_iter().chain([told.system.script()]) {
+    for (name, text) in PAGE.into_iter().chain([packaged.system.script()]) {
         files.insert(name.to_owned(), text.as_bytes().to_vec());
     }
     Ok(files)

@@ -16,7 +16,8 @@ use crate::interrupt;
 pub fn round(parameters: &Parameters, dice: &Dice, options: &VerifyOptions) -> Result<Tally> {
     let history = PatternHistory::of_spec(&parameters.pattern, &mut Unobserved)?;
     let run = exact_sample(parameters, &history, &mut Unobserved)?;
-    // Counts are compared first, as they are already there; the definition takes all darts of two levels.
+    // Counts are compared first, as they are already there; `agrees` makes the first two levels anew, from all of their
+    // darts.
     let is_defined = counts_add_up(&run) && agrees(&run, &history);
     let by_windows = exact_sample_parallel(parameters, &history, &mut Unobserved)?;
     let engines_agree = by_windows.samples == run.samples && by_windows.summary() == run.summary();
@@ -45,11 +46,11 @@ pub fn round(parameters: &Parameters, dice: &Dice, options: &VerifyOptions) -> R
     let faults = faults_of(&checks);
 
     let command = || format!("{faults}{}", command(parameters));
-    // Unlike KDRT with a short reach, exact tiling may never leave a gap.
     Ok(Tally {
         rounds: 1,
         samples: report.count as u64,
         conflicts: report.conflicts,
+        // Unlike KDRT with a short reach, exact tiling may never leave a gap: all count as faults.
         gaps: report.gaps,
         covering_radius_r: report.covering_radius,
         unequal: u64::from(!(is_defined && engines_agree && windows_agree)),

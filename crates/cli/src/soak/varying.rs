@@ -102,12 +102,16 @@ struct Frame {
 }
 
 impl Frame {
+    /// Draws the area, the aspect and the pixels of a round. The number before a range is the draw's own, whatever
+    /// their order.
     fn draw(dice: &Dice) -> Self {
         let columns = dice.scale(1, PIXELS);
+        // A flat image, too, has the least number of pixels in a column.
         let rows = (columns / dice.scale(2, ASPECTS)).max(2.0);
         let mut pixels = [columns, rows].map(|count| count as usize);
 
-        // A periodic domain has to have room for the largest radius along both sides.
+        // A periodic domain has to have room for the largest radius along both sides, and a little more, so that
+        // rounding to the lattice does not lead below it.
         let shortest = MIN_SIDE_RADII_PERIODIC + 0.5;
         let aspect = pixels[0] as f64 / pixels[1] as f64;
         let width = (dice.scale(0, AREAS) * aspect).sqrt();
@@ -135,7 +139,8 @@ impl Frame {
         if !dice.has(Feature::Field) {
             return Ok(RadiusSource::Constant(1.0));
         }
-        // Nodes are at most 32 of the least radii apart, and those of an image and of a mask are pixels.
+        // Nodes are at most 32 of the least radii apart, and those of an image and of a mask are pixels. One radius is
+        // to spare.
         let pitch = self.size[0] / self.pixels[0] as f64;
         let least = dice.scale(3, CONTRASTS).recip().max(pitch / 31.0);
         if dice.has(Feature::Image) {
@@ -175,6 +180,7 @@ impl Frame {
         let corners = dice.scale(6, CORNERS) as u32;
         let corner = |index: u32, part: f64| {
             let angle = TAU * f64::from(index) / f64::from(corners);
+            // A quarter of the way to the border at least: chosen, not measured.
             let reach = part * (0.25 + 0.75 * dice.share(OF_CORNERS + index));
             let [x, y] = [angle.cos(), angle.sin()].map(|share| 0.5 + 0.5 * reach * share);
             [self.size[0] * x, self.size[1] * y]

@@ -151,7 +151,8 @@ fn smallest_distance(points: &[[f64; 3]], region: SolidRegion) -> Result<f64> {
         judges: JudgeChoice::Subdivision,
         ..VerifyOptions::default()
     };
-    // The verifier refuses a radius at which, in a periodic box, a place is near two images of a sample.
+    // The verifier refuses a radius at which, in a periodic box, a place may be near two images of a sample: the
+    // shortest side has to be more than twice the covering limit, which is a hair above the radius.
     let radius = spacing.min(shortest / 2.5);
     let report = verifying(|control| verify_solid(points, region, radius, &options, control))
         .context("no radius is known, and none can be measured; give --radius")?;

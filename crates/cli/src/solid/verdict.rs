@@ -19,7 +19,7 @@ pub fn box_text(region: &SolidRegion) -> String {
 
 /// Returns the fields of a verdict, as those of planar sets. Lengths are in radii if the name ends in `_r`.
 pub fn json(verdict: &SolidVerdict) -> Value {
-    // JSON has null for numbers that are not finite.
+    // JSON has null for numbers that are not finite. Of a prefix the report is about its factor: it is not maximal.
     let report = &verdict.report;
     json!({
         "count": report.count,
