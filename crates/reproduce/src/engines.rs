@@ -142,7 +142,7 @@ impl Engines {
 
         let points = match engine {
             Engine::Reference => reference_sample(domain, parameters.seed, observer)?,
-            // It always runs on all threads: `threads` only tells how many there are.
+            // It always runs on all threads: `threads` only says how many there are.
             Engine::Combined { .. } => {
                 let pieces = nine(domain, parameters.seed, control)?;
                 combine(domain, &pieces, &CombineOptions::default(), observer)?.points

@@ -103,7 +103,7 @@ pub fn signed(value: f64, digits: usize) -> String {
     format!("{sign}{}", number(value, digits))
 }
 
-/// Returns a probability; numbers end before the smallest ones do.
+/// Returns a probability. Those below 1e-300, near the end of the range of doubles, are not told apart.
 pub fn chance(probability: f64) -> String {
     if probability < 1e-300 {
         "below 1e-300".to_owned()

@@ -197,8 +197,8 @@ pub(crate) fn distinct<T: PartialEq>(values: impl Iterator<Item = T>) -> Vec<T> 
 /// leaf size, or the first method of all. A row is of the rounds that have it.
 pub(crate) fn rows(rounds: &[&[EngineTime]], baseline: Option<&Engine>) -> Vec<EngineRate> {
     let keys = distinct(rounds.iter().copied().flatten().map(EngineTime::key));
-    let row = |key: &Key<'_>| row(rounds, key, baseline.map_or(keys[0], |one| (one, key.1)));
-    keys.iter().filter_map(row).collect()
+    let row_of = |key: &Key<'_>| row(rounds, key, baseline.map_or(keys[0], |one| (one, key.1)));
+    keys.iter().filter_map(row_of).collect()
 }
 
 /// Returns the row of the method `key`; `None` if no round has it together with the baseline.
@@ -215,13 +215,13 @@ fn row(rounds: &[&[EngineTime]], key: &Key<'_>, baseline: Key<'_>) -> Option<Eng
 
     // Both rates are of one round, so that what disturbs the round disturbs both.
     let ratio = |baseline: Key<'_>| {
-        let ratio = |round| Some(find(round, *key)?.rate() / find(round, baseline)?.rate());
-        Summary::of(rounds.iter().filter_map(ratio))
+        let in_round = |round| Some(find(round, *key)?.rate() / find(round, baseline)?.rate());
+        Summary::of(rounds.iter().filter_map(in_round))
     };
 
     // The second of the three quartiles is the median.
     let summary_of = |value: fn(&EngineTime) -> f64| Summary::of(times.iter().map(value));
-    let median = |value| summary_of(value).map(|summary| summary.quartiles[1]);
+    let median_of = |value| summary_of(value).map(|summary| summary.quartiles[1]);
 
     // The ratio to one thread shows how much faster more threads are, and exact tiling, which runs on one thread.
     let is_compared = match key.0 {
@@ -236,14 +236,14 @@ fn row(rounds: &[&[EngineTime]], key: &Key<'_>, baseline: Key<'_>) -> Option<Eng
     Some(EngineRate {
         engine: key.0.clone(),
         leaf: times.first()?.leaf,
-        count: median(|one| one.report.count as f64)?,
+        count: median_of(|one| one.report.count as f64)?,
         rate: summary_of(EngineTime::rate)?,
-        verify_rate: median(|one| one.report.count as f64 / one.verify_seconds)?,
+        verify_rate: median_of(|one| one.report.count as f64 / one.verify_seconds)?,
         ratio: ratio(baseline)?,
         thread_ratio: ratio(one_thread)
             .filter(|_| is_compared)
             .map(|ratio| ratio.quartiles[1]),
-        density: median(|one| one.report.density)?,
+        density: median_of(|one| one.report.density)?,
         // The worst of all sets, since each of them has to be valid.
         min_distance: summary_of(|one| one.report.min_distance / one.report.radius)?.least,
         covering_radius: summary_of(|one| one.report.covering_radius / one.report.radius)?.most,

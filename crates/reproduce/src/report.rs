@@ -131,7 +131,7 @@ fn section(one: &Finished) -> Vec<Block> {
         ("Program", Span::Plain(format!("tilescope {}", one.version))),
     ];
 
-    // Small sets are weaker evidence, of which the report has to tell.
+    // Small sets are weaker evidence, which the report has to say.
     if one.quick {
         facts.push(("Quick", plain("small sets, few of them")));
     }

@@ -33,7 +33,7 @@ use crate::pool::{Pool, Program};
 use crate::tree::Tree;
 
 /// Changes are reported to the page at most once in so many seconds.
-const TELLS_SECS: f64 = 0.25;
+const REPORTS_SECS: f64 = 0.25;
 /// The most workers, whatever the number of processors, since each has its own memory.
 const MAX_WORKERS: usize = 2;
 
@@ -388,9 +388,10 @@ struct Page {
     display: String,
     /// Whether the browser's store is used: a page within another page stores nothing.
     stores: bool,
-    /// The number of frames begun, counted up to two.
+    /// The number of frames begun, counted up to 255.
     frames: u8,
-    told_secs: f64,
+    /// When changes were last reported, in seconds of the browser's clock.
+    reported_secs: f64,
     announcement: Option<String>,
     /// The language of lessons that the browser's store has, or that was in use when the page began.
     language: Option<String>,
@@ -456,7 +457,7 @@ impl Page {
             display,
             stores,
             frames: 0,
-            told_secs: 0.0,
+            reported_secs: 0.0,
             announcement: None,
             language,
             is_refused: false,
@@ -530,7 +531,7 @@ impl Page {
     }
 
     /// Reports changes to the page.
-    fn tell(&mut self) {
+    fn report_changes(&mut self) {
         // Announcements are passed on at once, other changes only now and then.
         let state = &self.app.state;
         let announcement = state.messages().announcement();
@@ -543,14 +544,14 @@ impl Page {
         let state = &self.app.state;
         // The clock of the browser goes on while the page is hidden, and that of egui stands still.
         let now_secs = Date::now() / 1e3;
-        let due_secs = self.told_secs + TELLS_SECS - now_secs;
+        let due_secs = self.reported_secs + REPORTS_SECS - now_secs;
         if due_secs > 0.0 {
             self.ctx
                 .request_repaint_after(std::time::Duration::from_secs_f64(due_secs));
             return;
         }
 
-        self.told_secs = now_secs;
+        self.reported_secs = now_secs;
         let talk = state
             .classroom()
             .talk_json(&state.runs().first.canvas_view())
@@ -560,16 +561,16 @@ impl Page {
             self.talk = talk;
         }
 
-        let told = to_json(state);
-        let link = told["link"].as_str().unwrap_or_default();
+        let state_json = to_json(state);
+        let link = state_json["link"].as_str().unwrap_or_default();
         if self.link.as_deref() != Some(link) {
             hooks::link(link);
             self.link = Some(link.to_owned());
         }
-        let told = told.to_string();
-        if told != self.state {
-            hooks::state(&told);
-            self.state = told;
+        let state_text = state_json.to_string();
+        if state_text != self.state {
+            hooks::state(&state_text);
+            self.state = state_text;
         }
     }
 }
@@ -577,11 +578,11 @@ impl Page {
 impl eframe::App for Page {
     fn logic(&mut self, ctx: &egui::Context, _: &mut eframe::Frame) {
         // Nothing is drawn while the page is hidden, as behind the window with the notes of a talk. Its run goes on, and the
-        // notes are told what their commands did.
+        // notes get what their commands have changed.
         if ctx.input(|input| input.viewport().visible()) == Some(false) {
             self.work();
             self.store_results();
-            self.tell();
+            self.report_changes();
         }
     }
 
@@ -607,7 +608,7 @@ impl eframe::App for Page {
         self.shared.has_list.set(egui::Popup::is_any_open(ui.ctx()));
         // Ends tasks that this frame has cancelled now, since no other frame may follow.
         self.pool.tick();
-        self.tell();
+        self.report_changes();
     }
 
     fn raw_input_hook(&mut self, ctx: &egui::Context, raw: &mut egui::RawInput) {
@@ -649,7 +650,7 @@ fn connect(app: &mut App, creation: &eframe::CreationContext<'_>) -> String {
             hooks::announce_focus(&spoken.text);
         }
     });
-    // After the speaker, which reads the same tree, and which this takes.
+    // Behind the speaker, which reads the tree of controls of each frame: this plugin takes the tree out of the output.
     creation.egui_ctx.add_plugin(Tree::default());
     app.turn_full_screen_with(hooks::full_screen);
     display

@@ -254,7 +254,7 @@ impl Pool {
     }
 
     /// Removes a broken worker: its task fails; the next task starts a new worker.
-    fn remove_broken(&self, worker: &Worker, why: &Break) {
+    fn remove_broken(&self, worker: &Worker, cause: &Break) {
         let slot = {
             let mut inner = self.0.borrow_mut();
             let place = inner.slots.iter().position(|slot| slot.worker == *worker);
@@ -264,7 +264,7 @@ impl Pool {
             return;
         };
 
-        let (text, is_hopeless) = match why {
+        let (text, is_hopeless) = match cause {
             Break::Fault(why) => (
                 format!("a background job failed ({why}); this is a fault of the program"),
                 self.0.borrow_mut().note_broken(&slot),
@@ -277,8 +277,9 @@ impl Pool {
         if let Some(busy) = slot.busy {
             (busy.task.answer)(TaskEnd::Failed(text));
         }
+        // No worker is started any more, so that the tasks that wait fail, too.
         if is_hopeless {
-            let (Break::Fault(why) | Break::Lacking(why)) = why;
+            let (Break::Fault(why) | Break::Lacking(why)) = cause;
             let waiting = std::mem::take(&mut self.0.borrow_mut().waiting);
             for task in waiting {
                 (task.answer)(TaskEnd::Failed(no_worker(&why.as_str().into())));

@@ -294,7 +294,7 @@ impl LeafShares {
     }
 }
 
-/// A measured share: its name in the chart.
+/// A measured share: its name in the chart, and the function that returns it.
 type Share = (&'static str, fn(&LeafShares) -> f64);
 
 const SHARES: [Share; 6] = [

@@ -190,6 +190,7 @@ fn maximal(found: &[LayoutResult], last: &LayoutResult) -> Claim {
 
 fn losses(found: &[LayoutResult], last: &LayoutResult) -> Claim {
     let deepest = largest(found.iter().map(|one| one.deepest));
+    // "Near the seams" is within 3 r of them, as the text of the claim says: chosen, not measured.
     let verdict = Verdict::of(last.lost_share() <= MINOR && deepest <= 3.0);
     let values = json!({
         "lost": last.lost, "before": last.before, "share": last.lost_share(),

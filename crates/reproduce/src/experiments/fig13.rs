@@ -144,7 +144,7 @@ fn spectra_pictures(study: &Study<'_>, found: &[MethodSpectra]) -> Result<Vec<Pi
     });
     let mut pictures: Vec<Picture> = each.collect::<Result<_>>()?;
 
-    // This picture needs the control, which was measured with the last radius alone.
+    // This picture needs the copies side by side, which were measured with the last radius alone.
     if let Some(group) = groups.last() {
         let title = "Where regularity shows";
         pictures.push(picture(*group, "regular", title, shown::regular())?);

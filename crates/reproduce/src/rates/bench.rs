@@ -215,8 +215,8 @@ impl Bench {
             let is_periodic = false;
             let asked = (Region::new(cut.size, is_periodic), plane.domain().radius());
             let options = VerifyOptions::default();
-            let control = control.analysis();
-            let report = verify_cut(&cut.positions, asked, cut.window, &options, &control)?;
+            let go_on = control.analysis();
+            let report = verify_cut(&cut.positions, asked, cut.window, &options, &go_on)?;
             windows.valid &= report.valid();
         }
 

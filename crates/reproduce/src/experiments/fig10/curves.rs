@@ -73,6 +73,7 @@ fn round_numbers() -> Vec<(f64, String)> {
 }
 
 fn power(all: &[SamplerResults]) -> LineChart {
+    // A regular grid has all of its power at single frequencies, which make no curve.
     let curve = |one: &SamplerResults| {
         let power = &one.spectrum.power;
         (one.sampler != Sampler::Grid).then(|| (power.clone(), None))

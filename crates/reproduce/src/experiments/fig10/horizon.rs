@@ -119,6 +119,7 @@ impl Horizon {
 fn turn(quotient: f64, from: f64) -> f64 {
     let next = (quotient / from).floor() + 1.0;
     let at = quotient / next;
+    // If `from` is such a place itself, rounding may give it again.
     if at < from {
         at
     } else {

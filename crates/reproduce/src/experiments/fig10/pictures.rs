@@ -24,7 +24,7 @@ const TILE: f64 = 2.0 * CELLS as f64;
 pub const BLACK: f64 = 3.0;
 /// Powers below this are the transform's error.
 const NOTHING: f64 = 1e-9;
-/// Spectra whose edge is further than this part from that of the axis have one of their own.
+/// Spectra whose edge differs from that of the axis by more than this share have a note that states it.
 const OFF_AXIS: f64 = 0.02;
 /// Side of the tile of a zone plate or a horizon.
 const LARGE: f64 = 512.0;
@@ -162,7 +162,8 @@ fn horizon_content(one: &SamplerResults, side: f64) -> Result<(String, TileConte
     Ok((note, shades(image, side, lower)?))
 }
 
-/// A spectrum, low powers white; it says so if it does not reach as far as the axis.
+/// Returns the tile of a spectrum: no power is white, and [`BLACK`] and more are black. Its note states the edge if
+/// that is not the axis's, `shown`.
 fn spectrum(spectrum: &MeanSpectrum, shown: f64) -> Result<TileChart> {
     let mut note = if spectrum.low < NOTHING {
         format!("no power to \u{3bd} = {LOW}")
@@ -173,11 +174,13 @@ fn spectrum(spectrum: &MeanSpectrum, shown: f64) -> Result<TileChart> {
     if (spectrum.reach / shown - 1.0).abs() > OFF_AXIS {
         note = format!("{note}; edge at \u{3bd} = {}", number(spectrum.reach, 3));
     }
-    // Rows of the spectrum go upwards, those of a picture downwards.
+    // Rows of the spectrum go upwards, those of a picture downwards. Shades are those of values from -1, black, to 1,
+    // white.
     let powers = spectrum.picture.chunks(CELLS).rev().flatten();
     let image: Vec<u8> = powers
         .map(|power| shade(1.0 - 2.0 * power / BLACK))
         .collect();
+    // The tile holds all rows, so that none are chosen.
     let lower = true;
     Ok(tile(Some(TILE), "", note, shades(&image, TILE, lower)?))
 }

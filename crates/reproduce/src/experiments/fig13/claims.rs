@@ -43,10 +43,10 @@ const PEAK: Measure = Measure {
 
 /// Returns the claims about rates and spectra.
 pub fn claims(each: &[Against], rows: &[EngineRate]) -> Vec<Claim> {
-    let kdrt = |holds: bool| -> Vec<Against> {
+    let kdrt = |fits: bool| -> Vec<Against> {
         let is_kdrt = |one: &&Against| matches!(one.method, Method::Kdrt { .. });
         let of_kdrt = each.iter().filter(is_kdrt).copied();
-        of_kdrt.filter(|one| one.method.fits() == holds).collect()
+        of_kdrt.filter(|one| one.method.fits() == fits).collect()
     };
 
     // A block that does not fit into its pattern repeats a part of it.

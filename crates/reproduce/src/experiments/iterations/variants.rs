@@ -84,6 +84,7 @@ pub fn inserted(set: &Summary, iteration: usize) -> usize {
 }
 
 pub fn compared_table(compared: &[Compared]) -> Table {
+    // After the two iterations that the paper saw.
     let late = |set: &Summary| set.inserted.iter().skip(2).sum::<usize>();
     table("iterations/variants", compared, |one| {
         let (staged, printed) = (&one.staged, &one.printed);

@@ -73,7 +73,9 @@ impl Witness {
 /// The gaps of one set: the verifier's counts, and which detectors could see them.
 #[derive(Clone, Debug, Default, Serialize, Deserialize)]
 pub struct GapCounts {
+    /// How many samples the set has.
     pub count: usize,
+    /// How many of them were inserted.
     pub inserted: usize,
     /// Centres of empty circles that are too large.
     pub centers: u64,
@@ -220,7 +222,8 @@ pub fn bars(found: &[GapStatistics]) -> Result<Picture> {
             let holes: usize = counts.iter().map(|one| one.holes).sum();
             let samples: usize = counts.iter().map(|one| one.count).sum();
 
-            // The whisker spans the means of which this number of holes is still probable.
+            // The whisker is the interval of the mean number of holes, by Poisson's law, that follows from the number
+            // counted.
             let ends = poisson_interval(holes, MISSED).map(|gaps| a_million(gaps, samples));
             let values = json!({ "holes": holes, "samples": samples, "ends": ends });
 

@@ -149,6 +149,7 @@ fn triangle(witness: &Witness, middle: DVec2, radius: f64, palette: &Palette) ->
 /// middle, as seen from the third site.
 fn side([from, to, third]: [DVec2; 3], what: &str, radius: f64, palette: &Palette) -> [Shape; 3] {
     let half = from.midpoint(to);
+    // The distance and the sizes of the text and of its ground were set by eye.
     let at = half + 0.4 * radius * (half - third).normalize_or_zero();
     let [x, y] = [0.33, 0.11].map(|half| half * radius);
     let corners = [[-x, -y], [x, -y], [x, y], [-x, y]].map(|to| at + DVec2::from(to));

@@ -41,6 +41,7 @@ fn within(off: &DensityOffset, limit: f64) -> Verdict {
 
 /// Whether there is a deviation: intervals that contain zero deny it only if they are not wide.
 fn there(each: &[DensityOffset]) -> Verdict {
+    // There is none if each place shows none: the claim of several parts is the opposite one.
     let nowhere = |off: &DensityOffset| {
         Rule::NotZero(TELLING)
             .verdict(Some(off.interval))
@@ -213,6 +214,7 @@ fn interior(reference: &SamplerUniformity, ours: &SamplerUniformity) -> Claim {
 
 /// Places near borders of blocks, where clips overlap.
 fn border(how: &str, ours: &SamplerUniformity) -> Claim {
+    // Two bands are judged, whose intervals have to hold together.
     let [near, middle, _] = ours.bands().map(|band| band.among(2, ours.sets));
     let values = json!({
         "how": how, "near": offset(&near), "interior": INTERIOR, "middle": offset(&middle),
@@ -237,6 +239,7 @@ fn deterministic(found: &UniformityResults) -> Claim {
 
 /// Whether there is a bias without deterministic insertion.
 fn removes(found: &UniformityResults) -> Claim {
+    // In `NAMES` the third way inserts at circumcentres, and the fourth uniformly.
     let [with, without] = [2, 3].map(|way: usize| found.all[way].bands()[0]);
     let values = json!({
         "with": offset(&with), "without": offset(&without), "removed": found.paired.removed,

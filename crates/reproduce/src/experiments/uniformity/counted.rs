@@ -126,6 +126,7 @@ fn moved(domain: &Domain, points: &[Point]) -> Vec<Point> {
     let turn = std::f64::consts::TAU / width;
     let place = |p: &Point| {
         let x = f64::from(p.x) + MOVED / turn * (turn * f64::from(p.x)).sin();
+        // The remainder of a number a hair below 0 may be rounded to the width itself, which is no place of the domain.
         Point::new((x.rem_euclid(width) as i32).min(domain.width() - 1), p.y)
     };
     points.iter().map(place).collect()
@@ -215,6 +216,7 @@ fn sides(domain: &Domain, points: &[Point]) -> Vec<u64> {
 
 /// Returns the shares of the classes of [`sides`].
 fn side_shares(domain: &Domain) -> Vec<f64> {
+    // Each axis has half of the coordinates that are counted.
     let strip = |length: i32| 0.5 * f64::from(R) / f64::from(length);
     let side = strip(domain.width()) + strip(domain.height());
     vec![side, side, 1.0 - 2.0 * side]

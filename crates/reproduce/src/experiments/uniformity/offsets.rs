@@ -366,6 +366,7 @@ fn uniformity(
     counts: &dyn Fn(&SeedCounts) -> Vec<u64>,
     shares: &dyn Fn(&SeedCounts) -> Vec<f64>,
 ) -> Result<Uniformity> {
+    // A test has at least one class, even if nothing was counted.
     let mut all = ClassCounts::new(seeds.first().map_or(1, |seed| counts(seed).len()))?;
     for seed in seeds {
         all.add_run(&counts(seed), &shares(seed))?;

@@ -15,9 +15,6 @@ use crate::numbers::signed;
 use crate::outcome::{Picture, Table};
 use crate::texts::{chart, table};
 
-/// Classes whose middle is farther from a border than this, in radii, are not drawn.
-const FAR: f64 = 10.0;
-
 /// Sets of one way to make them, with the number of their curve.
 type Subject<'a> = (usize, &'a SamplerUniformity);
 
@@ -50,10 +47,10 @@ pub fn pictures(found: &UniformityResults, cells: usize) -> Result<Vec<Picture>>
     ])
 }
 
-/// Returns the middle of a class of distances.
+/// Returns the middle of a class of distances; `None` for the last class, which has no end.
 fn middle(class: usize) -> Option<f64> {
     let end = EDGES.get(class + 1)?;
-    Some(0.5 * (EDGES[class] + end)).filter(|x| *x < FAR)
+    Some(0.5 * (EDGES[class] + end))
 }
 
 /// Returns the chart of densities by distance from a border, in percent above the reference sampler's.
@@ -65,7 +62,7 @@ fn density(
     let series = |&(number, subject): &Subject<'_>| {
         let (mut points, mut band) = (Vec::new(), Vec::new());
         for (class, deviation) in pick(subject).deviations.iter().enumerate() {
-            // The last class has no end, and so no middle at which it could be drawn.
+            // A class without a middle has no place at which it could be drawn.
             if let Some(x) = middle(class) {
                 let off = subject.against(deviation);
                 points.push([x, 100.0 * off.relative]);
@@ -79,7 +76,8 @@ fn density(
     };
 
     let mut chart = chart(id, subjects.iter().map(series).collect());
-    // The bias lies within a few r of a border.
+    // The bias lies within a few r of a border. The class that ends at 7.5 r is the last with its middle in the chart;
+    // to the middle of the next one, beyond it, lines go on.
     chart.x.range = Some([0.0, 7.0]);
     chart
 }
@@ -128,6 +126,7 @@ fn inserted(subjects: &[Subject<'_>]) -> LineChart {
     };
 
     let mut chart = chart("uniformity/inserted", subjects.iter().map(series).collect());
+    // The bias lies within a few r of a border. There is a little room above 100 %.
     chart.x.range = Some([0.0, 5.0]);
     chart.y.range = Some([0.0, 105.0]);
     chart
