@@ -86,7 +86,7 @@ of KDRT from nothing N r2/area  min dist/r  covering/r verifier Ms/s  valid\n";
 fn to_text(rates: &CpuRates, arguments: &BenchArguments) -> String {
     let mut out = HEADING.to_owned();
     for row in &rates.rows {
-        // Only the parallel engine has a row on one thread to be compared with.
+        // Only the parallel engine on several threads and exact tiling are compared with one thread.
         let gain = row.thread_ratio.map(|ratio| format!("{ratio:.2}x"));
         // Of three quartiles the middle one is the median.
         let _ = writeln!(

@@ -259,7 +259,8 @@ impl Certificate {
     }
 
     /// Parameters that the certificate states a second time, as the region or the radius: the name of the parameter,
-    /// the name of the difference if the two are not the same, and the value stated as region or radius.
+    /// the name of the difference if the two are not the same, and the value stated as region or radius. A set of
+    /// varying radii has the parameter `radius` only where they are all the same, so that the least is compared.
     pub(crate) fn known_parameters(&self) -> Vec<(&'static str, &'static str, Value)> {
         let region = &self.region;
         let depth = self

@@ -73,6 +73,7 @@ impl ThinnedFacts<'_> {
             file: self.name.to_owned(),
             file_format: read.detection.format,
             precision: read.precision,
+            // The region and the radius are in units of the file.
             scale: 1.0,
             shuffle_seed: None,
             rounding: None,
