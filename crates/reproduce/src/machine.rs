@@ -69,8 +69,13 @@ static ADAPTERS: LazyLock<Vec<AdapterReport>> =
 /// The adapters that are GPUs, one of each name.
 pub static GPUS: LazyLock<Vec<AdapterReport>> = LazyLock::new(|| {
     let hardware = ADAPTERS.iter().filter(|one| !one.is_software);
-    let mut found: Vec<AdapterReport> = hardware.cloned().collect();
-    found.dedup_by(|a, b| a.name == b.name);
+    let mut found: Vec<AdapterReport> = Vec::new();
+    // Adapters are in the order of their kinds, so that those of one name need not be neighbours.
+    for adapter in hardware {
+        if found.iter().all(|one| one.name != adapter.name) {
+            found.push(adapter.clone());
+        }
+    }
     found
 });
 

@@ -204,6 +204,10 @@ impl Pool {
             Err(error) => {
                 // Where the browser refuses another worker, no more are tried.
                 inner.program.workers = inner.slots.len();
+                // The workers that are there take what waits, if there are any.
+                if !inner.slots.is_empty() {
+                    return;
+                }
                 let waiting = std::mem::take(&mut inner.waiting);
                 drop(inner);
                 for task in waiting {
