@@ -85,7 +85,8 @@ impl Border {
         }
     }
 
-    /// Returns the lines that run through a rectangle: those with its places on the border, and all that cross in it.
+    /// Returns the lines that run through a rectangle. Places of the border in the rectangle lie on these lines, and
+    /// corners in it are where two of them cross.
     pub fn through(&self, rect: &Rect) -> Self {
         Self {
             lines: self.lines.map(|line| line.filter(|line| line.meets(rect))),
@@ -103,8 +104,8 @@ impl Border {
         self.lines.into_iter().flatten()
     }
 
-    /// Returns the places of the border at which a gap may be deepest that has a sample at `own`: those as far from it as
-    /// from one of `others`, with the other, and then the corners. Some lie far outside the domain.
+    /// Returns the places of the border that the sample at `own` may make candidates: each that is as far from it as
+    /// from one of `others`, with that other, and then the corners, with `None`. Some lie far outside the domain.
     pub fn places<'a, T>(
         &self,
         own: I64Vec2,
@@ -113,7 +114,8 @@ impl Border {
     ) -> impl Iterator<Item = (I64Vec2, Option<&'a T>)> {
         let border = *self;
 
-        // Along a line the distance to the nearest sample is largest where two samples are as near, or at its ends.
+        // Along a line the distance to the nearest sample is largest where two samples are equally near, or at the
+        // line's ends.
         let between = others.iter().flat_map(move |other| {
             let b = position(other);
             let places = border

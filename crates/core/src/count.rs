@@ -18,15 +18,15 @@ const TOLERANCE: u64 = 100;
 /// varies; small ones are cheap.
 const MAX_TRIES: u32 = 64;
 
-/// Tries before the radius is also varied by up to a hundredth: the count of a small set jumps as the radius changes, and
-/// corrections alone could try the same radii again and again.
+/// Tries before the radius is also varied by up to a hundredth: the count of a small set jumps as the radius changes,
+/// and corrections alone could try the same radii again and again.
 const STRAIGHT_TRIES: u32 = 4;
 
 /// Samples that a closed border adds, as a width in radii by which it widens the domain.
 const BORDER_WIDTH: f64 = 0.45;
 
-/// Returns about the radius, in user units, of a set of `count` samples. It follows from the density of a maximal set, the
-/// few samples that seams add, and those that a closed border adds.
+/// Returns about the radius, in user units, of a set of `count` samples. It follows from the density of a maximal set,
+/// the few samples that seams add, and those that a closed border adds.
 ///
 /// Fails when anything but the radius is wrong with the parameters, and when no radius within the
 /// limits gives the given number of samples.
@@ -34,8 +34,8 @@ pub fn radius_estimate(parameters: &Parameters, count: u64) -> Result<f64, Param
     parameters.validate_but_radius()?;
     let [shortest, longest] = radius_limits(parameters);
 
-    // The estimate may be off, by more for few samples than for many. Without these margins a count could need a radius
-    // beyond a limit.
+    // The estimate may be off, by more for few samples than for many. Without these margins (chosen, not measured) a
+    // count could need a radius beyond a limit.
     let minimum = (expected(parameters, longest) * 1.1).ceil() as u64;
     let maximum = (expected(parameters, shortest) * 0.98) as u64;
     if !(minimum..=maximum).contains(&count) {
@@ -46,8 +46,9 @@ pub fn radius_estimate(parameters: &Parameters, count: u64) -> Result<f64, Param
         });
     }
 
-    // Counts go as the inverse square of the radius, but for the border. Without it the first step is exact. With it a step
-    // leaves at most 0.45 / 6.45 of the error, as a side has at least 6 r, and 20 steps leave nothing.
+    // Counts go as the inverse square of the radius, except for the samples that a border adds. In a periodic domain
+    // the first step is exact. In a bounded one a step leaves at most 0.45 / 6.45 of the error, as a side has at least
+    // 6 r, and 20 steps leave nothing.
     let mut radius = longest;
     for _ in 0..20 {
         radius *= (expected(parameters, radius) / count as f64).sqrt();
@@ -67,7 +68,8 @@ pub fn search_radius<T, E: From<ParameterError>>(
 ) -> Result<T, E> {
     let [shortest, longest] = radius_limits(parameters);
     let mut radius = radius_estimate(parameters, count)?;
-    // Before the first try: farther from any wanted count than a set's.
+    // The count so far that is nearest to the wanted one. Before the first try it stands for none: every count is
+    // nearer.
     let mut nearest = u64::MAX;
 
     for number in 0..MAX_TRIES {
@@ -125,8 +127,8 @@ pub fn radius_for_count(
 
     let estimate = radius_estimate(parameters, count)?;
 
-    // The density of sets of these parameters, as a share of the estimate's. Small sets are searched without a probe, as
-    // are those of a domain that allows no set of the probe's size.
+    // The density of sets of these parameters, as a share of the estimate's. Small sets are searched without a probe,
+    // as are those of a domain that allows no set of the probe's size.
     let density = match radius_estimate(parameters, PROBE) {
         Ok(radius) if count > LARGE => Some(count_with(radius)? as f64 / PROBE as f64),
         _ => None,
@@ -135,8 +137,8 @@ pub fn radius_for_count(
     match density {
         // A search would begin with the estimate, and end with it.
         Some(density) if (density - 1.0).abs() <= PROBE_TOLERANCE => Ok(estimate),
-        // The sequential engine does not make sets of this size: there is no search by whole sets with which the radius must
-        // agree. The estimate is corrected by the probe's density.
+        // The sequential engine does not make sets of this size: there is no search by whole sets with which the radius
+        // must agree. The estimate is corrected by the probe's density.
         Some(density) if count as f64 > MAX_SEQUENTIAL_SAMPLES => Ok(estimate * density.sqrt()),
         _ => search_radius(parameters, count, |radius| {
             Ok((count_with(radius)?, radius))
@@ -164,7 +166,8 @@ fn count_of(
 
 /// Returns about how many samples a radius gives.
 fn expected(parameters: &Parameters, radius: f64) -> f64 {
-    // Seams add samples: a density of 0.6983 was measured at a leaf of 20 r.
+    // Seams add samples, the more the shorter the leaves: a density of 0.6983 was measured at a leaf of 20 r. The
+    // shortest leaf has 6 r, and beyond 1000 r (or with a leaf without end) seams no longer count.
     let density = MAXIMAL_DENSITY + 0.05 / parameters.leaf.clamp(6.0, 1e3);
 
     let border = match parameters.boundary {

@@ -28,9 +28,10 @@ pub(super) fn clips(domain: &Domain, pieces: &[Piece], reach: i32) -> Vec<Clip> 
 /// Returns the contribution of `piece`; samples more than `reach` units inside its rectangle are deep.
 fn clip(domain: &Domain, pieces: &[Piece], piece: &Piece, reach: i32) -> Clip {
     let (rect, variant) = (piece.rect, piece.set.variant(Symmetry(0)));
-    let continuations = continuations(domain, pieces, piece);
+    let continued = continuations(domain, pieces, piece);
 
-    // In the set's coordinates the clip reaches from `low` to `high`: the rectangle enlarged by r, as far as the set extends.
+    // In the set's coordinates the clip reaches from `low` to `high`: the rectangle enlarged by r, as far as the set
+    // extends.
     let start = I64Vec2::from(piece.start);
     let (mut low, mut high) = (start - i64::from(R), start + i64::from(R));
     high += I64Vec2::new(rect.width().into(), rect.height().into());
@@ -55,7 +56,7 @@ fn clip(domain: &Domain, pieces: &[Piece], piece: &Piece, reach: i32) -> Clip {
         // A sample of the margin is left to a piece in which the set continues: there it is an own one.
         if own && rect.depth(point) > reach {
             deep.push((point, index));
-        } else if own || !continuations.iter().any(|other| other.contains(at)) {
+        } else if own || !continued.iter().any(|other| other.contains(at)) {
             near.push((at, index));
         }
     });
@@ -68,7 +69,7 @@ fn clip(domain: &Domain, pieces: &[Piece], piece: &Piece, reach: i32) -> Clip {
 /// Returns the rectangles around a piece in which the same set continues unchanged. There the piece's margin would only
 /// repeat existing samples.
 fn continuations(domain: &Domain, pieces: &[Piece], piece: &Piece) -> Vec<Rect64> {
-    let mut continuations = Vec::new();
+    let mut found = Vec::new();
     let periodic = domain.is_periodic();
 
     // In a periodic domain a piece may continue across the border, and continue itself.
@@ -84,10 +85,10 @@ fn continuations(domain: &Domain, pieces: &[Piece], piece: &Piece) -> Vec<Rect64
                 let shift = I64Vec2::new(dx, dy);
                 let itself = std::ptr::eq(other, piece) && shift == I64Vec2::ZERO;
                 if !itself && continues(piece, other, shift) {
-                    continuations.push(Rect64::from(other.rect).moved(shift));
+                    found.push(Rect64::from(other.rect).moved(shift));
                 }
             }
         }
     }
-    continuations
+    found
 }

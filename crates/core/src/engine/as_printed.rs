@@ -96,8 +96,8 @@ impl AsPrinted {
         })
     }
 
-    /// Carries out one round of lines 13 to 25: every marked sample looks for gaps and fills them. Returns the iteration with
-    /// its marked samples and the samples inserted.
+    /// Carries out one round of lines 13 to 25: every marked sample looks for gaps and fills them. Returns the
+    /// iteration with its marked samples and the samples inserted.
     pub fn second_loop<T: Recorder>(
         &mut self,
         iteration: u32,
@@ -175,8 +175,8 @@ impl AsPrinted {
         self.is_detector[sample as usize] = true;
     }
 
-    /// Carries out lines 7 to 9: marks the samples around `conflict`, which was just eliminated, and fills the gaps among
-    /// them that have the pivot as a site.
+    /// Carries out lines 7 to 9: marks the samples around `conflict`, which was just eliminated, and fills the gaps
+    /// among them that have the pivot as a site.
     fn fill_around<T: Recorder>(
         &mut self,
         samples: &mut Samples,
@@ -236,7 +236,8 @@ impl AsPrinted {
         self.insert_on_border(samples, &others, pivot, iteration, recorder);
     }
 
-    /// Inserts at the places where the circle around a sample meets the border, or the circle of another sample on it.
+    /// Inserts at the places of the border that are as far from the pivot as from one of the others, and at the
+    /// corners.
     fn insert_on_border<T: Recorder>(
         &mut self,
         samples: &mut Samples,
@@ -297,7 +298,8 @@ impl AsPrinted {
     #[inline]
     fn examine(&self, samples: &Samples, at: Point, centre: I64Vec2) -> Result<Point, Verdict> {
         let reach = i64::from(Reach::new(&self.domain, self.search, at).radius);
-        // Three samples nearly in line have a centre so far away that its square is no number.
+        // Three samples nearly in line may have a centre so far away that its square would overflow: the axes are
+        // compared first.
         if centre.abs().max_element() > reach || centre.length_squared() > reach * reach {
             return Err(Verdict::TooFar);
         }
@@ -305,6 +307,7 @@ impl AsPrinted {
         let place = I64Vec2::from(at) + centre;
         let point = self.domain.wrap(place).ok_or(Verdict::Outside)?;
 
+        // The search ends at the sample that covers the place, so that `by` names it.
         let mut by = u32::MAX;
         let covered = self.grid.any_near(point, R, |near| {
             by = near.id;

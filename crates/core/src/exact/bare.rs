@@ -1,8 +1,8 @@
 //! The cells that throw darts of the later levels: where a dart's fate may be another than in the pattern, and where no
 //! single sample is known to cover the whole cell.
 //!
-//! A *piece* is the part of a block that one copy of the pattern fills. The *first blocker* of a dart is the earliest sample of
-//! the pattern that covers it.
+//! A *piece* is the part of a block that one copy of the pattern fills. The *first blocker* of a dart is the earliest
+//! sample of the pattern that covers it.
 
 use std::ops::Range;
 
@@ -52,8 +52,9 @@ impl MarkedCells {
         self.pieces.push(piece);
     }
 
-    /// Marks the cells of a piece that hold a place at most r from the border of `part`, the part of a block that the piece
-    /// belongs to, and appends those not marked before to `out`. The first blocker of a dart in them may be missing. Cells that
+    /// Marks the cells of a piece that hold a place at most r from the border of `part`, the part of a block that the
+    /// piece belongs to, and appends those not marked before to `out`. The first blocker of a dart in them may be
+    /// missing. Cells that
     /// `is_closed` are left out; it gets a cell's column and row in the pattern.
     pub(crate) fn mark_border(
         &mut self,
@@ -65,8 +66,8 @@ impl MarkedCells {
         let held = &self.pieces[piece as usize];
         let sources = held.sources;
 
-        // A first blocker is at most r from its dart. A dart deeper than r in the part has its first blocker in the part, and
-        // is not marked.
+        // A first blocker is at most r from its dart. A dart deeper than r in the part has its first blocker in the
+        // part, and is not marked. The part is half open, so that below and left it takes a unit more.
         let Rect { min, max } = held.placed(&sources);
         let deeper = Rect {
             min: Point::new(min.x.max(part.min.x + R + 1), min.y.max(part.min.y + R + 1)),
@@ -90,7 +91,8 @@ impl MarkedCells {
             let is_deep_row = deep.min.y <= ys.start && ys.end <= deep.max.y;
             let mut skipped = columns.end..columns.end;
             if is_deep_row {
-                // Cells of which all columns are deep are skipped.
+                // Cells of which all columns are deep are skipped. Of the outermost cells only the columns in the piece
+                // count.
                 let first = if deep.min.x <= sources.min.x {
                     columns.start
                 } else {
@@ -114,8 +116,8 @@ impl MarkedCells {
         }
     }
 
-    /// Marks the cells of a piece that a disk around `place` may touch, and appends those not marked before to `out`. Cells
-    /// that `is_closed` are left out; it gets a cell's column and row in the pattern.
+    /// Marks the cells of a piece that a disk around `place` may touch, and appends those not marked before to `out`.
+    /// Cells that `is_closed` are left out; it gets a cell's column and row in the pattern.
     #[inline]
     pub(crate) fn mark_disk(
         &mut self,
@@ -167,8 +169,8 @@ impl MarkedCells {
         }
     }
 
-    /// Appends to `out` the cells of side `to` within a cell of `side` that no sample of `decided` covers alone: in all others
-    /// every dart is refused.
+    /// Appends to `out` the cells of side `to` within a cell of `side` that no sample of `decided` covers alone: in all
+    /// others every dart is refused.
     pub(crate) fn cut(
         &self,
         cell: PieceCell,

@@ -16,8 +16,8 @@ use crate::progress::{Meter, Observer};
 use crate::stage::Stage;
 use crate::stages::disks::{farthest, tiling_cells};
 
-/// The refused darts of levels below this one are kept. More levels would make fewer cells active at seams, but two darts
-/// in five of level 2 lie in cells that one sample covers, and the table would be twice as large with it.
+/// The refused darts of levels below this one are kept. More levels would make fewer cells active at seams, but two
+/// darts in five of level 2 lie in cells that one sample covers, and the table would be twice as large with it.
 pub(crate) const LATE_LEVEL: u32 = 2;
 
 /// A throw of the levels that are kept takes three bits.
@@ -64,8 +64,8 @@ pub(crate) struct WaitingDart {
     pub(crate) offset: IVec2,
 }
 
-/// An early sample that covers all of a cell of [`MARK_SIDE`], in 4 bytes: where it lies to [`COVERING_UNIT`], and the last eight
-/// bits of its number.
+/// An early sample that covers all of a cell of [`MARK_SIDE`], in 4 bytes: where it lies to [`COVERING_UNIT`], and the
+/// last eight bits of its number.
 #[derive(Clone, Copy, PartialEq, Eq)]
 struct CoveringSample(u32);
 
@@ -80,7 +80,8 @@ impl CoveringSample {
     /// No sample: no offset is so long.
     const NONE: Self = Self(u32::MAX);
 
-    /// Returns a sample at an offset from the cell's lowest place.
+    /// Returns a sample at an offset from the cell's lowest place: 12 bits of x, 12 of y, and the 8 of its number
+    /// below.
     const fn new(sample: u32, offset: IVec2) -> Self {
         let [x, y] = [offset.x, offset.y];
         let x = (x + COVERING_REACH) as u32 >> COVERING_BITS;
@@ -97,10 +98,10 @@ impl CoveringSample {
     }
 }
 
-/// A pattern that knows the arrival of its samples, and the darts of levels 0 and 1 that each of them refused first.
+/// A pattern with the arrival of its samples, and with the darts of levels 0 and 1 that each of them refused first.
 ///
-/// It takes 12 bytes a refused dart, 12 a sample and 4 a cell of half a radius, 101 bytes a squared r: 1.0 MB of a pattern of
-/// 100 r, 16.2 MB of one of 400 r, 404 MB of the largest.
+/// It takes 12 bytes a refused dart, 12 a sample and 4 a cell of half a radius, 101 bytes a squared r: 1.0 MB of a
+/// pattern of 100 r, 16.2 MB of one of 400 r, 404 MB of the largest.
 pub struct PatternHistory {
     pattern: Arc<Pattern>,
     darts: PatternDarts,
@@ -131,14 +132,14 @@ impl PatternHistory {
         }
         let arrivals: Vec<Arrival> = samples.iter().map(|&p| darts.first_at(p)).collect();
 
-        let mut blocked = blocked(&pattern, &darts, &arrivals, &grid, observer)?;
+        let mut refusals = blocked(&pattern, &darts, &arrivals, &grid, observer)?;
         // Darts that wait behind one sample follow each other, so that two indices name them.
-        blocked.sort_unstable_by_key(|(blocker, _)| *blocker);
-        let begins = |id: u32| blocked.partition_point(|(blocker, _)| *blocker < id) as u32;
+        refusals.sort_unstable_by_key(|(blocker, _)| *blocker);
+        let begins = |id: u32| refusals.partition_point(|(blocker, _)| *blocker < id) as u32;
 
         Ok(Self {
             starts: (0..=samples.len() as u32).map(begins).collect(),
-            refused: blocked.iter().map(|(_, refused)| *refused).collect(),
+            refused: refusals.iter().map(|(_, refused)| *refused).collect(),
             covering: covering(&darts, &arrivals, &grid),
             mark_columns: mark_columns(darts.rect()),
             pattern,
@@ -174,8 +175,9 @@ impl PatternHistory {
             + size_of_val(&*self.covering)
     }
 
-    /// Returns whether a sample of a level that is kept covers all of a cell of [`MARK_SIDE`], given by its column and row in the
-    /// pattern, surely lies in a rectangle of the pattern, and is surely not `missing`.
+    /// Returns whether a sample of a level that is kept covers all of a cell of [`MARK_SIDE`], given by its column and
+    /// row in the pattern, and lies in a rectangle of the pattern, and is not `missing`. In doubt it returns `false`:
+    /// the sample's place is kept to [`COVERING_UNIT`] and its number to eight bits.
     #[inline]
     pub(super) fn is_covered(
         &self,
@@ -191,6 +193,7 @@ impl PatternHistory {
         let IVec2 { x, y } = sample.lowest();
         let lowest = Point::new(column * MARK_SIDE + x, row * MARK_SIDE + y);
         let highest = Point::new(lowest.x + COVERING_UNIT - 1, lowest.y + COVERING_UNIT - 1);
+        // The filter reads the last eight bits alone, which in the packed word are those of the sample's number.
         inside.contains(lowest) && inside.contains(highest) && !missing.may_have(sample.0)
     }
 
@@ -276,8 +279,9 @@ fn blocked(
     // Level 1 has four times the cells of level 0.
     let mut meter = Meter::begin(observer, Stage::Pattern, 5 * cells as u64)?;
 
-    // A throw has 0.85 darts a cell. Level 0 has four throws, and level 1 one throw into four times the cells: 6.8 in all.
-    let mut blocked = Vec::with_capacity(7 * cells);
+    // A throw has 0.85 darts a cell. Level 0 has four throws, and level 1 one throw into four times the cells: 6.8 in
+    // all.
+    let mut found = Vec::with_capacity(7 * cells);
 
     for level in 0..LATE_LEVEL {
         for cell in tiling_cells(darts.rect(), R >> level) {
@@ -300,14 +304,14 @@ fn blocked(
                     let offset = pattern
                         .domain()
                         .difference(samples[blocker as usize], place);
-                    blocked.push((blocker, Refused::new(arrival, offset)));
+                    found.push((blocker, Refused::new(arrival, offset)));
                 }
             }
             meter.tick()?;
         }
     }
     meter.end()?;
-    Ok(blocked)
+    Ok(found)
 }
 
 #[cfg(test)]
@@ -325,7 +329,8 @@ mod tests {
         PatternHistory::of_spec(&spec, &mut Unobserved).unwrap()
     }
 
-    /// Every early dart is a sample or waits behind exactly one, which covers it, and which none that covers it precedes.
+    /// Every early dart is a sample or waits behind exactly one, which covers it, and which none that covers it
+    /// precedes.
     #[test]
     fn every_refused_dart_waits_behind_its_first_blocker() {
         for (side, boundary) in [(13.7, Boundary::Periodic), (12.0, Boundary::Bounded)] {

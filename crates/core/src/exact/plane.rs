@@ -1,4 +1,5 @@
-//! Exact tiling of any window of a plane, from the blocks around it alone, and of a whole run by windows on all threads.
+//! Exact tiling of any window of a plane, from the blocks around it alone, and of a whole run by windows on all
+//! threads.
 
 use std::sync::Arc;
 
@@ -18,8 +19,9 @@ use crate::progress::Observer;
 use crate::run::{Run, Summary};
 use crate::samples::Sampled;
 
-/// The first width of the halo in cells. Of 180,000 r of border, nothing farther than 6.5 r was doubtful, by the engine that is to be
-/// read; this one was not measured so.
+/// The first width of the halo in cells. Along 180,000 r of border nothing farther than 6.5 r was doubtful in the
+/// engine that is written to be read (`super::engine`); the one of `super::seams`, which makes windows, was not
+/// measured.
 const HALO: i32 = 8;
 
 /// The widest halo in cells. No window has been seen to need a second one.
@@ -27,9 +29,9 @@ const MAX_HALO: i32 = HALO << 7;
 
 /// The plane of an exact tiling, from which any window can be computed alone.
 ///
-/// The samples are exactly those of [`crate::exact_sample`] over the whole domain, whatever the window and the number of
-/// threads. A window has a halo around it. The plane beyond is unknown, and so are samples that depend on it; if one of
-/// them lies in the window, the halo grows.
+/// The samples are exactly those of [`crate::exact_sample`] over the whole domain, whatever the window and the number
+/// of threads. A window has a halo around it. The plane beyond is unknown, and so are samples that depend on it; if one
+/// of them lies in the window, the halo grows.
 ///
 /// ```
 /// use tilescope_core::{ExactPlane, Parameters, PatternHistory, Unobserved, WindowMaker};
@@ -79,8 +81,8 @@ impl<'a> ExactPlane<'a> {
         })
     }
 
-    /// Returns the whole run at its beginning, to be computed in bands of windows on all threads. With `sources` each sample
-    /// has its source, for which all blocks are counted first.
+    /// Returns the whole run at its beginning, to be computed in bands of windows on all threads. With `sources` each
+    /// sample has its source, for which all blocks are counted first.
     #[must_use]
     pub fn sweep(mut self, sources: bool) -> Sweep<Self> {
         if sources {
@@ -91,8 +93,9 @@ impl<'a> ExactPlane<'a> {
 }
 
 impl WindowMaker for ExactPlane<'_> {
-    // Darts arrive all over a window, and the lists of a large one do not fit the cache: at leaf 20 r a sample took 451 ns in
-    // windows of 300 cells a side, and 329 ns in windows of 134 cells, though with their halos they have an eighth more area.
+    // Darts arrive all over a window, and the lists of a large one do not fit the cache: at leaf 20 r a sample took 451
+    // ns in windows of 300 cells a side, and 329 ns in windows of 134 cells, though with their halos they have an
+    // eighth more area.
     const MAX_SIDE: i32 = 136;
 
     fn domain(&self) -> &Domain {
@@ -108,7 +111,8 @@ impl WindowMaker for ExactPlane<'_> {
         let mut tiling = self.idle.take_or(|| SeamTiling::new(self.history));
         if let Some(Alone { halo, agreement }) = &self.alone {
             let ground = Ground::alone(&self.domain, window, *halo);
-            // In a domain hardly larger than the window, the window would meet itself.
+            // In a domain hardly larger than the window, the window would meet itself. It is then made as a single
+            // window is, below, and is right without being compared.
             if !ground.repeats() {
                 tiling.run(&self.clipper, ground)?;
                 let mut around = Vec::new();
@@ -148,18 +152,21 @@ pub fn exact_sample_parallel(
     history: &PatternHistory,
     observer: &mut dyn Observer,
 ) -> Result<Run, SampleError> {
-    let (sampled, summary) = finished(parameters, history, true, observer)?;
+    let sources = true;
+    let (sampled, summary) = finished(parameters, history, sources, observer)?;
     Run::of_result(&parameters.as_exact(), history.pattern(), sampled, summary)
 }
 
-/// Returns the samples alone of what [`crate::exact_sample`] makes, in canonical order, made on all threads of the current
-/// pool.
+/// Returns the samples alone of what [`crate::exact_sample`] makes, in canonical order, made on all threads of the
+/// current pool.
 pub fn exact_points(
     parameters: &Parameters,
     history: &PatternHistory,
     observer: &mut dyn Observer,
 ) -> Result<Vec<Point>, SampleError> {
-    Ok(finished(parameters, history, false, observer)?.0.points)
+    let sources = false;
+    let (sampled, _) = finished(parameters, history, sources, observer)?;
+    Ok(sampled.points)
 }
 
 /// Returns all samples, made by windows without doubt. Should these not agree, they are made again by windows with it.
@@ -255,8 +262,8 @@ mod tests {
         );
     }
 
-    /// Control: without asking whether samples are in doubt, windows with a narrow halo differ from the whole. Those that
-    /// are not in doubt do not.
+    /// Control: without asking whether samples are in doubt, windows with a narrow halo differ from the whole. Those
+    /// that are not in doubt do not.
     #[test]
     fn doubt_is_where_windows_differ() {
         for (seed, dihedral) in [(1, false), (2, true)] {

@@ -200,8 +200,8 @@ impl<'a> Detection<'a> {
             return;
         }
 
-        // A sample that is nearer to a candidate than the detector is at most twice the reach away. Farther ones neither
-        // rule the candidate out nor cover it.
+        // A sample that is nearer to a candidate than the detector is at most twice the reach away. Farther ones
+        // neither rule the candidate out nor cover it.
         self.clip_cell(id, at, 2 * self.reach.radius);
         if self.cell.is_covered() {
             recorder.record(RunEvent::NoGap { sample: id });
@@ -358,7 +358,8 @@ impl<'a> Detection<'a> {
     /// above, or why it is not.
     fn accept(&self, at: Point, centre: I64Vec2, sites: &[Site]) -> Result<Point, Verdict> {
         let reach = i64::from(self.reach.radius);
-        // Three samples nearly in line have a centre so far away that its square is no number.
+        // Three samples nearly in line may have a centre so far away that its square would overflow: the axes are
+        // compared first.
         if centre.abs().max_element() > reach || centre.length_squared() > reach * reach {
             return Err(Verdict::TooFar);
         }

@@ -1,6 +1,6 @@
 //! A compact grid for conflict-free sets: cells whose sides are at most the radius, with room for three samples. It
-//! answers coverage queries for the dart process, for nested levels and for the check of patterns, in a rectangle of the
-//! plane or in a periodic domain. Samples have no ids here; for those see [`crate::SampleGrid`].
+//! answers coverage queries for the dart process, for nested levels and for the check of patterns, in a rectangle of
+//! the plane or in a periodic domain. Samples have no ids here; for those see [`crate::SampleGrid`].
 
 use glam::IVec2;
 
@@ -133,9 +133,9 @@ impl DiskGrid {
         near.clear();
         let half = cell.side / 2;
         let middle = Point::new(cell.min.x + half, cell.min.y + half);
-        // A sample that covers a quarter covers the quarter's corner beside the cell's middle, less than 2 units away from
-        // it. A quarter that the rectangle cuts off may lack this corner, but it holds its own lowest place, which is at most
-        // half a diagonal of the cell from the middle.
+        // A sample that covers a quarter covers the quarter's corner beside the cell's middle, less than 2 units away
+        // from it. A quarter that the rectangle cuts off may lack this corner, but it holds its own lowest place, which
+        // is at most half a diagonal of the cell from the middle.
         let is_whole = self.extent(cell) == IVec2::splat(cell.side - 1);
         let reach = self.radius.units + if is_whole { 2 } else { cell.side };
         let limit = i64::from(reach) * i64::from(reach);
@@ -178,11 +178,12 @@ impl DiskGrid {
         })
     }
 
-    /// Returns a place that no sample covers, counting distances up to the root of the squared radius and `slack`, or
-    /// `None`: an exact proof that the set is maximal on the lattice.
+    /// Returns a place that no sample covers, or `None`: an exact proof that the set is maximal on the lattice. A
+    /// sample counts as covering what lies at a squared distance of at most the squared radius plus `slack`.
     #[must_use]
     pub fn uncovered_point(&self, slack: i64) -> Option<Point> {
         let radius = self.radius.with_slack(slack);
+        // Hardly any sample covers a whole cell that is about as wide as the radius: the search begins with halves.
         let mut stack: Vec<Cell> = tiling_cells(self.rect(), radius.side() / 2).collect();
 
         while let Some(cell) = stack.pop() {

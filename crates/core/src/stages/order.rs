@@ -71,7 +71,8 @@ struct Phases {
 impl Phases {
     /// Returns the cells of a domain, and the random sequence of their groups.
     fn new(domain: &Domain, key: Key) -> Self {
-        // An even number, so that groups also alternate across a periodic border.
+        // An even number, so that groups also alternate across a periodic border, and at least 2, so that there are all
+        // four.
         let count = [domain.width(), domain.height()].map(|side| ((side / (2 * R)) & !1).max(2));
 
         // The groups have their turns in random sequence, as in Wei 2008 (a shuffle by Fisher and Yates).

@@ -91,7 +91,8 @@ pub(crate) fn tile<T: Recorder>(
     Ok(tiles)
 }
 
-/// Appends the sample `pattern` of a clip at a place of the plane: wrapped in a periodic domain, dropped outside a bounded one.
+/// Appends the sample `pattern` of the clip of `block`, which has the index `index`, at a place of the plane: wrapped
+/// in a periodic domain, dropped outside a bounded one.
 #[inline]
 pub(crate) fn push_tiled(
     domain: &Domain,

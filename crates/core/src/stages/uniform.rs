@@ -1,5 +1,6 @@
 //! Uniform insertion: the dart process of the reference sampler, restricted to the gaps. It has no
-//! bias within a gap, which does not make seams unbiased ([`crate::exact_sample`] does), and leaves no lattice point uncovered that the pattern covered.
+//! bias within a gap, which does not make seams unbiased ([`crate::exact_sample`] does), and leaves no lattice point
+//! uncovered that the pattern covered.
 
 use crate::lattice::{Domain, Point, R};
 use crate::random::{Key, Stream};
@@ -13,7 +14,8 @@ pub const SLACK: i32 = DETECTOR_REACH - 2 * R;
 
 /// Returns the dart process that fills the gaps which eliminated and dropped samples left.
 ///
-/// A place that no survivor covers was covered by such a sample, so that the cells that their disks touch hold every gap.
+/// A place that no survivor covers was covered by such a sample, so that the cells that their disks touch hold every
+/// gap.
 #[must_use]
 pub fn gap_process(domain: Domain, samples: &Samples, key: Key) -> DartProcess {
     let mut disks = DiskGrid::new(domain);

@@ -81,6 +81,7 @@ impl PieceSource {
                 let domain = parameters.validate();
                 domain.map_or(0.0, |domain| domain.area_radii() * MAXIMAL_DENSITY)
             }
+            // A set that is made for the rectangle has no samples beside it, and that of a file is not made.
             _ => 0.0,
         }
     }
@@ -156,7 +157,8 @@ fn parameters(
         return Err(LayoutError::Lengths);
     }
 
-    // Given lengths replace the placeholders when they are merged below. Otherwise the set is as large as its rectangle.
+    // Given lengths replace the placeholders when they are merged below. Otherwise the set is as large as its
+    // rectangle.
     let size = if lengths[0] {
         [1.0; 2]
     } else {
@@ -191,11 +193,11 @@ fn parameters(
         }
     }
 
-    let parameters: Parameters = serde_json::from_value(all).map_err(form)?;
-    // A combination is glued by stages that keep the origin and fate of every sample, as the sequential engine does: it has
-    // the same limit of samples.
-    parameters.validate_sequential()?;
-    Ok(parameters)
+    let merged: Parameters = serde_json::from_value(all).map_err(form)?;
+    // A combination is glued by stages that keep the origin and fate of every sample, as the sequential engine does: it
+    // has the same limit of samples.
+    merged.validate_sequential()?;
+    Ok(merged)
 }
 
 fn given_boundary(given: &Map<String, Value>) -> Result<Option<Boundary>, LayoutError> {

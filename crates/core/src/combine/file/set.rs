@@ -35,8 +35,8 @@ pub struct PieceError<E> {
 
 impl PlacedLayout {
     /// Returns the pieces of the layout, with sets made by `make`. Pieces of one file share its set, so that they may
-    /// continue each other; sets made for a rectangle are not shared. `made` is called with the number of finished
-    /// pieces. Uses the current rayon pool.
+    /// continue each other; sets made for a rectangle are not shared. `made` is called after each set, whether it could
+    /// be made or not, with the number of its pieces. Uses the current rayon pool.
     ///
     /// Fails with the error of the first set, in the order of the sets' first pieces, that cannot be made or placed.
     pub fn pieces<E: From<LayoutError> + Send>(
@@ -54,7 +54,8 @@ impl PlacedLayout {
         });
         let sets: Vec<Result<Set, E>> = tasks.collect();
 
-        // Sets are looked at in the order of their groups, so that the same error is reported whatever thread was first.
+        // Sets are looked at in the order of their groups, so that the same error is reported whatever thread was
+        // first.
         let mut pieces: Vec<Option<Piece>> = vec![None; self.pieces.len()];
         for (set, sharing) in sets.into_iter().zip(&groups) {
             let in_piece = |piece: usize| move |error: E| PieceError { piece, error };

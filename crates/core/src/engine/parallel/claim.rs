@@ -60,8 +60,8 @@ impl<const TAGS: bool> Region<TAGS> {
         // The list is taken out of the region, which changes meanwhile.
         let blocks = std::mem::take(&mut self.blocks);
 
-        // The margin of another block ends r inside a block, so that none of its samples comes within r of one deeper than
-        // 2 r. Where margins yield to own samples, only the own ones of other blocks matter, and r is deep enough.
+        // The margin of another block ends r inside a block, so that none of its samples comes within r of one deeper
+        // than 2 r. Where margins yield to own samples, only the own ones of other blocks matter, and r is deep enough.
         let depth = if matches!(turns, Turns::OwnFirst) {
             R
         } else {
@@ -73,8 +73,8 @@ impl<const TAGS: bool> Region<TAGS> {
         // Nothing can eliminate the samples of the interiors: they are copied without a test.
         for block in &blocks {
             let interior = interior(block, depth);
-            // Samples without tags are computed eight at a time. With tags they are inserted one by one, since the tag is kept
-            // beside the slot.
+            // Samples without tags are computed eight at a time. With tags they are inserted one by one, since the tag
+            // is kept beside the slot.
             if TAGS {
                 clipper.clip(block, &interior, &target, |x, y, id| {
                     self.insert(x, y, tiled_tag(block.index, id));
@@ -110,7 +110,8 @@ impl<const TAGS: bool> Region<TAGS> {
         self.blocks = blocks;
     }
 
-    /// Decides about a block's own samples that are not in its interior, in their order.
+    /// Decides the fates of a block's own samples that are not in its interior, in the order in which they are clipped.
+    /// A block lies in the domain, so that none of them is outside of it as margin samples may be.
     #[inline(always)]
     fn claim_own<S: Simd>(
         &mut self,
@@ -155,15 +156,15 @@ impl<const TAGS: bool> Region<TAGS> {
             if self.frame.holds(x, y) {
                 self.claim_one(simd, x, y, tag);
             } else {
-                // A sample outside of a bounded domain is lost like an eliminated one: places that it covered may now be
-                // bare.
+                // A sample outside of a bounded domain is lost like an eliminated one: places that it covered may now
+                // be bare.
                 self.lose(x, y, Loss::Certain);
             }
         }
     }
 
-    /// Decides the fates of all samples of margins, and of those at most `depth` units inside their blocks, in the order of
-    /// their ranks.
+    /// Decides the fates of all samples of margins, and of those at most `depth` units inside their blocks, in the
+    /// order of their ranks.
     fn claim_sorted<S: Simd>(
         &mut self,
         simd: S,
@@ -246,16 +247,16 @@ impl<const TAGS: bool> Region<TAGS> {
         let rows = [cell - stride, cell, cell + stride];
         rows.into_iter()
             .flat_map(|row| row - 1..=row + 1)
-            .any(|cell| {
-                self.lost_in(cell).any(|lost| {
+            .any(|near| {
+                self.lost_in(near).any(|lost| {
                     lost.loss == Loss::Unknown && covers_offset(IVec2::new(lost.x - x, lost.y - y))
                 })
             })
     }
 }
 
-/// Returns the places that are more than `depth` units inside a block. The block is half open, so that below and left it takes
-/// a unit more.
+/// Returns the places that are more than `depth` units inside a block. The block is half open, so that below and left
+/// it takes a unit more.
 #[inline(always)]
 fn interior(block: &PlacedBlock, depth: i64) -> Rect64 {
     block.rect.grown(-depth - 1, -depth)

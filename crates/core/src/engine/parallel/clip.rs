@@ -83,9 +83,9 @@ impl CellPattern {
         });
     }
 
-    /// Cuts the rectangle that begins at `start` of the repeated pattern where it crosses the pattern's edges. Calls `visit`
-    /// with each part, as a rectangle of the pattern, and with the place where its lowest corner is laid. The lowest corner
-    /// of the whole is laid at `corner`.
+    /// Cuts the rectangle that begins at `start` of the repeated pattern where it crosses the pattern's edges. Calls
+    /// `visit` with each part, as a rectangle of the pattern, and with the place where its lowest corner is laid. The
+    /// lowest corner of the whole is laid at `corner`.
     #[inline(always)]
     fn pieces(
         &self,
@@ -238,7 +238,8 @@ pub struct Clipper {
 type Visit = (Node, u32, u32);
 
 impl Clipper {
-    /// Returns the clipper of a run: of `domain`, with blocks of `leaf` units under the run's `key`.
+    /// Returns the clipper of a run: of `domain`, with blocks of `leaf` units under the run's `key`. With `dihedral`
+    /// blocks clip from the eight rotations and mirror images of the pattern.
     #[must_use]
     pub fn new(domain: Domain, leaf: i32, key: Key, pattern: &Pattern, dihedral: bool) -> Self {
         let variants = (0..if dihedral { 8 } else { 1 })
@@ -260,8 +261,8 @@ impl Clipper {
         &self.variants
     }
 
-    /// Fails with the first block, in their order, that does not fit a bounded pattern: all engines then refuse a run in the
-    /// same words, whichever of its blocks they would compute first.
+    /// Fails with the first block, in their order, that does not fit a bounded pattern: all engines then refuse a run
+    /// in the same words, whichever of its blocks they would compute first.
     pub fn check_blocks(&self) -> Result<(), PatternError> {
         // Every block fits a periodic pattern.
         if self.variants.iter().all(|variant| variant.shape.periodic) {
@@ -319,8 +320,9 @@ impl Clipper {
                     .as_ref()
                     .map_or(0, |counts| counts[split as usize]);
 
-                // In `counts` the node's own split comes first, then the `lower_leaves - 1` splits of the lower side, then
-                // those of the upper one. The lower side is pushed last, to be visited first: it has the smaller indices.
+                // In `counts` the node's own split comes first, then the `lower_leaves - 1` splits of the lower side,
+                // then those of the upper one. The lower side is pushed last, to be visited first: it has the smaller
+                // indices.
                 stack.push((cut.upper, split + lower_leaves, leaf + lower_leaves));
                 stack.push((cut.lower, split + 1, leaf));
             } else {
@@ -371,7 +373,8 @@ impl Clipper {
         self.variants[block.symmetry as usize].clip(start_of(block, &rect), size, rect.min, visit);
     }
 
-    /// Calls `visit` with the cell of `frame` and the slot of the same samples.
+    /// Visits the samples that [`Self::clip`] visits when `target` is all that `frame` tiles, but calls `visit` with
+    /// each sample's cell of `frame` and its slot there: 15 bits of x, and above them 15 bits of y.
     #[inline(always)]
     pub fn clip_slots<S: Simd>(
         &self,

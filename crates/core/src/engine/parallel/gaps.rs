@@ -124,8 +124,8 @@ impl<const TAGS: bool> Region<TAGS> {
         gaps.inserted.clear();
 
         self.mark(&mut gaps, rules);
-        // The first detection checks every cell that is reached by then. Later ones pass reached cells by, so that these are
-        // checked when they are marked.
+        // The first detection checks every cell that is reached by then. Later ones pass reached cells by, so that
+        // these are checked when they are marked.
         let (unchecked, checked) = (false, true);
         self.spread(simd, &mut gaps, rules, unchecked);
         self.first_detection(simd, &mut gaps, rules);
@@ -157,10 +157,11 @@ impl<const TAGS: bool> Region<TAGS> {
     #[inline(always)]
     fn spread<S: Simd>(&mut self, simd: S, gaps: &mut GapBuffers, rules: &Rules, check: bool) {
         let reach = rules.reach();
-        let known = self.unsure.len();
+        // Cells that become unsure on the way are left to the next call.
+        let end = self.unsure.len();
         let (columns, rows) = (self.frame.cells[0], self.frame.cells[1]);
 
-        for k in self.spread..known {
+        for k in self.spread..end {
             let (column, row) = self.frame.column_row(self.unsure[k] as usize);
             for row in (row - reach).max(0)..=(row + reach).min(rows - 1) {
                 for column in (column - reach).max(0)..=(column + reach).min(columns - 1) {
@@ -175,7 +176,7 @@ impl<const TAGS: bool> Region<TAGS> {
                 }
             }
         }
-        self.spread = known;
+        self.spread = end;
     }
 
     /// Returns whether a cell that had an open pixel at the first detection still has one.

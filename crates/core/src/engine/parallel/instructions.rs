@@ -40,6 +40,7 @@ impl InstructionSet {
         #[cfg(not(any(target_arch = "x86", target_arch = "x86_64")))]
         let lower: [Option<Level>; 0] = [];
         let mut all: Vec<Self> = lower.into_iter().flatten().map(Self).collect();
+        // The best may be none of these: NEON, that of WebAssembly, or none at all.
         if all.last() != Some(&Self(best)) {
             all.push(Self(best));
         }

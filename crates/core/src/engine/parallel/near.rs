@@ -79,7 +79,8 @@ impl Near {
             let start = (cell as i64 + i64::from(row) * stride as i64 - i64::from(reach)) as usize;
             let cells = &slots[start..=start + 2 * reach as usize];
             for (slots, column) in cells.iter().zip(-reach..) {
-                // All four are written, and those beyond the cell's count are overwritten by the next cell.
+                // All four slots are written, and those beyond the cell's count are overwritten by the next cell. The
+                // fourth holds the complement of the count.
                 let (left, bottom) = (column * R, row * R);
                 let right = slots.map(|slot| ((slot as i32 & (R - 1)) + left) as f32);
                 let up = slots.map(|slot| ((slot >> CELL_BITS) as i32 + bottom) as f32);
@@ -108,6 +109,7 @@ impl Near {
         let groups = self.squared[..self.groups()].iter();
         for (squared, shift) in groups.zip((0_u32..).step_by(LANES)) {
             let near = f32x8::simd_from(simd, *squared).simd_le(limit);
+            // Fewer than 64 samples are at most eight groups: the shift stays below 64, and needs no test.
             sites |= near.to_bitmask().wrapping_shl(shift);
         }
         MeasuredPixel {

@@ -1,5 +1,5 @@
-//! Windows that are asked for one after another, as where a viewer moves over the plane: their samples with their places in the
-//! plane, and what a window gains when it moves.
+//! Windows that are asked for one after another, as where a viewer moves over the plane: their samples with their
+//! places in the plane, and what a window gains when it moves.
 
 use glam::I64Vec2;
 

@@ -76,7 +76,8 @@ pub(crate) struct Region<const TAGS: bool> {
 }
 
 impl<const TAGS: bool> Region<TAGS> {
-    /// Empties the region and sets its frame. `reach` is how many cells away an unsure sample can affect a candidate.
+    /// Empties the region's cells and its lists of lost and unsure samples, and sets its frame. The other buffers are
+    /// emptied where they are filled. `reach` is how many cells away an unsure sample can affect a candidate.
     pub(crate) fn reset(&mut self, frame: Frame, reach: i32) {
         let count = frame.cell_count();
         refill(&mut self.slots, count, EMPTY_CELL);
@@ -240,8 +241,8 @@ impl<const TAGS: bool> Region<TAGS> {
         }
     }
 
-    /// Appends the window's samples in canonical order to `out`, with `TAGS` their tags to `tags`, and after each row of cells
-    /// the length of `out` to `rows`.
+    /// Appends the window's samples in canonical order to `out`, with `TAGS` their tags to `tags`, and after each row
+    /// of cells the length of `out` to `rows`.
     #[inline(always)]
     pub(crate) fn emit(&mut self, out: &mut Vec<Point>, tags: &mut Vec<u64>, rows: &mut Vec<u32>) {
         let cells = self.frame.window_cells();
@@ -253,8 +254,8 @@ impl<const TAGS: bool> Region<TAGS> {
         let ends_at_cells =
             [window.min.x, window.min.y, window.max.x, window.max.y].map(at_cells) == [true; 4];
 
-        // The buffer is taken out of the region, which is read while it changes. A cell has at most three samples, and four
-        // places are written for it.
+        // The buffer is taken out of the region, which is read while it changes. A cell has at most three samples, and
+        // four places are written for it.
         let mut held_line = std::mem::take(&mut self.line);
         held_line.resize(3 * width + 4, Point::default());
         let line = &mut held_line[..];
@@ -269,8 +270,8 @@ impl<const TAGS: bool> Region<TAGS> {
                     (self.frame.origin[1] as i32).wrapping_add(row << CELL_BITS),
                 );
 
-                // Slots compare by row, then column, and free ones are the largest. The last slot holds the complement of
-                // the count: one sample needs no sort.
+                // Slots compare by row, then column, and free ones are the largest. The last slot holds the complement
+                // of the count: one sample needs no sort.
                 let [mut a, mut b, mut c, last] = *slots;
                 if !last >= 2 {
                     (a, b) = (a.min(b), a.max(b));
@@ -291,19 +292,20 @@ impl<const TAGS: bool> Region<TAGS> {
                 self.emit_tags(start, width, tags);
             }
 
-            let line = &line[..count];
+            let samples = &line[..count];
+            // A row of one cell has no inner cells: its first is its last.
             let is_outermost = row == cells.min.y || row == cells.max.y - 1 || width < 2;
             if ends_at_cells {
-                out.extend_from_slice(line);
+                out.extend_from_slice(samples);
             } else if TAGS || is_outermost {
                 // With tags all of the row is tested, since the tags to be left out are sought among those of the row.
-                self.emit_inside(line, out, tags);
+                self.emit_inside(samples, out, tags);
             } else {
                 // Of an inner row only the first and the last cell may have samples outside of the window.
                 let [first, last] = [start, start + width - 1].map(|cell| held(&self.slots[cell]));
-                self.emit_inside(&line[..first], out, tags);
-                out.extend_from_slice(&line[first..count - last]);
-                self.emit_inside(&line[count - last..], out, tags);
+                self.emit_inside(&samples[..first], out, tags);
+                out.extend_from_slice(&samples[first..count - last]);
+                self.emit_inside(&samples[count - last..], out, tags);
             }
 
             rows.push(out.len() as u32);
@@ -312,20 +314,21 @@ impl<const TAGS: bool> Region<TAGS> {
         self.line = held_line;
     }
 
-    /// Appends the tags of a row of cells.
+    /// Appends the tags of a row of cells, in the order in which [`Self::emit`] puts the samples.
     fn emit_tags(&self, start: usize, width: usize, tags: &mut Vec<u64>) {
-        for (slots, held) in self.slots[start..start + width]
+        for (slots, of_cell) in self.slots[start..start + width]
             .iter()
             .zip(&self.tags[start..])
         {
-            let count = !slots[3] as usize & 3;
-            let mut tagged = [0, 1, 2].map(|s| (slots[s], held[s]));
+            let count = held(slots);
+            let mut tagged = [0, 1, 2].map(|s| (slots[s], of_cell[s]));
             tagged[..count].sort_unstable();
             tags.extend(tagged[..count].iter().map(|t| t.1));
         }
     }
 
-    /// Appends the samples of a row of cells that lie inside the window, and keeps only their tags.
+    /// Appends those samples of `line` that lie inside the window. With `TAGS` the tags of `line` are the last of
+    /// `tags`, and of these only the tags of the appended samples are kept.
     fn emit_inside(&self, line: &[Point], out: &mut Vec<Point>, tags: &mut Vec<u64>) {
         let origin = self.frame.origin;
         let inside = |p: &Point| {
@@ -409,14 +412,14 @@ fn row_covers<S: Simd>(simd: S, slots: &[Slots], first: usize, x: i32, y: i32) -
     const SHIFTED_BITS: i32 = i32::MAX >> (CELL_BITS - 1);
     let [a, b, c] = [slots[first], slots[first + 1], slots[first + 2]];
 
-    // What to add to an abscissa in its cell, so that it is counted from the point: four times for the left cell, which begins
-    // R before the middle one, and four times for the middle one.
+    // What to add to an abscissa in its cell, so that it is counted from the point: four times for the left cell, which
+    // begins R before the middle one, and four times for the middle one.
     let left = [-R - x, -R - x, -R - x, -R - x, -x, -x, -x, -x];
     let packed = [a[0], a[1], a[2], a[3], b[0], b[1], b[2], b[3]].map(|slot| slot as i32);
     let two = i32x8::simd_from(simd, packed);
 
-    // Longer lengths count as R + 1, which is too far as well: the squares then fit 32 bits, as does their sum, of which R^2
-    // is taken off in between.
+    // Longer lengths count as R + 1, which is too far as well: the squares then fit 32 bits, as does their sum, of
+    // which R^2 is taken off in between.
     let most = i32x8::splat(simd, R + 1);
     let across = ((two & (R - 1)) + i32x8::simd_from(simd, left))
         .abs()

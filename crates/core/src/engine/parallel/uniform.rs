@@ -2,9 +2,10 @@
 //! cells are those of the domain, with the same keys. Which covered cells are visited does not matter, since no dart in
 //! them becomes a sample.
 //!
-//! Cells of the frame, of side R, have flags, as in [`super::gaps`]. Samples that depend on the plane beyond the frame are
-//! *unknown*. A cell is *unsure* if it may hold an unknown sample, *reached* if one may fill its open places, and *hot* if one
-//! may yet be inserted in it or beside it. *Lost* samples were tiled and are not among the survivors.
+//! Cells of the frame, of side R, have flags, as in [`super::gaps`]. Samples that depend on the plane beyond the frame
+//! are
+//! *unknown*. A cell is *unsure* if it may hold an unknown sample, *reached* if one may fill its open places, and *hot*
+//! if one may yet be inserted in it or beside it. *Lost* samples were tiled and are not among the survivors.
 
 use fearless_simd::Simd;
 
@@ -117,8 +118,8 @@ impl<const TAGS: bool> Region<TAGS> {
         }
 
         if !rules.is_exact() {
-            // A pattern that misses lattice points has gaps of its own. The sequential engine fills them only in the cells
-            // around lost samples, so that exactly these cells must be taken here.
+            // A pattern that misses lattice points has gaps of its own. The sequential engine fills them only in the
+            // cells around lost samples, so that exactly these cells must be taken here.
             for lost in self.lost.iter().filter(|lost| lost.loss == Loss::Certain) {
                 let reach = R + SLACK;
                 let low = [lost.x - reach, lost.y - reach];
@@ -231,7 +232,7 @@ impl<const TAGS: bool> Region<TAGS> {
         }
     }
 
-    /// Returns the quarters of the active cells that may hold uncovered points and are not unsure.
+    /// Returns the quarters of the active cells that may hold uncovered points in which this region may insert.
     fn quarters(&self, rules: &Rules, active: &[Active], side: i32) -> Vec<Active> {
         let half = side / 2;
         let max = rules.domain.rect().max;
@@ -254,8 +255,10 @@ impl<const TAGS: bool> Region<TAGS> {
         next
     }
 
-    /// Returns whether all of a cell lies in unsure cells.
+    /// Returns whether all of a cell lies in unsure or reached cells, into which `throw` inserts nothing, or outside of
+    /// the frame.
     fn is_unsure(&self, cell: &Active, side: i32) -> bool {
+        // An active cell is smaller than a cell of the frame, so that its corners lie in all that it touches.
         let last = side - 1;
         [(0, 0), (last, 0), (0, last), (last, last)]
             .into_iter()
