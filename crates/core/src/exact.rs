@@ -1,5 +1,5 @@
-//! Exact tiling: KDRT's blocks and clips with no bias at their seams. It clips *the darts with their arrival order instead
-//! of the samples*: a dart is a sample unless an earlier sample covers it.
+//! Exact tiling: KDRT's blocks and clips with no bias at their seams. It clips *the darts with their arrival order
+//! instead of the samples*: a dart is a sample unless an earlier sample covers it.
 //!
 //! *Definition.* A pattern is random sequential addition of keyed darts ([`PatternDarts`]). A block holds every dart of
 //! the pattern whose image lies in the block itself: no margin around it. Darts arrive in the order of [`PlacedDart`],
@@ -9,10 +9,11 @@
 //! offsets do not depend on the darts. So the darts of all blocks are distributed as the reference sampler's, and with
 //! them the samples, at seams as anywhere. What remains is that blocks share one pattern.
 //!
-//! *Why it is cheap.* A dart that the pattern refused was refused by its *first blocker*, the earliest sample that covers
-//! it. Its fate in a block is the same unless the first blocker is missing; that of a pattern's sample is the same unless
-//! a new earlier sample covers it. Both happen near seams alone: of 1.5 million samples none changed farther than 4.7 r
-//! from one. [`PatternHistory`] knows the first blockers, and [`exact_sample`] follows the differences.
+//! *Why it is cheap.* A dart that the pattern refused was refused by its *first blocker*, the earliest sample that
+//! covers it. Its fate in a block is the same unless the first blocker is missing; that of a pattern's sample is the
+//! same unless a new earlier sample covers it. Both happen near seams alone: of 1.5 million samples none changed
+//! farther than 4.7 r from one. [`PatternHistory`] has the first blockers, and [`exact_sample`] follows the
+//! differences.
 
 mod agenda;
 mod agreement;
@@ -37,15 +38,15 @@ pub use engine::recorded::exact_recorded;
 pub use history::PatternHistory;
 pub use plane::{ExactPlane, exact_points, exact_sample_parallel};
 
-/// Sets of up to so many samples take a pattern of 200 r, which has as many itself.
+/// The most samples of a set that takes a pattern of 200 r, which has as many itself. Larger sets take one of 400 r.
 const SMALL_SET: f64 = 28_000.0;
 
 impl PatternSpec {
-    /// Returns the pattern that exact tiling takes for a set of about so many samples if no other is asked for.
+    /// Returns the pattern that exact tiling takes for a set of about `samples` samples if no other is asked for.
     ///
-    /// K sets of N samples from M patterns of k samples have means that vary by about 1 / (K N) + 1 / (M k): how far they are
-    /// from the mean of all sets is decided by the fewer. So each seed has a pattern of its own, which for a set of up to
-    /// 28,000 samples is at least as large as the set, and beyond that has 111,000 samples.
+    /// K sets of N samples from M patterns of k samples have means that vary by about 1 / (K N) + 1 / (M k): how far
+    /// they are from the mean of all sets is decided by the fewer. So each seed has a pattern of its own, which for a
+    /// set of up to 28,000 samples is at least as large as the set, and beyond that has 111,000 samples.
     #[must_use]
     pub fn for_exact(samples: f64, seed: u64) -> Self {
         Self {

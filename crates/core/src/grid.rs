@@ -161,8 +161,8 @@ pub(crate) fn spans(
         (low, high - extent)
     };
 
-    // Two ranges that share a cell would visit its samples twice: then all cells are one range. So they are where the upper
-    // range begins below 0, as the reach is then longer than the axis.
+    // Two ranges that share a cell would visit its samples twice: all cells are then one range. The same holds if the
+    // upper range begins below 0, since the reach is then longer than the axis.
     if upper_first < 0 || cell(lower_last) >= cell(upper_first) {
         return all;
     }

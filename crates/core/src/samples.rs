@@ -11,7 +11,7 @@ use crate::lattice::Point;
 pub enum Sites {
     /// A circumcentre of three samples, by id.
     Three([u32; 3]),
-    /// A border point as far from two samples.
+    /// A border point equally far from two samples, by id.
     Border([u32; 2]),
     /// A corner of the domain, found by one sample.
     Corner(u32),
@@ -134,8 +134,8 @@ pub enum Source {
 }
 
 impl Source {
-    /// Returns the source as point-set files have it: block, pattern sample and iteration. Where a number is missing there
-    /// is `u32::MAX`, and 0 for the iteration.
+    /// Returns the source as point-set files have it: block, pattern sample and iteration. Where a number is missing
+    /// there is `u32::MAX`, and 0 for the iteration.
     #[must_use]
     pub const fn row(self) -> [u32; 3] {
         match self {

@@ -11,11 +11,11 @@ use crate::run::{Iteration, Run};
 use crate::stage::Stage;
 use crate::varying::Locality;
 
-/// Makes the set of [`crate::varying_sample`] as a run, and reports events to `recorder`. The run's result and its ids are in
-/// the order of arrival, its iterations are the throws, and it has neither pattern nor blocks.
+/// Makes the set of [`crate::varying_sample`] as a run, and reports events to `recorder`. The run's result and its ids
+/// are in the order of arrival, its iterations are the throws, and it has neither pattern nor blocks.
 ///
-/// Of the parameters, only the seed changes the set. Those of the run have the radius of one lattice unit's r, and insert
-/// by darts. Fails only when `observer` stops it.
+/// Of the parameters, only the seed changes the set. The parameters of the run have the radius of the field's domain,
+/// which has as many units as `R`, and uniform insertion. Fails only when `observer` stops it.
 pub fn varying_recorded<T: Recorder>(
     locality: &Arc<Locality>,
     parameters: &Parameters,

@@ -81,8 +81,8 @@ impl Glued {
 
 /// Glues the pieces, considering only samples up to `near` units inside their rectangles: [`NEAR`], or `i32::MAX` for
 /// all, which gives the same result. If a sample is inserted deeper than expected, which only sets with lattice points
-/// uncovered by a hair allow, it may depend on samples that were not considered: then gluing begins again with twice the
-/// depth.
+/// uncovered by a hair allow, it may depend on samples that were not considered: then gluing begins again with twice
+/// the depth.
 pub(super) fn glue(
     mut near: i32,
     domain: Domain,
@@ -113,8 +113,8 @@ fn glue_within(
     observer: &mut dyn Observer,
 ) -> Result<(Glued, i32), CombineError> {
     let meter = Meter::begin(observer, Stage::Tile, pieces.len() as u64)?;
-    let clips = clips(&domain, pieces, near);
-    let mut glued = placed(&domain, pieces, clips);
+    let contributions = clips(&domain, pieces, near);
+    let mut glued = placed(&domain, pieces, contributions);
     meter.end()?;
 
     // Ids from here on are those of inserted samples.
@@ -200,12 +200,12 @@ fn decide_fates(
     observer: &mut dyn Observer,
 ) -> Result<(), SampleError> {
     let key = Key::from_seed(options.seed);
-    let blocks = blocks(pieces, key);
+    let as_blocks = blocks(pieces, key);
     let ranking = Ranking::new(options.order, domain, key);
     let mut meter = Meter::begin(observer, Stage::Eliminate, samples.len() as u64)?;
-    let contested = contested(samples, &blocks, &ranking, &mut meter)?;
-    meter.set_total(contested.len() as u64);
-    eliminate(domain, samples, &contested, &mut meter, &mut Unrecorded)?;
+    let ranked = contested(samples, &as_blocks, &ranking, &mut meter)?;
+    meter.set_total(ranked.len() as u64);
+    eliminate(domain, samples, &ranked, &mut meter, &mut Unrecorded)?;
     meter.end()
 }
 
@@ -220,30 +220,24 @@ fn fill(
     let samples = &mut glued.samples;
     // The search for the first detectors is progress of iteration 1, whose own meter follows in the loop.
     let mut meter = Meter::begin(observer, Stage::Iterate(1), samples.len() as u64)?;
-    let mut survivors = survivors(domain, samples, &mut meter)?;
-    let mut detectors = first_detectors(samples, &survivors, &mut meter, &mut Unrecorded)?;
+    let mut grid = survivors(domain, samples, &mut meter)?;
+    let mut detectors = first_detectors(samples, &grid, &mut meter, &mut Unrecorded)?;
 
     for k in 1.. {
         let meter = Meter::begin(observer, Stage::Iterate(k), detectors.len() as u64)?;
         // A detection keeps buffers, so that each task has one of its own.
-        let detection = || Detection::new(domain, options.search, &survivors);
+        let detection = || Detection::new(domain, options.search, &grid);
         let candidates = detect(detection, samples, &detectors, meter)?;
 
-        let inserted = insert(
-            samples,
-            &mut survivors,
-            &candidates,
-            k,
-            key,
-            &mut Unrecorded,
-        );
+        let inserted = insert(samples, &mut grid, &candidates, k, key, &mut Unrecorded);
 
         // The first of several candidates is always inserted. None was, so that there is no candidate and no gap.
         if inserted.is_empty() {
             break;
         }
 
-        // Gaps that are left touch a sample inserted just now, as in the sequential engine: these samples alone detect next.
+        // Gaps that are left touch a sample inserted just now, as in the sequential engine: these samples alone detect
+        // next.
         let looked = std::mem::replace(&mut detectors, inserted.clone().collect());
         glued.iterations.push(Iteration {
             detectors: looked,
@@ -290,10 +284,10 @@ fn detect<'a>(
     for batch in detectors.chunks(BATCH) {
         // Which thread finds a candidate does not matter: they are sorted below.
         let turns = batch.par_chunks(TURN).map(|turn| {
-            let (mut detection, mut found) = (detection(), Vec::new());
+            let (mut own, mut found) = (detection(), Vec::new());
             for &id in turn {
                 let at = samples.points[id as usize];
-                detection.find(id, at, &mut found, &mut Unrecorded);
+                own.find(id, at, &mut found, &mut Unrecorded);
             }
             found
         });

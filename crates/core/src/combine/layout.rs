@@ -30,8 +30,8 @@ pub fn grid(domain: &Domain, columns: u32, rows: u32) -> Vec<Rect> {
         min: Point::new(edge(column, columns, max.x), edge(row, rows, max.y)),
         max: Point::new(edge(column + 1, columns, max.x), edge(row + 1, rows, max.y)),
     };
-    let rows = 0..rows;
-    rows.flat_map(|row| (0..columns).map(move |column| rect(column, row)))
+    (0..rows)
+        .flat_map(|row| (0..columns).map(move |column| rect(column, row)))
         .collect()
 }
 
@@ -73,7 +73,8 @@ pub(super) fn check(domain: &Domain, pieces: &[Piece]) -> Result<(), CombineErro
     each.try_for_each(|(piece, placed)| check_set(piece, placed))
 }
 
-/// Checks for each strip of rows between two edges that the rectangles in it follow each other without gaps or overlaps.
+/// Checks for each strip of rows between two edges that the rectangles in it follow each other without gaps or
+/// overlaps.
 fn check_partition(domain: &Domain, rects: &[Rect]) -> Result<(), CombineError> {
     let all = domain.rect().max;
     let mut by_column: Vec<usize> = (0..rects.len()).collect();
@@ -161,8 +162,8 @@ fn covers_beyond(placed: &Piece, short: [i32; 2]) -> bool {
         && rows.all(|y| covers_line(for_rows.clone(), y, start.x, placed.rect.width()))
 }
 
-/// Returns whether samples, each with its coordinates along and across a line, cover `length` lattice points of it from `start`
-/// on.
+/// Returns whether samples, each with its coordinates along and across a line, cover `length` lattice points of it from
+/// `start` on.
 fn covers_line(
     samples: impl Iterator<Item = (i32, i32)>,
     line: i32,
@@ -238,8 +239,8 @@ const fn across(axis: Axis, p: Point) -> i32 {
     }
 }
 
-/// Returns the seam between two pieces, if there is one. The second piece, moved along `axis` by `shift` units, begins on the
-/// line on which the first one ends.
+/// Returns the seam between two pieces, if there is one. The second piece, moved along `axis` by `shift` units, begins
+/// on the line on which the first one ends.
 fn seam(axis: Axis, pieces: &[Piece], [left, right]: [u32; 2], shift: i32) -> Option<Seam> {
     let (a, b) = (&pieces[left as usize], &pieces[right as usize]);
     let shift = i64::from(shift);
@@ -250,7 +251,8 @@ fn seam(axis: Axis, pieces: &[Piece], [left, right]: [u32; 2], shift: i32) -> Op
 
     let from = across(along, a.rect.min).max(across(along, b.rect.min));
     let to = across(along, a.rect.max).min(across(along, b.rect.max));
-    // There is no seam if the pieces do not lie beside each other, or show one set, which has no conflicts where it continues.
+    // There is no seam if the pieces do not lie beside each other, or show one set, which has no conflicts where it
+    // continues.
     if from >= to || continues(a, b, offset) {
         return None;
     }

@@ -91,8 +91,8 @@ impl Sequential {
             return Ok(None);
         };
 
-        // Two stages never occur, as this engine is given its pattern and has no regions. Each is treated as the stage that
-        // would follow it.
+        // Two stages never occur, as this engine is given its pattern and has no regions. Each is treated as the stage
+        // that would follow it.
         match stage {
             Stage::Pattern | Stage::Blocks => self.split(observer, recorder)?,
             Stage::Tile => self.tile(observer, recorder)?,
@@ -167,7 +167,8 @@ impl Sequential {
         Ok(())
     }
 
-    /// Decides all fates, and prepares to fill gaps as the parameters ask. Algorithm 4 as printed also makes iteration 1.
+    /// Decides all fates, and prepares to fill gaps as the parameters ask. Algorithm 4 as printed also makes iteration
+    /// 1.
     fn eliminate<T: Recorder>(
         &mut self,
         observer: &mut dyn Observer,
@@ -185,13 +186,13 @@ impl Sequential {
 
         let ranking = Ranking::new(order, &run.domain, self.key);
         let mut meter = Meter::begin(observer, Stage::Eliminate, run.samples.len() as u64)?;
-        let contested = contested(&run.samples, &run.blocks, &ranking, &mut meter)?;
-        meter.set_total(contested.len() as u64);
+        let ranked = contested(&run.samples, &run.blocks, &ranking, &mut meter)?;
+        meter.set_total(ranked.len() as u64);
 
         // Algorithm 4 as printed eliminates in the loop that also inserts, below.
         if variant == Variant::Staged {
             let (domain, samples) = (&run.domain, &mut run.samples);
-            eliminate(domain, samples, &contested, &mut meter, recorder)?;
+            eliminate(domain, samples, &ranked, &mut meter, recorder)?;
         }
 
         self.filling = match (variant, insertion) {
@@ -200,7 +201,7 @@ impl Sequential {
                 let mut printed = AsPrinted::new(run.domain, search, &run.samples);
                 run.iterations.push(printed.first_loop(
                     &mut run.samples,
-                    &contested,
+                    &ranked,
                     meter,
                     recorder,
                 )?);
@@ -208,11 +209,11 @@ impl Sequential {
             }
             (Variant::Staged, Insertion::Circumcentre) => {
                 // Detection asks for valid samples alone, and the grid of elimination also holds lost ones.
-                let survivors = survivors(run.domain, &run.samples, &mut meter)?;
-                let detectors = first_detectors(&run.samples, &survivors, &mut meter, recorder)?;
+                let grid = survivors(run.domain, &run.samples, &mut meter)?;
+                let detectors = first_detectors(&run.samples, &grid, &mut meter, recorder)?;
                 meter.end()?;
                 Filling::Circumcentres {
-                    survivors,
+                    survivors: grid,
                     detectors,
                 }
             }

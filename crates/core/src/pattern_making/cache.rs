@@ -46,10 +46,10 @@ fn of_spec(
     spec: &PatternSpec,
     observer: &mut dyn Observer,
 ) -> Result<Arc<Pattern>, SampleError> {
-    let identity = identity(spec)?;
+    let wanted = identity(spec)?;
 
-    let known = lock(kept).find(identity);
-    let pattern = if let Some(pattern) = known {
+    let found = lock(kept).find(wanted);
+    let pattern = if let Some(pattern) = found {
         // The stage is reported in any case, so that an observer can stop the run.
         let total = pattern.samples().len() as u64;
         Meter::begin(observer, Stage::Pattern, total)?.end()?;
@@ -59,7 +59,7 @@ fn of_spec(
         Arc::new(Pattern::generate(spec, observer)?)
     };
 
-    lock(kept).keep(identity, Arc::clone(&pattern));
+    lock(kept).keep(wanted, Arc::clone(&pattern));
     Ok(pattern)
 }
 

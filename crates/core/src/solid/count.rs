@@ -1,6 +1,7 @@
 //! Sets of balls of a wanted number: the radius follows from it.
 //!
-//! A set is made with a radius that the density of large sets gives, and again with a corrected one until the number fits.
+//! A set is made with a radius that the density of large sets gives, and again with a corrected one until the number
+//! fits.
 
 use crate::error::{ParameterError, SampleError};
 use crate::lattice::{Boundary, MAX_SIDE_RADII, check_side};
@@ -9,8 +10,8 @@ use crate::progress::Observer;
 use super::domain::{MAX_VOLUME_RADII, MIN_SIDE_RADII_SOLID, SolidDomain};
 use super::{Place, SOLID_DENSITY, solid_sample_parallel};
 
-/// Samples that a closed face adds to each squared radius of it. Measured with sides of 8 to 30 r: 0.236, and up to 0.255
-/// in the smallest boxes, whose edges are a larger share.
+/// Samples that a closed face adds to each squared radius of it. Measured with sides of 8 to 30 r: 0.236, and up to
+/// 0.255 in the smallest boxes, whose edges are a larger share.
 const FACE_DENSITY: f64 = 0.236;
 
 /// The variance of the number of samples is about this share of it.
@@ -28,8 +29,8 @@ const FEW: u64 = 3;
 /// The most sets made in search of a number. Large ones need one or two; small ones are cheap.
 const MAX_TRIES: u32 = 64;
 
-/// Tries before the radius is also varied: the number of a small set jumps as the radius changes, and corrections alone could
-/// try the same radii again and again.
+/// Tries before the radius is also varied: the number of a small set jumps as the radius changes, and corrections alone
+/// could try the same radii again and again.
 const STRAIGHT_TRIES: u32 = 4;
 
 /// What a set of balls is made from whose radius follows from a number of samples.
@@ -64,8 +65,8 @@ impl SolidRequest {
         }
 
         let [shortest, longest] = self.radius_limits();
-        // The estimate may be off, by more for few samples than for many. Without these margins a number could need a radius
-        // beyond a limit.
+        // The estimate may be off, by more for few samples than for many. Without these margins (chosen, not measured)
+        // a number could need a radius beyond a limit.
         let minimum = (self.expected(longest) * 1.1).ceil() as u64;
         let maximum = (self.expected(shortest) * 0.98) as u64;
         if !(minimum..=maximum).contains(&count) {
@@ -76,8 +77,8 @@ impl SolidRequest {
             });
         }
 
-        // Numbers go as the inverse cube of the radius, but for the faces. A step leaves at most a third of the error, as the
-        // share of the faces goes as the inverse square, and 40 steps leave nothing.
+        // Numbers go as the inverse cube of the radius, except for the samples that closed faces add, which go as the
+        // inverse square: a step leaves at most a third of the error, and 40 steps leave nothing.
         let mut radius = longest;
         for _ in 0..40 {
             radius *= (self.expected(radius) / count as f64).cbrt();
@@ -85,10 +86,11 @@ impl SolidRequest {
         Ok(radius.clamp(shortest, longest))
     }
 
-    /// Returns a maximal set of `count` samples, within 1% or one sample. Threads of the current rayon pool share the work; the
-    /// samples do not depend on them.
+    /// Returns a maximal set of `count` samples, within 1% or one sample. Threads of the current rayon pool share the
+    /// work; the samples do not depend on them.
     ///
-    /// Fails as [`Self::radius_estimate`] and as [`solid_sample_parallel`], and when none of many radii gave the number.
+    /// Fails as [`Self::radius_estimate`] and as [`solid_sample_parallel`], and when none of many radii gave the
+    /// number.
     pub fn of_count(
         &self,
         count: u64,
@@ -98,8 +100,8 @@ impl SolidRequest {
         self.search(count, count, |found| found.abs_diff(count) <= off, observer)
     }
 
-    /// Returns the first `count` samples, by their arrival, of a maximal set that has as many or a few more. Of a large set at
-    /// most one sample in 40 is left out. Otherwise as [`Self::of_count`].
+    /// Returns the first `count` samples, by their arrival, of a maximal set that has as many or a few more. Of a large
+    /// set at most one sample in 40 is left out. Otherwise as [`Self::of_count`].
     ///
     /// Fails as [`Self::of_count`].
     pub fn of_exactly(
@@ -149,7 +151,8 @@ impl SolidRequest {
             }
             radius *= (found as f64 / aim as f64).cbrt();
             if number >= STRAIGHT_TRIES {
-                // Golden-ratio steps through a percent, so that no two tries repeat each other: numbers then vary by 3%.
+                // Golden-ratio steps through a percent, so that no two tries repeat each other: numbers then vary by
+                // 3%.
                 radius *= 0.995 + 0.01 * (f64::from(number) * 0.618_033_988_749_895).fract();
             }
             radius = radius.clamp(shortest, longest);
@@ -177,8 +180,8 @@ impl SolidRequest {
         SOLID_DENSITY * x * y * z + FACE_DENSITY * faces
     }
 
-    /// Returns the shortest and the longest radius that the sides allow, a hair inside, since a domain compares quotients with
-    /// its limits, which round otherwise.
+    /// Returns the shortest and the longest radius that the sides allow, a hair inside, since a domain compares
+    /// quotients with its limits, which round otherwise.
     fn radius_limits(&self) -> [f64; 2] {
         let longest_side = self.size.into_iter().fold(0.0, f64::max);
         let shortest_side = self.size.into_iter().fold(f64::INFINITY, f64::min);

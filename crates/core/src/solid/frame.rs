@@ -1,5 +1,5 @@
-//! The cells of side R over a box and one layer around it. Whatever lies within R beyond a periodic side is an image of a
-//! place inside and is held a second time, so that a search never wraps around, whatever the sides are.
+//! The cells of side R over a box and one layer around it. Whatever lies within R beyond a periodic side is an image of
+//! a place inside and is held a second time, so that a search never wraps around, whatever the sides are.
 
 use crate::lattice::{Boundary, R, R_SQUARED};
 
@@ -30,8 +30,8 @@ pub(super) struct BallFrame {
     counts: [usize; 3],
     /// The cells around a cell, and the cell itself.
     around: [Neighbour; 27],
-    /// For each block of a cell those that come within R of it, by their numbers, nearest first: near ones are more likely
-    /// to answer.
+    /// For each block of a cell those that come within R of it, by their numbers, nearest first: near ones are more
+    /// likely to answer.
     orders: Vec<Vec<u8>>,
 }
 
@@ -120,12 +120,12 @@ impl BallFrame {
         }
     }
 
-    /// Calls `visit` with the cells that reach within R of a cube, nearest cells first, until it returns `true`; returns
-    /// whether it did. Each cell comes with the offset of its lowest place from `min`, the cube's lowest one. The cube lies
-    /// in one cell, and is one of a level.
+    /// Calls `visit` with the cells that reach within R of a cube, nearest cells first, until it returns `true`;
+    /// returns whether it did. Each cell comes with the offset of its lowest place from `min`, the cube's lowest one.
+    /// The cube lies in one cell, and is one of a level.
     ///
-    /// `depth` is how far into the cube from each of its sides a sample must reach: cells from which none does are left out,
-    /// too.
+    /// `depth` is how far into the cube from each of its sides a sample must reach: cells from which none does are left
+    /// out, too.
     #[inline]
     pub fn any_cell_near(
         &self,
@@ -142,7 +142,7 @@ impl BallFrame {
 
         for &number in &self.orders[block(inside, side)] {
             let Neighbour { at, step, offset } = self.around[usize::from(number)];
-            // The list is that of a whole block, and the cube is a part of it.
+            // The list is that of a whole block. For a cube that is a part of the block some of its cells are too far.
             let gap = x_gaps[at[0] & 3] + y_gaps[at[1] & 3] + z_gaps[at[2] & 3];
             if gap > R_SQUARED as u64 {
                 continue;
@@ -157,9 +157,9 @@ impl BallFrame {
     }
 }
 
-/// Returns the squared distances on an axis from a cube to the nearest places of the cells below, beside and above it, each
-/// `depth` further into the cube. Beside it, a sample may lie in the middle of what it must reach. The fourth is never asked
-/// for, and saves the check whether an index is one.
+/// Returns the squared distances on an axis that a sample in the cells below, beside and above a cube must reach at
+/// least, to reach `depth` into the cube. A sample beside may lie in the middle of places that are `depth` apart, and
+/// must reach half as far. The fourth is never asked for, and saves the check whether an index is one.
 #[inline]
 fn squared_gaps(at: i32, side: i32, depth: i32) -> [u64; 4] {
     let squared = |gap: i32| u64::from(gap.unsigned_abs()).pow(2);

@@ -89,8 +89,8 @@ impl SolidProcess {
         Ok(kept)
     }
 
-    /// Replaces the active cubes by their octants that no single sample covers. Those that several samples cover together
-    /// throw on, in vain.
+    /// Replaces the active cubes by their octants that no single sample covers. Those that several samples cover
+    /// together throw on, in vain.
     fn cut(
         &mut self,
         side: i32,
@@ -105,12 +105,12 @@ impl SolidProcess {
             return Ok(());
         }
 
-        let cut = |cubes: &[Place], open: &mut Vec<_>| {
+        let octants_of = |cubes: &[Place], open: &mut Vec<_>| {
             for &cube in cubes {
                 self.balls.open_octants(cube, side, open);
             }
         };
-        self.active = gather(&self.active, schedule, meter, cut)?;
+        self.active = gather(&self.active, schedule, meter, octants_of)?;
         Ok(())
     }
 }

@@ -6,7 +6,8 @@ use thiserror::Error;
 use crate::lattice::{Domain, Point, R};
 use crate::stages::disks::Cell;
 
-/// The largest radius of a field, 64 times the smallest: sums of bilinear values then fit 64 bits with the largest pitch.
+/// The largest radius of a field, 64 times the smallest: sums of bilinear values then fit 64 bits with the largest
+/// pitch.
 pub const MAX_FIELD_RADIUS: i32 = 64 * R;
 
 /// The largest pitch of nodes, and of the pixels of a mask, is two to this power.
@@ -125,14 +126,14 @@ impl RadiusField {
     ///
     /// Fails when the radius is not from [`R`] to [`MAX_FIELD_RADIUS`], or the domain is too small for it.
     pub fn constant(domain: Domain, radius: i32) -> Result<Self, FieldError> {
-        // Places that are clamped to a cell without extent have the radius of its corner.
+        // The one cell is a unit wide. Places beyond it have the radius at its end (see `at`), which is the same.
         Self::new(domain, 0, [1, 1], vec![radius; 4])
     }
 
     /// Returns the field with these radii at its nodes, row by row, [`Self::node_counts`] of them.
     ///
-    /// Fails when the pitch does not suit the domain, there are too few or too many nodes, or a radius is not from [`R`]
-    /// to [`MAX_FIELD_RADIUS`].
+    /// Fails when the pitch does not suit the domain, there are too few or too many nodes, or a radius is not from
+    /// [`R`] to [`MAX_FIELD_RADIUS`].
     pub fn from_nodes(domain: Domain, pitch_bits: u32, nodes: &[i32]) -> Result<Self, FieldError> {
         let [columns, rows] = Self::node_counts(&domain, pitch_bits)?;
         if nodes.len() != columns * rows {
@@ -147,8 +148,8 @@ impl RadiusField {
         let cells = [columns, rows].map(|count| count - usize::from(!domain.is_periodic()));
         let mut around = Vec::with_capacity((cells[0] + 1) * (cells[1] + 1));
         for row in 0..=cells[1] {
-            let row = &nodes[row % rows * columns..][..columns];
-            around.extend((0..=cells[0]).map(|column| row[column % columns]));
+            let of_row = &nodes[row % rows * columns..][..columns];
+            around.extend((0..=cells[0]).map(|column| of_row[column % columns]));
         }
         Self::new(domain, pitch_bits, cells, around)
     }
@@ -174,8 +175,8 @@ impl RadiusField {
         Ok(sides.map(|side| ((side - 1) >> bits) as usize + 1 + closed))
     }
 
-    /// Returns the field of the nodes around `cells`, 2^`bits` units apart, with their blocks. Refuses radii out of range, and
-    /// a periodic domain that is too small for the largest.
+    /// Returns the field of the nodes around `cells`, 2^`bits` units apart, with their blocks. Refuses radii out of
+    /// range, and a periodic domain that is too small for the largest.
     fn new(
         domain: Domain,
         bits: u32,
@@ -298,9 +299,9 @@ impl RadiusField {
         ])
     }
 
-    /// Returns radii between which all radii of a cell lie that begins in the domain. Those of its corners if it is no wider than the
-    /// pitch; otherwise those of all nodes around it. Which cells throw darts depends on this: it is part of the
-    /// definition of the set.
+    /// Returns radii between which all radii of a cell lie that begins in the domain. Those of its corners if it is no
+    /// wider than the pitch; otherwise those of all nodes around it. Which cells throw darts depends on this: it is
+    /// part of the definition of the set.
     pub(super) fn range(&self, cell: Cell) -> RadiusRange {
         if let Some(corners) = self.corners(cell) {
             return RadiusRange::of(corners);
@@ -360,7 +361,7 @@ impl RadiusField {
 
     /// Returns the range of the nodes around some cells, or a little more.
     fn cells_range(&self, first: [usize; 2], last: [usize; 2]) -> RadiusRange {
-        // Of blocks of this size three or fewer on each axis hold all cells.
+        // The smallest blocks of which three or fewer on each axis hold all cells: at most nine ranges are read.
         let spread =
             |size: usize| (0..2).all(|axis| (last[axis] >> size) - (first[axis] >> size) <= 2);
         let size = (0..self.levels.len())
@@ -378,6 +379,7 @@ impl RadiusField {
         let mut range = RadiusRange::NOTHING;
         for row in first[1]..=last[1] {
             for column in first[0]..=last[0] {
+                // Size 0 is that of single cells, which have no level: the first is that of 2 x 2 cells.
                 let level = size.checked_sub(1).map(|level| &self.levels[level]);
                 let block = level.map_or_else(
                     || self.around(row, column),

@@ -1,5 +1,5 @@
-//! The samples so far, in a grid for each octave of radii. Samples of radii from S to 2S are more than S apart, so that a
-//! cell of side S holds three at most.
+//! The samples so far, in a grid for each octave of radii. Samples of radii from S to 2S are more than S apart, so that
+//! a cell of side S holds three at most.
 
 use glam::IVec2;
 
@@ -87,8 +87,9 @@ impl Octaves {
         free.map(|disk| *disk = Disk { at, radius }).is_some()
     }
 
-    /// Calls `visit` with the offset from `from` and the radius of samples in sight, until it returns `true`; returns whether
-    /// it did. No sample is left out that is near a place of this radius at most `slack` units from `from` on both axes.
+    /// Calls `visit` with the offset from `from` and the radius of samples in sight, until it returns `true`; returns
+    /// whether it did. No sample is left out that is near a place of this radius at most `slack` units from `from` on
+    /// both axes.
     #[inline]
     pub fn any_near(
         &self,
@@ -110,8 +111,8 @@ impl Octaves {
 
                 // All radii of an octave are below twice the side of its cells.
                 let end = 2 << (index + first + usize::from(self.first));
-                let reach = reach(sight.largest.min(end - 1), radius) + slack;
-                octave.grid.any_range(from, reach, |range, shift| {
+                let farthest = reach(sight.largest.min(end - 1), radius) + slack;
+                octave.grid.any_range(from, farthest, |range, shift| {
                     let (x, y) = (shift.x.wrapping_sub(from.x), shift.y.wrapping_sub(from.y));
                     octave.index[range].iter().any(|&listed| {
                         let mut disks = octave.cells[listed as usize]

@@ -1,7 +1,7 @@
 //! When two places of different radii are near each other: the one rule by which darts are refused.
 
-/// Returns how far apart two places of these radii may be and still are near each other: the harmonic mean of the radii,
-/// rounded up. It is at least the smaller radius, and at most twice as much.
+/// Returns how far apart two places of these radii may be and still are near each other: the harmonic mean of the
+/// radii, rounded up. It is at least the smaller radius, and at most twice as much.
 #[inline]
 pub(super) const fn reach(a: i32, b: i32) -> i32 {
     let (a, b) = (a as i64, b as i64);
@@ -12,8 +12,8 @@ pub(super) const fn reach(a: i32, b: i32) -> i32 {
 #[inline]
 pub(super) const fn is_near(squared: i64, a: i32, b: i32) -> bool {
     let (a, b) = (a as i64, b as i64);
-    // The mean is not below the smaller radius, and not above the arithmetic mean. Few pairs are in between and need the
-    // division.
+    // The mean is not below the smaller radius, and not above the arithmetic mean. Few pairs are in between and need
+    // the division.
     let smaller = if a < b { a } else { b };
     if squared <= smaller * smaller {
         return true;
@@ -22,8 +22,8 @@ pub(super) const fn is_near(squared: i64, a: i32, b: i32) -> bool {
     if squared > middle * middle {
         return false;
     }
-    let reach = reach(a as i32, b as i32) as i64;
-    squared <= reach * reach
+    let farthest = reach(a as i32, b as i32) as i64;
+    squared <= farthest * farthest
 }
 
 #[cfg(test)]
