@@ -8,9 +8,12 @@
 
 // # Safety, of all functions
 //
-// Each pointer is null, or leads to a value of its type (to memory for one, where a function writes), which no other thread
-// changes during the call. `points` leads to memory for `capacity` points. A plane is one that `tilescope_plane_new` made and
-// that was not freed.
+// Each pointer is null, or leads to a value of its type (to memory for one, where a function writes), which no other
+// thread changes during the call. `points` leads to memory for `capacity` points. A plane is one that
+// `tilescope_plane_new` made and that was not freed.
+//
+// What a function writes is first set to null, 0 or false: a caller that does not look at the status finds nothing
+// there.
 
 use std::ffi::c_char;
 
@@ -59,13 +62,13 @@ pub unsafe extern "C" fn tilescope_plane_new(
 ) -> TilescopeStatus {
     guarded(|| {
         // SAFETY: the caller's guarantee, at the head of this file.
-        let made = unsafe { write(plane, "plane") }?;
+        let place = unsafe { write(plane, "plane") }?;
         // A caller that does not look at the status finds no plane rather than a wild pointer.
-        let made = made.write(std::ptr::null_mut());
+        let stored = place.write(std::ptr::null_mut());
 
         // SAFETY: as above.
         let settings = unsafe { read(settings, "settings") }?;
-        *made = Box::into_raw(Box::new(TilescopePlane::new(settings)?));
+        *stored = Box::into_raw(Box::new(TilescopePlane::new(settings)?));
         Ok(())
     })
 }

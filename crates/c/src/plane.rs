@@ -12,8 +12,8 @@ use tilescope_core::{
 
 use crate::status::Failure;
 
-/// The period in radii where none is given. It leaves a little to the longest that a domain may have, 65,532 r, so that no
-/// rounding of the product refuses it.
+/// The period in radii where none is given. It leaves a little to the longest that a domain may have, 65,532 r, so that
+/// no rounding of the product refuses it.
 const USUAL_PERIOD: f64 = 65_000.0;
 
 /// What a plane is made from, as C has it.
@@ -104,9 +104,9 @@ impl ExactWindows {
         )?);
 
         #[expect(unsafe_code, reason = "the argument is at the head of this crate")]
-        // SAFETY: the history lies in the Arc's allocation, which stays where it is until the last Arc is dropped. No code
-        // changes it: an Arc gives shared references alone. The reference does not leave this struct, whose fields are private
-        // and which drops the plane first.
+        // SAFETY: the history lies in the Arc's allocation, which stays where it is until the last Arc is dropped. No
+        // code changes it: an Arc gives shared references alone. The reference does not leave this struct, whose fields
+        // are private and which drops the plane first.
         let borrowed: &'static PatternHistory = unsafe { &*Arc::as_ptr(&history) };
 
         Ok(Self {
@@ -163,14 +163,15 @@ impl TilescopePlane {
         }
     }
 
-    /// Writes the samples that are asked for, and their number, which is all that is written if there are more samples than
-    /// places for them.
+    /// Writes the samples that are asked for, and their number, which is all that is written if there are more samples
+    /// than places for them.
     pub(crate) fn write(
         &self,
         asked: &Asked,
         points: &mut [MaybeUninit<TilescopePoint>],
         count: &mut usize,
     ) -> Result<(), Failure> {
+        // A window gains at most all of its samples.
         let (Asked::Whole(window) | Asked::Gained { to: window, .. }) = asked;
         self.check_size(window)?;
 
@@ -204,8 +205,8 @@ impl TilescopePlane {
         Ok(())
     }
 
-    /// Refuses a window of too many samples, and one for which there is no memory: an allocation that fails would end the
-    /// caller's program.
+    /// Refuses a window of too many samples, and one for which there is no memory: an allocation that fails would end
+    /// the caller's program.
     fn check_size(&self, window: &Window) -> Result<(), Failure> {
         let [width, height] = sides(window);
         let expected = width * height * MAXIMAL_DENSITY;
@@ -231,8 +232,8 @@ impl TilescopePlane {
     }
 }
 
-/// Returns the most samples that a window can have: N points of a convex region with area A and perimeter P, no two closer than 1,
-/// are at most 2 A / sqrt(3) + P / 2 + 1 (Groemer 1960).
+/// Returns the most samples that a window can have: N points of a convex region with area A and perimeter P, no two
+/// closer than 1, are at most 2 A / sqrt(3) + P / 2 + 1 (Groemer 1960).
 pub(crate) fn capacity(window: &Window) -> usize {
     let [width, height] = sides(window);
     let most = 2.0 / 3_f64.sqrt() * width * height + width + height + 1.0;

@@ -175,13 +175,13 @@ impl SetArgument<'_> {
     }
 }
 
-/// Returns the parameters of a run, and which of them are given. The others have their defaults; a radius that is not given
-/// is 0.
+/// Returns the parameters of a run, and which of them are given. The others have their defaults; a radius that is not
+/// given is 0.
 fn parameters_of(
     given: Option<&Bound<'_, PyDict>>,
     radius: Option<f64>,
 ) -> PyResult<(Parameters, Vec<Parameter>)> {
-    let mut named = Vec::new();
+    let mut found = Vec::new();
     let mut parameters = Parameters {
         radius: radius.unwrap_or_default(),
         ..Parameters::default()
@@ -198,9 +198,9 @@ fn parameters_of(
             )));
         };
         set_parameter(&mut parameters, parameter, &name, &value)?;
-        named.push(parameter);
+        found.push(parameter);
     }
-    Ok((parameters, named))
+    Ok((parameters, found))
 }
 
 /// Sets a parameter to a value of Python.
@@ -378,24 +378,24 @@ impl RunRequest {
         }
 
         let radius = real_if_given("radius", radius)?;
-        let (mut parameters, named) = parameters_of(parameters, radius)?;
+        let (mut parameters, given) = parameters_of(parameters, radius)?;
         settle_radius(&mut parameters, count, exactly, radius)?;
 
         // The pattern comes last, as it is verified, which takes longest.
-        let given = |given: SetArgument<'_>| -> PyResult<GivenPattern> {
+        let verified = |set: SetArgument<'_>| -> PyResult<GivenPattern> {
             Ok(GivenPattern {
-                source: source_of(&given, pattern_source)?,
-                pattern: pattern_of(py, &given)?,
+                source: source_of(&set, pattern_source)?,
+                pattern: pattern_of(py, &set)?,
             })
         };
         let recipe = Recipe {
             parameters,
             count,
-            pattern: pattern.map(given).transpose()?,
+            pattern: pattern.map(verified).transpose()?,
         };
         Ok(Self {
             recipe,
-            given: named,
+            given,
             nested,
         })
     }

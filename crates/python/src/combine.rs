@@ -36,14 +36,14 @@ pub fn combine<'py>(
     let layout = Layout::from_json(layout.as_bytes()).map_err(Failure::from)?;
     let placed = layout.placed().map_err(Failure::from)?;
 
-    // Only this thread may touch Python's objects, so the points and domains are copied out of them for the others.
+    // Only this thread may touch Python's objects, so the points and domains are read from them here, for the others.
     let mut given = HashMap::new();
     for (name, set) in &sets {
-        let set = GivenSet {
+        let held = GivenSet {
             points: set.points()?,
             domain: set.known_domain()?,
         };
-        given.insert(name.as_str(), set);
+        given.insert(name.as_str(), held);
     }
 
     // Memory is asked for before the pieces are made, which may take long.
@@ -90,7 +90,8 @@ fn set_of(
         ask_to_read(&path)?;
         let control = watch.control("verify");
         let certificate = true;
-        // Without a certificate positions stay in the unit of the file, and the layout's words about the set are in it, too.
+        // Without a certificate positions stay in the unit of the file, and the layout's words about the set are in it,
+        // too.
         let read = of_file(&path, &Overrides::default(), certificate, &control)?.in_domain(None);
         let stated = read.certificate.as_ref().map(Into::into);
         let known = beside.over(stated).ok_or_else(missing)?;

@@ -46,9 +46,9 @@ pub fn curve<'py>(
     let moments = (moments.map(|count| whole("moments", count)).transpose()?)
         .map(|count| usize::try_from(count).unwrap_or(usize::MAX));
 
-    let made = run(py, progress, |watch| {
-        let course = Arc::new(course(request, &recipe, method, watch)?);
-        let mut maker = CurveMaker::new(course, &numbers, moments)?;
+    let found = run(py, progress, |watch| {
+        let made = Arc::new(course(request, &recipe, method, watch)?);
+        let mut maker = CurveMaker::new(made, &numbers, moments)?;
         let mut go_on = watch.steps("curve");
         // In slices, so that a signal can end the curve between two of them.
         while !maker.proceed(SLICE)? {
@@ -59,7 +59,7 @@ pub fn curve<'py>(
         }
         Ok(maker.finish())
     })?;
-    into_python(made, py)
+    into_python(found, py)
 }
 
 /// Makes the run and returns its course.
@@ -76,6 +76,7 @@ fn course(
     let samples = recipe.parameters.validate_sequential()?.area_radii() * MAXIMAL_DENSITY;
     let ask = |making: Making| ask_for(samples, making.bytes_a_sample());
 
+    // Levels of the other methods were refused by `check_method`.
     Ok(match (method, &request.nested) {
         (SetMethod::Kdrt, Some(nested)) => {
             ask(Making::Levels)?;

@@ -40,9 +40,9 @@ pub fn named_by_content(py: Python<'_>, path: PathBuf) -> PyResult<String> {
     Ok(json!(named).to_string())
 }
 
-/// Reads a file. Missing parts of the domain are those of its certificate, or of the periodic unit square. Refuses a set whose
-/// certificate is not true; without `certificate` none is looked at, and nothing is known of how the set was made. Returns also
-/// what the set is judged in, if its radius varies or it covers a shape.
+/// Reads a file. Missing parts of the domain are those of its certificate, or of the periodic unit square. Refuses a
+/// set whose certificate is not true; without `certificate` none is looked at, and nothing is known of how the set was
+/// made. Returns also what the set is judged in, if its radius varies or it covers a shape.
 #[pyfunction]
 #[expect(
     clippy::too_many_arguments,
@@ -58,7 +58,7 @@ pub fn read<'py>(
     certificate: bool,
     progress: Option<Py<PyAny>>,
 ) -> PyResult<(PythonSet<'py>, Option<Ground>)> {
-    let mut overrides = Overrides {
+    let mut asked = Overrides {
         origin: given.origin,
         ..overrides(format_name, set)?
     };
@@ -93,13 +93,13 @@ pub fn read<'py>(
     // A field that is given judges a file even if it has no certificate.
     let mut ground = None;
     if field.is_some() {
-        ground = ground_by(&mut overrides)?;
+        ground = ground_by(&mut asked)?;
     }
-    let mut found = read(&overrides)?;
+    let mut found = read(&asked)?;
     // Only when the certificate states a field or a shape, which few sets have, is the file read a second time.
     if let Err(Failure::NoField(_)) = found {
-        ground = ground_by(&mut overrides)?;
-        found = read(&overrides)?;
+        ground = ground_by(&mut asked)?;
+        found = read(&asked)?;
     }
     of_found(py, found?, &given, ground)
 }
@@ -152,7 +152,9 @@ pub struct FoundSet {
 }
 
 impl FoundSet {
-    /// Returns the set with its positions in units of the domain. Those of the unit torus are in units of the width.
+    /// Returns the set with its positions in units of the domain. Files of the unit torus have them in units of the
+    /// width of
+    /// `region`; without a region the units of the file are taken for the domain's.
     pub fn in_domain(mut self, region: Option<Region>) -> Self {
         if let Some(precision) = self.file_units.take() {
             let mapping = Mapping::new(self.format, region, precision).with_origin(self.origin);
@@ -171,16 +173,16 @@ pub fn of_file(
     certificate: bool,
     control: Control<'_>,
 ) -> Result<FoundSet, Failure> {
-    let certified = if certificate {
+    let found = if certificate {
         certified(path, overrides, control)?
     } else {
         None
     };
-    certified.map_or_else(|| bare(path, overrides, certificate), Ok)
+    found.map_or_else(|| bare(path, overrides, certificate), Ok)
 }
 
-/// Reads a file with a certificate and verifies both. Returns `None` if there is no certificate. Fails if a statement of it
-/// is not true.
+/// Reads a file with a certificate and verifies both. Returns `None` if there is no certificate. Fails if a statement
+/// of it is not true.
 fn certified(
     path: &Path,
     overrides: &Overrides,

@@ -1,4 +1,5 @@
-//! Radii that vary, and shapes: the arguments of Python, the recipes of sets, and the field and shape that sets are judged by.
+//! Radii that vary, and shapes: the arguments of Python, the recipes of sets, and the field and shape that sets are
+//! judged by.
 
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
@@ -21,8 +22,8 @@ use crate::failure::Failure;
 use crate::task::run;
 use crate::values::real_if_given;
 
-/// The arguments about a radius that varies and a shape, as the Python class `Field` holds them: at most one field and at
-/// most one shape.
+/// The arguments about a radius that varies and a shape, as the Python class `Field` holds them: at most one field and
+/// at most one shape.
 #[derive(FromPyObject)]
 pub struct FieldArgument<'py> {
     /// The radius where it is the same everywhere, or where the density is 1.
@@ -140,7 +141,8 @@ impl FieldArgument<'_> {
         }
     }
 
-    /// Returns the recipe of a set in the domain of another recipe, whose radius is not looked at. With a count any scale does.
+    /// Returns the recipe of a set in the domain of another recipe, whose radius is not looked at. With a count any
+    /// scale does.
     pub fn recipe(&self, mut like: VaryingRecipe) -> PyResult<VaryingRecipe> {
         let wanted = |name: &str| {
             PyValueError::new_err(format!("{name} is given without count or radius; give one"))
@@ -183,7 +185,7 @@ pub fn bare(size: [Option<f64>; 2], origin: Option<[f64; 2]>, boundary: Boundary
         scale: 1.0,
     });
     VaryingRecipe {
-        // Its nodes are those of a function.
+        // An expression, whose nodes are those at which a function is evaluated. This one is always valid.
         radius: expression.unwrap_or(RadiusSource::Constant(1.0)),
         shape: None,
         size,
@@ -241,8 +243,8 @@ impl Ground {
         Ok(Self::new(recipe)?)
     }
 
-    /// Returns the field and the shape of a set that was made, if it has any, from its facts. `recipe` is settled, so that
-    /// copies of the set need not search for the scale of a count again.
+    /// Returns the field and the shape of a set that was made, if it has any, from its facts. `recipe` is settled, so
+    /// that copies of the set need not search for the scale of a count again.
     pub fn of_made(recipe: VaryingRecipe, facts: &Facts) -> Option<Self> {
         let varying = facts.varying.clone()?;
         let origin = facts.origin;
@@ -258,8 +260,8 @@ impl Ground {
         self.origin
     }
 
-    /// Returns the field and the shape that a file is judged by, those of its certificate or those that are given; nothing if there
-    /// are none.
+    /// Returns the field and the shape that a file is judged by, those of its certificate or those that are given;
+    /// nothing if there are none.
     pub fn of_file(
         stated: Option<&Certificate>,
         domain: &GivenDomain,

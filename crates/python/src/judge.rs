@@ -45,8 +45,8 @@ pub fn verify(
     Ok(report.to_string())
 }
 
-/// Returns a report with the facts that follow from its numbers, and with the judged levels. A set with levels is valid if
-/// each is as claimed.
+/// Returns a report with the facts that follow from its numbers, and with the judged levels. A set with levels is valid
+/// if each is as claimed.
 pub fn of_report(report: &Report, levels: &[CertifiedLevel]) -> Value {
     let mut all = json!(report);
     all["conflict_free"] = json!(report.conflict_free());
@@ -56,8 +56,8 @@ pub fn of_report(report: &Report, levels: &[CertifiedLevel]) -> Value {
     all
 }
 
-/// Verifies a file, and the levels that its certificate states, and compares its certificate. Returns the report, and the
-/// statements that do not hold, as JSON.
+/// Verifies a file, and the levels that its certificate states, and compares its certificate. Returns the report, and
+/// the statements that do not hold, as JSON.
 #[pyfunction]
 #[expect(
     clippy::too_many_arguments,
@@ -73,16 +73,18 @@ pub fn check(
     judge: Option<&str>,
     progress: Option<Py<PyAny>>,
 ) -> PyResult<String> {
-    let overrides = overrides(format_name, set)?;
+    let named = overrides(format_name, set)?;
     // The certificate is read only if a part of the domain is given, as it fills in the others.
-    let stated = || certificate(&path, overrides.format).map(|stated| stated.region);
-    let region = given.has_region().then(|| given.region_over(stated()));
-    let mut overrides = Overrides {
+    let stated_region = || certificate(&path, named.format).map(|stated| stated.region);
+    let region = given
+        .has_region()
+        .then(|| given.region_over(stated_region()));
+    let mut asked = Overrides {
         region: region.transpose()?,
         radius: given.radius,
         origin: given.origin,
         judges: verify_options(judge)?.judges,
-        ..overrides
+        ..named
     };
     let judged = |overrides: &Overrides| {
         run(
@@ -94,8 +96,9 @@ pub fn check(
                     ask_to_read(&path)?;
                 }
                 let control = watch.control("verify");
-                let check = |overrides: &Overrides| check_stream(&path, overrides, &control);
-                Ok(check_or_unit_square(overrides, check))
+                let by_stream = |overrides: &Overrides| check_stream(&path, overrides, &control);
+                // The outcome is returned as a value: one that asks for a field is no error of the call yet.
+                Ok(check_or_unit_square(overrides, by_stream))
             },
         )
     };
@@ -109,25 +112,25 @@ pub fn check(
     };
     // A field that is given judges a file even if it has no certificate.
     if field.is_some() {
-        with_ground(&mut overrides)?;
+        with_ground(&mut asked)?;
     }
-    let mut check = judged(&overrides)?;
+    let mut outcome = judged(&asked)?;
     // Only when the certificate states a field or a shape, which few sets have, is the file read a second time.
-    if let Err(CheckError::NoField) = check {
-        with_ground(&mut overrides)?;
-        check = judged(&overrides)?;
+    if let Err(CheckError::NoField) = outcome {
+        with_ground(&mut asked)?;
+        outcome = judged(&asked)?;
     }
-    let check = check.map_err(|error| match error {
+    let found = outcome.map_err(|error| match error {
         CheckError::NoRadius => {
             Failure::Value("the set has no certificate; give radius".to_owned())
         }
         other => Failure::from(other),
     })?;
 
-    let differences: Vec<String> = (check.differences.iter())
+    let differences: Vec<String> = (found.differences.iter())
         .map(ToString::to_string)
         .collect();
-    let report = of_report(&check.report, &check.levels);
+    let report = of_report(&found.report, &found.levels);
     Ok(json!({ "report": report, "differences": differences }).to_string())
 }
 

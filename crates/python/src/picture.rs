@@ -46,9 +46,9 @@ pub fn draw(
     let (varying, radius) = (set.varying(), set.known_radius());
     let greatest = varying.as_ref().map(|varying| varying.radius.greatest());
     let reach = greatest.or(radius).unwrap_or_default();
-    let near = near(points, &region, reach, window);
+    let in_window = near(points, &region, reach, window);
 
-    let points = near.as_deref().unwrap_or(points);
+    let points = in_window.as_deref().unwrap_or(points);
     // Empty where a shape has one radius everywhere.
     let own = varying.map_or_else(Vec::new, |varying| varying.radii(points));
     let radii = match radius {
@@ -138,7 +138,8 @@ fn window_within(window: Option<&Bound<'_, PyAny>>, region: &Region) -> PyResult
     Ok(window)
 }
 
-/// Returns the samples whose disks, or copies of them, reach into a window: of a large set, few.
+/// Returns the samples whose disks, or copies of them, reach into a window: of a large set, few. `None` without a
+/// window, when all are drawn.
 fn near(
     points: &[[f64; 2]],
     region: &Region,
@@ -153,7 +154,8 @@ fn near(
             .iter()
             .any(|value| (low - radius..=high + radius).contains(value))
     };
-    // The square around a disk reaches farther than the disk, so this keeps a few disks too many. The picture cuts them off.
+    // The square around a disk reaches farther than the disk, so this keeps a few disks too many. The picture cuts them
+    // off.
     let reaches =
         |&&[x, y]: &&[f64; 2]| along(x, x0, x1, region.width) && along(y, y0, y1, region.height);
     Some(points.iter().filter(reaches).copied().collect())

@@ -180,10 +180,10 @@ impl PythonPlane {
         }
 
         // A window becomes one array, and is limited as a whole set in memory is.
-        let expected = expected(&window);
-        if expected > MAX_SEQUENTIAL_SAMPLES {
+        let samples = expected(&window);
+        if samples > MAX_SEQUENTIAL_SAMPLES {
             return Err(PyValueError::new_err(format!(
-                "about {expected:.3e} samples lie in the window; it may have {MAX_SEQUENTIAL_SAMPLES:.0e}: choose a smaller one"
+                "about {samples:.3e} samples lie in the window; it may have {MAX_SEQUENTIAL_SAMPLES:.0e}: choose a smaller one"
             )));
         }
         Ok(window)

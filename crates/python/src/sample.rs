@@ -105,7 +105,8 @@ pub fn sample<'py>(
     check_method(request, method)?;
     let recipe = recipe_for(request, method)?;
 
-    // Memory is asked for by the number of samples. With a count the radius is an estimate, which is near enough for that.
+    // Memory is asked for by the number of samples. With a count the radius is an estimate, which is near enough for
+    // that.
     let domain = request.recipe.parameters.validate_sequential();
     let samples = domain.map_err(Failure::from)?.area_radii() * MAXIMAL_DENSITY;
 
@@ -162,15 +163,15 @@ fn is_sequential(request: &RunRequest, engine: RunEngine) -> bool {
 
 fn kdrt(request: &RunRequest, engine: RunEngine, watch: &TaskWatch) -> Result<Made, Failure> {
     let mut observer = watch.observer();
-    let run = request.recipe.settle(&mut observer)?;
+    let settled = request.recipe.settle(&mut observer)?;
 
     // A radius that was searched for may be smaller than its estimate.
-    let domain = run.parameters.validate_sequential()?;
+    let domain = settled.parameters.validate_sequential()?;
     let sources = domain.area_radii() * MAXIMAL_DENSITY <= MAX_WITH_PROVENANCE;
     Ok(if is_sequential(request, engine) {
-        run.sequential(sources, &mut observer)?
+        settled.sequential(sources, &mut observer)?
     } else {
-        run.parallel(sources, &mut observer)?
+        settled.parallel(sources, &mut observer)?
     })
 }
 

@@ -121,7 +121,7 @@ pub fn run<T: Send>(
     progress: Option<Py<PyAny>>,
     work: impl FnOnce(&TaskWatch) -> Result<T, Failure> + Send,
 ) -> PyResult<T> {
-    let pool = pool()?;
+    let threads = pool()?;
     let watch = TaskWatch::default();
     let look = || {
         // The lock is taken for a look only.
@@ -134,7 +134,7 @@ pub fn run<T: Send>(
     let (outcome, looked) = py.detach(|| {
         let (sender, receiver) = channel();
         let watch = &watch;
-        pool.in_place_scope(|scope| {
+        threads.in_place_scope(|scope| {
             scope.spawn(move |_| {
                 // The receiver waits until this is sent.
                 let _ = sender.send(work(watch));

@@ -43,7 +43,7 @@ impl NestedPattern {
         let side = spec.side_units()?.max(shortest);
 
         let key = Key::from_seed(spec.seed).derive(Stream::Pattern, levels);
-        let domain = Domain::from_units(side, side, Boundary::Periodic).rect();
+        let rect = Domain::from_units(side, side, Boundary::Periodic).rect();
         let mut samples: Vec<Point> = Vec::new();
         let mut made = Vec::with_capacity(levels as usize);
 
@@ -51,7 +51,7 @@ impl NestedPattern {
             // A level keeps all samples of those before it, which are farther apart.
             let mut disks = DiskGrid::default();
             let periodic = true;
-            disks.reset(domain, periodic, Radius::before(levels - 1 - level));
+            disks.reset(rect, periodic, Radius::before(levels - 1 - level));
             let fits = samples.iter().all(|&p| disks.insert(p));
             debug_assert!(fits, "the samples are conflict-free");
 

@@ -623,7 +623,8 @@ fn check(parameters: &Parameters, levels: u32) -> Result<Domain, ParameterError>
     Ok(domain)
 }
 
-/// Returns the samples of a region in `shown`, as places of the domain, by the level that adds them.
+/// Returns the samples of a region by the level that adds them: those in `shown`, a rectangle of the frame, as places of
+/// the domain.
 fn collect(region: &LevelRegion, shown: &Rect) -> Vec<Vec<Point>> {
     let mut first = 0;
 
