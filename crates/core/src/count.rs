@@ -140,6 +140,7 @@ pub fn radius_for_count(
         // The sequential engine does not make sets of this size: there is no search by whole sets with which the radius
         // must agree. The estimate is corrected by the probe's density.
         Some(density) if count as f64 > MAX_SEQUENTIAL_SAMPLES => Ok(estimate * density.sqrt()),
+        // Small sets, and larger ones whose estimate misses, are made until one fits.
         _ => search_radius(parameters, count, |radius| {
             Ok((count_with(radius)?, radius))
         }),

@@ -256,7 +256,7 @@ pub fn save(
     progress: Option<Py<PyAny>>,
 ) -> PyResult<String> {
     let own = context(&set)?;
-    let context = ExportContext {
+    let stated = ExportContext {
         origin: origin.unwrap_or(own.origin),
         format: format(format_name)?,
         precision: named("precision", precision)?,
@@ -266,7 +266,7 @@ pub fn save(
     };
 
     // Refused here, where the message can name the argument of Python.
-    if let Err(FormatError::UnknownFormat { .. }) = Format::to_write(&path, context.format) {
+    if let Err(FormatError::UnknownFormat { .. }) = Format::to_write(&path, stated.format) {
         let mut known = Format::ALL.map(Format::extension).to_vec();
         known.dedup();
         return Err(Failure::Value(format!(
@@ -278,13 +278,13 @@ pub fn save(
     }
 
     // A writer takes a set of its own, and not the arrays of Python.
-    let set = to_write(&set)?;
+    let copied = to_write(&set)?;
     let (report, warnings) = run(py, progress, |watch| {
-        ask_to_export(set.len())?;
+        ask_to_export(copied.len())?;
         if !verify {
-            return Ok((None, export_unverified(&path, &set, &context)?));
+            return Ok((None, export_unverified(&path, &copied, &stated)?));
         }
-        let exported = export(&path, &set, &context, &watch.control("verify"))?;
+        let exported = export(&path, &copied, &stated, &watch.control("verify"))?;
         let report = of_report(&exported.report, &exported.certificate.levels);
         Ok((Some(report), exported.warnings))
     })?;
@@ -316,10 +316,10 @@ pub fn certify(
     set: SetArgument<'_>,
     progress: Option<Py<PyAny>>,
 ) -> PyResult<String> {
-    let (context, set) = (context(&set)?, to_write(&set)?);
+    let (stated, copied) = (context(&set)?, to_write(&set)?);
     let certificate: Certificate = run(py, progress, |watch| {
-        ask_to_export(set.len())?;
-        let exported = export_bytes("set.npy", &set, &context, &watch.control("verify"))?;
+        ask_to_export(copied.len())?;
+        let exported = export_bytes("set.npy", &copied, &stated, &watch.control("verify"))?;
         Ok(exported.certificate)
     })?;
     Ok(json!(certificate).to_string())

@@ -27,7 +27,7 @@ pub fn verify(
     progress: Option<Py<PyAny>>,
 ) -> PyResult<String> {
     let (points, region, radius) = (set.points()?, set.region()?, set.radius()?);
-    let (options, claims, varying) = (verify_options(judge)?, claims(&set.levels), set.varying());
+    let (options, claimed, varying) = (verify_options(judge)?, claims(&set.levels), set.varying());
 
     let report = run(py, progress, |watch| {
         // Asked for first, as a failed allocation would end the interpreter.
@@ -38,7 +38,7 @@ pub fn verify(
             None => tilescope_analysis::verify(points, region, radius, &options, &control)?,
         };
         let control = watch.control("levels");
-        let found = verify_levels(points, &whole, &claims, &options, &control)?;
+        let found = verify_levels(points, &whole, &claimed, &options, &control)?;
         let levels: Vec<_> = found.iter().map(CertifiedLevel::of).collect();
         Ok(of_report(&whole, &levels))
     })?;

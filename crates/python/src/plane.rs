@@ -62,10 +62,10 @@ impl PythonPlane {
     /// Returns facts as JSON.
     fn facts(&self) -> String {
         let domain = self.domain();
-        let region = region(domain);
+        let found = region(domain);
         json!({
             "parameters": self.stated,
-            "domain": [region.width, region.height, region.boundary],
+            "domain": [found.width, found.height, found.boundary],
             "radius": domain.radius(),
         })
         .to_string()

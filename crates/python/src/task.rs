@@ -113,7 +113,8 @@ impl TaskWatch {
     }
 }
 
-/// Does `work` and returns its result. Python's lock is free meanwhile.
+/// Does `work` and returns its result. Python's lock is free meanwhile. `progress`, if there is one, is called with how
+/// far the work has come.
 ///
 /// Raises an error of a signal's handler or of `progress`, which stops the work, or else the failure of the work.
 pub fn run<T: Send>(

@@ -29,8 +29,7 @@ pub(crate) struct Agenda {
     /// The questions of each level.
     levels: [Vec<Arriving>; LAST_LEVEL as usize + 1],
     deciding: Option<u32>,
-    /// Its questions in the order of arrival, each a word: the first bits of the arrival, then the question's index in
-    /// the level.
+    /// Its questions in the order of arrival, each a word: the first bits of the arrival, then the question's index in the level.
     order: Vec<u64>,
     /// How much of the level that is being decided is done.
     done: usize,
@@ -61,8 +60,8 @@ impl Agenda {
 
     /// Begins a level, and returns how much arrives with it as far as that is known.
     pub(crate) fn begin(&mut self, level: u32) -> usize {
-        // Nearly everything is known when a level begins: to sort it once costs less than a heap of all. The first bits
-        // of arrivals are sorted, each with its index in one word.
+        // Nearly everything is known when a level begins: to sort it once costs less than a heap of all. The first bits of
+        // arrivals are sorted, each with its index in one word.
         let known = &self.levels[level as usize];
         let firsts = known.iter().map(|arriving| arriving.dart.arrival.when());
         let words = firsts
@@ -114,8 +113,8 @@ const LEVEL_BITS: u32 = 2 + 26 + 32;
 
 /// Puts words of one level, as [`Agenda::begin`] makes them, into `out` in ascending order.
 ///
-/// Ranks are uniform draws: one pass puts each word about where it belongs, and few are left to be moved past each
-/// other. That takes a quarter of the instructions of a sort that only compares.
+/// Ranks are uniform draws: one pass puts each word about where it belongs, and few are left to be moved past each other. That
+/// takes a quarter of the instructions of a sort that only compares.
 fn sort_words(words: impl Iterator<Item = u64> + Clone, count: usize, out: &mut Vec<u64>) {
     // As many buckets as words, or up to twice as many.
     let bits = count.next_power_of_two().ilog2();
@@ -140,7 +139,6 @@ fn sort_words(words: impl Iterator<Item = u64> + Clone, count: usize, out: &mut 
         *at += 1;
     }
 
-    // An insertion sort: a word is out of order with words of its own bucket alone.
     for index in 1..count {
         let word = out[index];
         let mut at = index;

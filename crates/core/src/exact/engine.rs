@@ -62,21 +62,21 @@ pub fn exact_sample(
     observer: &mut dyn Observer,
 ) -> Result<Run, SampleError> {
     let domain = parameters.validate_sequential()?;
-    let mut clipper = clipper(parameters, history)?;
+    let mut run_clipper = clipper(parameters, history)?;
     // Sources name blocks by their indices, which blocks have only once they are counted.
-    clipper.count_blocks();
+    run_clipper.count_blocks();
 
     let mut tiling = ExactTiling::new(history);
     let ground = Ground::whole(&domain);
-    tiling.run(&clipper, ground, observer, &mut Unrecorded)?;
+    tiling.run(&run_clipper, ground, observer, &mut Unrecorded)?;
 
     let mut samples = WindowSamples::default();
     let with_sources = true;
     tiling.emit(with_sources, &mut samples);
 
     let summary = samples.counts.summary(samples.points.len() as u64);
-    let sampled = sampled(samples.points, samples.tags, with_sources);
-    Run::of_result(&parameters.as_exact(), history.pattern(), sampled, summary)
+    let result = sampled(samples.points, samples.tags, with_sources);
+    Run::of_result(&parameters.as_exact(), history.pattern(), result, summary)
 }
 
 /// Returns what finds the blocks of a run, and the samples that they clip.
@@ -329,7 +329,8 @@ impl<'a> ExactTiling<'a> {
 
         while let Some(next) = self.agenda.next() {
             // A question may be asked twice, which changes nothing. A recording has it once.
-            if !T::ENABLED || self.kept.last.replace(next) != Some(next) {
+            let is_repeated = T::ENABLED && self.kept.last.replace(next) == Some(next);
+            if !is_repeated {
                 match next.what {
                     What::Sample(id) => self.decide_sample(id, &next.dart, recorder),
                     What::Dart(tile) => self.decide_dart(&next.dart, tile, recorder),

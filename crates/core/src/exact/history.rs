@@ -193,7 +193,6 @@ impl PatternHistory {
         let IVec2 { x, y } = sample.lowest();
         let lowest = Point::new(column * MARK_SIDE + x, row * MARK_SIDE + y);
         let highest = Point::new(lowest.x + COVERING_UNIT - 1, lowest.y + COVERING_UNIT - 1);
-        // The filter reads the last eight bits alone, which in the packed word are those of the sample's number.
         inside.contains(lowest) && inside.contains(highest) && !missing.may_have(sample.0)
     }
 
@@ -281,7 +280,7 @@ fn blocked(
 
     // A throw has 0.85 darts a cell. Level 0 has four throws, and level 1 one throw into four times the cells: 6.8 in
     // all.
-    let mut found = Vec::with_capacity(7 * cells);
+    let mut blocked = Vec::with_capacity(7 * cells);
 
     for level in 0..LATE_LEVEL {
         for cell in tiling_cells(darts.rect(), R >> level) {
@@ -304,14 +303,14 @@ fn blocked(
                     let offset = pattern
                         .domain()
                         .difference(samples[blocker as usize], place);
-                    found.push((blocker, Refused::new(arrival, offset)));
+                    blocked.push((blocker, Refused::new(arrival, offset)));
                 }
             }
             meter.tick()?;
         }
     }
     meter.end()?;
-    Ok(found)
+    Ok(blocked)
 }
 
 #[cfg(test)]

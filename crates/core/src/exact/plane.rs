@@ -70,12 +70,12 @@ impl<'a> ExactPlane<'a> {
     ///
     /// Fails when the parameters cannot be sampled, or a bounded pattern is too small for a block.
     pub fn new(parameters: &Parameters, history: &'a PatternHistory) -> Result<Self, SampleError> {
-        let clipper = clipper(parameters, history)?;
-        clipper.check_blocks()?;
+        let run_clipper = clipper(parameters, history)?;
+        run_clipper.check_blocks()?;
         Ok(Self {
             domain: parameters.validate()?,
             history,
-            clipper,
+            clipper: run_clipper,
             idle: Pool::default(),
             alone: None,
         })
@@ -140,6 +140,7 @@ impl WindowMaker for ExactPlane<'_> {
             halo *= 2;
         }
 
+        // Nothing is compared with this window's neighbours, and what is around it is not asked for.
         tiling.emit(&self.clipper, with_tags, out, None);
         self.idle.give(tiling);
         Ok(())

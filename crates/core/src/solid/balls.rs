@@ -6,8 +6,8 @@ use super::Place;
 use super::domain::SolidDomain;
 use super::frame::{BallFrame, covers_offset};
 
-/// Samples in one cell: eight points of a unit cube are at most 1 apart (Schaer 1966), so that a half-open cell of side R
-/// holds at most seven samples of a conflict-free set. With one more slot it is a cache line.
+/// Samples in one cell: eight points of a unit cube are at most 1 apart (Schaer 1966), so that a half-open cell of side
+/// R holds at most seven samples of a conflict-free set. With one more slot it is a cache line.
 const SLOTS: usize = 8;
 
 /// A slot without a sample: coordinates have 15 bits each.
@@ -57,8 +57,8 @@ impl BallGrid {
         self.any_near(place, 1, 0, covers_offset)
     }
 
-    /// Calls `visit` with the offset from `min` of samples that lie within R of a cube, and of some farther ones, until it
-    /// returns `true`; returns whether it did. `min` is the cube's lowest place, and it lies in one cell.
+    /// Calls `visit` with the offset from `min` of samples that lie within R of a cube, and of some farther ones, until
+    /// it returns `true`; returns whether it did. `min` is the cube's lowest place, and it lies in one cell.
     #[inline]
     fn any_near(
         &self,
@@ -91,11 +91,12 @@ impl BallGrid {
         let beyond = [0, 1, 2].map(|axis| if ends[axis][1] < half { UPPER[axis] } else { 0 });
         let mut covered: u8 = beyond[0] | beyond[1] | beyond[2];
 
-        // A ball that covers an octant reaches half of the cube deep; an octant that is cut by the domain's side is not so deep.
+        // A ball that covers an octant reaches half of the cube deep; an octant that is cut by the domain's side is not
+        // so deep.
         let is_whole = ends.iter().all(|end| end[1] == side - 1);
         let depth = if is_whole { half - 1 } else { 0 };
         self.any_near(min, side, depth, |sample| {
-            // Not by `map`, which is a call that takes a quarter of the time.
+            // Written out, since `map` is a call here, which took a quarter of the time.
             let x = farthest(sample[0], half, ends[0]);
             let y = farthest(sample[1], half, ends[1]);
             let z = farthest(sample[2], half, ends[2]);
@@ -123,8 +124,8 @@ impl BallGrid {
     }
 }
 
-/// Returns the squared distances on an axis from a sample to the farthest places of both halves of a cube. The lower half
-/// begins at 0, the upper one at `half`, and `ends` are their last places.
+/// Returns the squared distances on an axis from a sample to the farthest places of both halves of a cube. The lower
+/// half begins at 0, the upper one at `half`, and `ends` are their last places.
 #[inline]
 fn farthest(at: i32, half: i32, [low, high]: [i32; 2]) -> [u64; 2] {
     // Whichever end is the farther one, the distance to it is not negative.

@@ -331,7 +331,7 @@ impl<'a> Detection<'a> {
         samples: &[Site],
         out: &mut Vec<Candidate>,
         recorder: &mut T,
-        sites: impl FnOnce() -> Sites,
+        name_sites: impl FnOnce() -> Sites,
     ) {
         let examined = self.accept(at, centre, samples);
         // Only a recording shows places that are refused. Without one there is no need to sort their sites.
@@ -339,7 +339,7 @@ impl<'a> Detection<'a> {
             return;
         }
 
-        let sites = sites();
+        let sites = name_sites();
         if T::ENABLED {
             recorder.record(RunEvent::Candidate {
                 detector: samples[0].id,

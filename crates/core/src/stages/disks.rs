@@ -101,7 +101,8 @@ impl DiskGrid {
         mut visit: impl FnMut(IVec2) -> bool,
     ) -> bool {
         self.grid.any_range(from, reach, |range, shift| {
-            // A domain has at most 2^31 units, and a place near it lies at most a few radii outside.
+            // In a long domain a shift may leave 32 bits on its way. The offsets of samples found here are short, and
+            // wrapped sums come out right.
             let (x, y) = (shift.x.wrapping_sub(from.x), shift.y.wrapping_sub(from.y));
             self.cells[range].iter().any(|cell| {
                 let mut held = cell.iter().take_while(|slot| slot.x != EMPTY.x);

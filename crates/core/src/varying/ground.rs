@@ -49,8 +49,8 @@ impl<'a> VaryingGround<'a> {
             return ([range.least; 4], range.greatest);
         };
 
-        // On edges a bilinear function is linear, and in the middle it is the mean of the corners. A quarter's radii are
-        // not below the least of its corner of the cell, the middles of two edges, and the middle of the cell.
+        // On edges a bilinear function is linear, and in the middle it is the mean of the corners. A quarter's radii
+        // are not below the least of its corner of the cell, the middles of two edges, and the middle of the cell.
         let [ab, ac, bd, cd] = [a + b, a + c, b + d, c + d].map(|sum| sum / 2);
         let middle = (a + b + c + d) / 4;
         let quarters = [[a, ab, ac], [b, ab, bd], [c, ac, cd], [d, bd, cd]];
@@ -79,18 +79,18 @@ impl DartGround for VaryingGround<'_> {
             return Landing::Outside;
         }
 
-        // A cell throws as many darts as suit a radius that is its base cell's side. Where the radius is larger, a share of
-        // side^2 / radius^2 of them stays, so that their density depends on the radius alone. Without this, sets are twice as
-        // dense on one side of a place where the radius passes a power of two as on the other (the test below). The dart of a
-        // cell of one point, whose `bits` are 0, always stays, which makes the set maximal.
+        // A cell throws as many darts as suit a radius that is its base cell's side. Where the radius is larger, a
+        // share of side^2 / radius^2 of them stays, so that their density depends on the radius alone. Without this,
+        // sets are twice as dense on one side of a place where the radius passes a power of two as on the other (the
+        // test below). The dart of a cell of one point, whose `bits` are 0, always stays, which makes the set maximal.
         let radius = self.field.radius_at(at);
         let base_side = 1_i64 << cell.base_bits;
         if cell.bits > 0 && i64::from(radius) > base_side {
-            let coin = i64::from(coin() >> 16);
+            let drawn = i64::from(coin() >> 16);
             let area = i64::from(radius) * i64::from(radius);
-            // The dart is left out unless coin / 2^16 < side^2 / radius^2. Both sides of the comparison have four bits less,
-            // so that they fit 64 bits.
-            if coin * (area >> 4) >= (base_side * base_side) << 12 {
+            // The dart is left out unless drawn / 2^16 < side^2 / radius^2. Both sides of the comparison have four bits
+            // less, so that they fit 64 bits.
+            if drawn * (area >> 4) >= (base_side * base_side) << 12 {
                 return Landing::Thinned;
             }
         }
@@ -119,8 +119,8 @@ impl DartGround for VaryingGround<'_> {
         let (least_radii, greatest) = self.bounds(square);
 
         near.clear();
-        // A sample that is near all places of a quarter is near the quarter's corner beside the cell's middle, too, and this
-        // corner is less than 2 units from the middle.
+        // A sample that is near all places of a quarter is near the quarter's corner beside the cell's middle, too, and
+        // this corner is less than 2 units from the middle.
         let slack = 2;
         self.samples
             .any_near(middle, greatest, slack, cell.sight, |offset, radius| {
@@ -220,7 +220,8 @@ mod tests {
         }
     }
 
-    /// A field that grows to the right by 3 in 100 of the way, and is 2 R at 10 R from the left, where cells of side 2 R begin.
+    /// A field that grows to the right by 3 in 100 of the way, and is 2 R at 10 R from the left, where cells of side 2
+    /// R begin.
     fn ramp() -> RadiusField {
         let domain = Domain::from_units(20 * R, 1_500 * R, Boundary::Bounded);
         let [columns, rows] = RadiusField::node_counts(&domain, 15).unwrap();
@@ -229,8 +230,8 @@ mod tests {
         RadiusField::from_nodes(domain, 15, &nodes).unwrap()
     }
 
-    /// Returns N R^2 of the places whose radius is from 1.97 to 2, and of those from 2 to 2.03, in several sets on grounds
-    /// that `ground` makes.
+    /// Returns N R^2 of the places whose radius is from 1.97 to 2, and of those from 2 to 2.03, in several sets on
+    /// grounds that `ground` makes.
     fn densities<'a, G: DartGround<Cell = VaryingCell>>(
         field: &'a RadiusField,
         shape: &'a Shape,

@@ -72,16 +72,16 @@ impl<const TAGS: bool> Region<TAGS> {
 
         // Nothing can eliminate the samples of the interiors: they are copied without a test.
         for block in &blocks {
-            let interior = interior(block, depth);
+            let inner = interior(block, depth);
             // Samples without tags are computed eight at a time. With tags they are inserted one by one, since the tag
             // is kept beside the slot.
             if TAGS {
-                clipper.clip(block, &interior, &target, |x, y, id| {
+                clipper.clip(block, &inner, &target, |x, y, id| {
                     self.insert(x, y, tiled_tag(block.index, id));
                 });
             } else {
                 let slots = &mut self.slots;
-                clipper.clip_slots(simd, block, &interior, &self.frame, |cell, slot| {
+                clipper.clip_slots(simd, block, &inner, &self.frame, |cell, slot| {
                     push(&mut slots[cell], slot);
                 });
             }

@@ -21,11 +21,12 @@ use crate::stages::blocks::split_recorded;
 use crate::stages::disks::Cell;
 use crate::stages::tile::Tile;
 
-/// Like [`exact_sample`](crate::exact_sample), and reports events to `recorder`. The result is the same. The run also has the
-/// samples that were lost, each with the first sample that covers it.
+/// Like [`exact_sample`](crate::exact_sample), and reports events to `recorder`. The result is the same. The run also
+/// has the samples that were lost, each with the first sample that covers it.
 ///
-/// All that a block has of the pattern's samples is laid down first, then everything arrives in its order: a sample is kept
-/// or eliminated, a dart is refused or inserted. The engine asks only samples near seams; here each one's arrival is an event.
+/// All that a block has of the pattern's samples is laid down first, then everything arrives in its order: a sample is
+/// kept or eliminated, a dart is refused or inserted. The engine asks only samples near seams; here each one's arrival
+/// is an event.
 pub fn exact_recorded<T: Recorder>(
     parameters: &Parameters,
     history: &PatternHistory,
@@ -38,9 +39,9 @@ pub fn exact_recorded<T: Recorder>(
     }
 
     let domain = parameters.validate_sequential()?;
-    let mut clipper = clipper(parameters, history)?;
+    let mut run_clipper = clipper(parameters, history)?;
     // Origins name blocks by their indices, which blocks have only once they are counted.
-    clipper.count_blocks();
+    run_clipper.count_blocks();
 
     let pattern = Arc::clone(history.pattern());
     let mut run = Run::new(&parameters.as_exact(), domain, pattern);
@@ -50,7 +51,7 @@ pub fn exact_recorded<T: Recorder>(
     run.blocks = split_recorded(&domain, leaf, key, recorder);
 
     let mut tiling = ExactTiling::new(history);
-    tiling.run(&clipper, Ground::whole(&domain), observer, recorder)?;
+    tiling.run(&run_clipper, Ground::whole(&domain), observer, recorder)?;
 
     recorder.record(RunEvent::Begin(Stage::Finish));
     tiling.into_run(&mut run);
