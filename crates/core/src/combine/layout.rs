@@ -215,6 +215,7 @@ pub(super) fn seams(domain: &Domain, pieces: &[Piece]) -> Vec<Seam> {
         by_edge.sort_unstable();
 
         let side = across(axis, Point::new(domain.width(), domain.height()));
+        // Of horizontal seams the left piece is the one below.
         for left in 0..pieces.len() as u32 {
             let end = across(axis, pieces[left as usize].rect.max);
             // In a periodic domain pieces at the upper border meet those at the lower one.

@@ -85,7 +85,7 @@ impl AsPrinted {
 
         // Outside of the conflict area no sample is eliminated (paper, section 3.2.3).
         keep_rest(samples, recorder);
-        // The paper has no closed borders: samples that are dropped beyond one open gaps, too.
+        // The paper has no closed borders: samples that were dropped beyond a border leave gaps, too.
         self.mark_around_dropped(samples, recorder);
         meter.end()?;
 

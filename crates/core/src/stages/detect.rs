@@ -365,6 +365,7 @@ impl<'a> Detection<'a> {
         }
 
         let distance = |site: &Site| site.offset.distance_squared(centre);
+        // A place has at least one site.
         let nearest = sites.iter().map(distance).min().unwrap_or(0);
         // One comparison asks for both: a sample that covers the place, and one that is nearer than rounding explains
         // (by 12 R, see the head of this file).

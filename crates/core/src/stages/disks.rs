@@ -101,8 +101,8 @@ impl DiskGrid {
         mut visit: impl FnMut(IVec2) -> bool,
     ) -> bool {
         self.grid.any_range(from, reach, |range, shift| {
-            // In a long domain a shift may leave 32 bits on its way. The offsets of samples found here are short, and
-            // wrapped sums come out right.
+            // In a long domain a shift less a place may leave 32 bits. The offsets of samples found here are short, so
+            // that the wrapped sums are right again.
             let (x, y) = (shift.x.wrapping_sub(from.x), shift.y.wrapping_sub(from.y));
             self.cells[range].iter().any(|cell| {
                 let mut held = cell.iter().take_while(|slot| slot.x != EMPTY.x);

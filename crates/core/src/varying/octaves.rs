@@ -113,7 +113,7 @@ impl Octaves {
                 let end = 2 << (index + first + usize::from(self.first));
                 let farthest = reach(sight.largest.min(end - 1), radius) + slack;
                 octave.grid.any_range(from, farthest, |range, shift| {
-                    // Wrapped sums come out right: the offsets of samples found here are short (as in `DiskGrid`).
+                    // The wrapped sums are right, as the offsets of samples found here are short.
                     let (x, y) = (shift.x.wrapping_sub(from.x), shift.y.wrapping_sub(from.y));
                     octave.index[range].iter().any(|&listed| {
                         let mut disks = octave.cells[listed as usize]

@@ -74,7 +74,7 @@ impl PlacedLayout {
 /// Returns groups of the indices of pieces that share a set, in the order of their first pieces.
 fn groups_by_set(pieces: &[PlacedPiece]) -> Vec<Vec<usize>> {
     let mut groups: Vec<Vec<usize>> = Vec::new();
-    // The pieces that are read from the same file form a group.
+    // The groups whose sets are read from a file, by its path.
     let mut by_file: HashMap<&str, Vec<usize>> = HashMap::new();
 
     for (k, piece) in pieces.iter().enumerate() {

@@ -119,7 +119,8 @@ impl<const TAGS: bool> Region<TAGS> {
 
         if !rules.is_exact() {
             // A pattern that misses lattice points has gaps of its own. The sequential engine fills them only in the
-            // cells around lost samples, so that exactly these cells must be taken here.
+            // cells around lost samples, so that exactly these cells must be taken here. Around samples of unknown fate
+            // cells are reached, and nothing is inserted in them.
             for lost in self.lost.iter().filter(|lost| lost.loss == Loss::Certain) {
                 let reach = R + SLACK;
                 let low = [lost.x - reach, lost.y - reach];
