@@ -154,8 +154,8 @@ impl Run {
         self.counted = Some(counted);
     }
 
-    /// Returns a finished run of samples in an order of their own, of which nothing else is known: it has no pattern and no
-    /// blocks, and all samples count as tiled.
+    /// Returns a finished run of samples in an order of their own, of which nothing else is known: it has no pattern
+    /// and no blocks, and all samples count as tiled.
     #[must_use]
     pub fn of_points(parameters: Parameters, domain: Domain, points: Vec<Point>) -> Self {
         let count = points.len();
@@ -194,8 +194,8 @@ impl Run {
         }
     }
 
-    /// Returns the finished run of darts that became samples in this order, throw by throw, with its locality. It has no
-    /// pattern and no blocks.
+    /// Returns the finished run of darts that became samples in this order, throw by throw, with its locality. It has
+    /// no pattern and no blocks.
     pub(crate) fn of_darts(
         parameters: Parameters,
         locality: &Arc<Locality>,
@@ -255,7 +255,8 @@ impl Run {
 
         if !self.tiles.is_empty() {
             stages.push(Stage::Tile);
-            // Any other fate shows that elimination has run: tiling itself drops samples, and leaves all others undecided.
+            // Any other fate shows that elimination has run: tiling itself drops samples, and leaves all others
+            // undecided.
             let decided = |fate: &Fate| !matches!(fate, Fate::Undecided | Fate::Dropped);
             // Exact tiling has no stage of elimination: samples are lost in the iterations, when they arrive.
             let eliminates = self.parameters.method == TilingMethod::Kdrt;
@@ -275,7 +276,8 @@ impl Run {
     }
 
     /// Returns the status of sample `id` after `stage`. In Algorithm 4 as printed the samples of iteration 1 are there
-    /// after [`Stage::Eliminate`] already, since that loop inserts them.
+    /// after [`Stage::Eliminate`] already, since that loop inserts them. In exact tiling, where samples are lost when
+    /// they arrive, each has its last fate from iteration 1 on.
     #[must_use]
     pub fn standing(&self, id: u32, stage: Stage) -> Standing {
         match self.samples.origins[id as usize] {
@@ -284,7 +286,7 @@ impl Run {
             }
             Origin::Inserted { .. } => Standing::Absent,
             Origin::Tiled { .. } if stage < Stage::Tile => Standing::Absent,
-            // A sample is dropped when it is tiled, and its other fates are decided by elimination.
+            // A sample is dropped when it is tiled, and its other fates are decided from elimination on.
             Origin::Tiled { .. } => match self.samples.fates[id as usize] {
                 Fate::Dropped => Standing::Dropped,
                 _ if stage < Stage::Eliminate => Standing::Tiled,

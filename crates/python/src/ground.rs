@@ -132,7 +132,7 @@ impl FieldArgument<'_> {
         }
         match &self.density {
             None => Ok(GivenRadius::Nothing),
-            Some(Density::Grey(pixels)) => Ok(GivenRadius::Image(pixels.image()?)),
+            Some(Density::Grey(grey)) => Ok(GivenRadius::Image(grey.image()?)),
             Some(Density::Numbers(numbers)) => {
                 let (columns, density) = pixels(numbers);
                 let grid = RadiusGrid::of_density(columns, density, like.boundary);

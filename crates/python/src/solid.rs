@@ -124,7 +124,8 @@ pub fn verify_solid(
     progress: Option<Py<PyAny>>,
 ) -> PyResult<String> {
     let (points, facts) = (rows::<f64, 3>(&points)?, SolidFacts::of(facts)?);
-    // Of the first samples of a larger set the factor is measured, and judged.
+    // The first samples of a larger set need not be maximal: their covering factor is measured, and judged in its
+    // place.
     let (options, is_prefix) = (verify_options(judge)?, facts.made.is_some());
     let (region, radius) = (facts.region, facts.radius);
     let verdict = run(py, progress, |watch| {
@@ -152,8 +153,8 @@ fn of_verdict(verdict: &SolidVerdict) -> Value {
     all
 }
 
-/// Writes a set in space to a file, with a certificate beside it if it is to be verified. Returns the verdict on the file, and
-/// warnings, as JSON.
+/// Writes a set in space to a file, with a certificate beside it if it is to be verified. Returns the verdict on the
+/// file, and warnings, as JSON.
 #[pyfunction]
 #[pyo3(signature = (points, facts, path, *, format_name, precision, shuffle, verify, judge, progress))]
 #[expect(
@@ -229,8 +230,8 @@ fn given(
     Ok((overrides, size.map(|[_, _, depth]| depth)))
 }
 
-/// Verifies a file with a set in space and compares its certificate. Returns the verdict, and the statements that do not hold, as
-/// JSON.
+/// Verifies a file with a set in space and compares its certificate. Returns the verdict, and the statements that do
+/// not hold, as JSON.
 #[pyfunction]
 #[expect(
     clippy::too_many_arguments,

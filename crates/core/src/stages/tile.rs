@@ -64,9 +64,9 @@ pub(crate) fn tile<T: Recorder>(
         // Algorithm 2 scales the clip by the ratio of the sets (lines 4 and 10). On the lattice pattern and result have
         // the same radius, so it is only translated (line 9).
         let corner = I64Vec2::from(block.rect.min) - i64::from(R);
-        for &(y, x, pattern) in &clip {
+        for &(y, x, id) in &clip {
             let at = corner + I64Vec2::new(x.into(), y.into());
-            push_tiled(domain, &block.rect, at, index, pattern, samples);
+            push_tiled(domain, &block.rect, at, index, id, samples);
             if T::ENABLED {
                 recorder.record(RunEvent::Tiled {
                     sample: samples.len() as u32 - 1,

@@ -92,6 +92,7 @@ pub(crate) struct GapBuffers {
     detectors: Vec<u64>,
 }
 
+// It cannot be derived, as `sites` is too long an array for that.
 impl Default for GapBuffers {
     fn default() -> Self {
         Self {

@@ -1,8 +1,8 @@
 //! Detection in a region: chooses the pixels to be searched in each iteration.
 //!
-//! A pixel is *open* if no single sample is known to cover it, and a cell if one of its pixels is. Samples that depend on the
-//! plane beyond the frame are *unknown*. A cell is *unsure* if it may hold an unknown sample, *reached* if one may take part
-//! in its candidates, and *hot* if one may yet be inserted in it or beside it.
+//! A pixel is *open* if no single sample is known to cover it, and a cell if one of its pixels is. Samples that depend
+//! on the plane beyond the frame are *unknown*. A cell is *unsure* if it may hold an unknown sample, *reached* if one
+//! may take part in its candidates, and *hot* if one may yet be inserted in it or beside it.
 
 use fearless_simd::Simd;
 
@@ -33,6 +33,7 @@ impl<const TAGS: bool> Region<TAGS> {
         gaps.pixels.clear();
         gaps.farthest = 0.0;
         gaps.candidates.clear();
+        // Indices of earlier windows stay: only those of cells with a bit in `open` are read.
         gaps.open_index.resize(self.frame.cell_count(), 0);
 
         self.find_open(gaps);
@@ -146,8 +147,8 @@ impl<const TAGS: bool> Region<TAGS> {
             self.concerned_pixels(gaps, x, y, &mut todo);
         }
 
-        // Pixels are sorted by cell, so that the samples around a cell are gathered once. Two new samples may concern one
-        // pixel, which is searched once.
+        // Pixels are sorted by cell, so that the samples around a cell are gathered once. Two new samples may concern
+        // one pixel, which is searched once.
         gaps.detectors.sort_unstable();
         todo.sort_unstable();
         todo.dedup();
@@ -195,8 +196,8 @@ impl<const TAGS: bool> Region<TAGS> {
             reach_cells(self.frame.periodic)
         };
 
-        // Of a row of bits those of 2 reach + 1 cells are of interest, and they lie in one word or two. Bits of the padding
-        // are never set.
+        // Of a row of bits those of 2 reach + 1 cells are of interest, and they lie in one word or two. Bits of the
+        // padding are never set.
         let first = (column + PAD - reach) as usize;
         let ones = (1_u64 << (2 * reach + 1)) - 1;
 
