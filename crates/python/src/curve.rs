@@ -70,8 +70,8 @@ fn course(
     watch: &TaskWatch,
 ) -> Result<Course, Failure> {
     let mut observer = watch.observer();
-    // With a count the radius is an estimate, which is near enough for both questions.
-    // Refused before memory is asked for: the course may have too many samples.
+    // A course of too many samples is refused before memory is asked for. With a count the radius is an estimate, which
+    // is near enough for both.
     Course::check(&recipe.parameters)?;
     let samples = recipe.parameters.validate_sequential()?.area_radii() * MAXIMAL_DENSITY;
     let ask = |making: Making| ask_for(samples, making.bytes_a_sample());

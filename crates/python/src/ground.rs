@@ -220,7 +220,7 @@ impl Ground {
         domain: &GivenDomain,
         field: Option<&FieldArgument<'_>>,
     ) -> PyResult<Self> {
-        // With another domain or radius the digests could only differ.
+        // With another domain or radius the field and the shape could not have the digests that the certificate states.
         let radius = field.map(FieldArgument::radius).transpose()?.flatten();
         if let Some(name) = domain.first_given(radius) {
             return Err(PyValueError::new_err(format!(

@@ -54,8 +54,7 @@ impl MarkedCells {
 
     /// Marks the cells of a piece that hold a place at most r from the border of `part`, the part of a block that the
     /// piece belongs to, and appends those not marked before to `out`. The first blocker of a dart in them may be
-    /// missing. Cells that
-    /// `is_closed` are left out; it gets a cell's column and row in the pattern.
+    /// missing. Cells that `is_closed` are left out; it gets a cell's column and row in the pattern.
     pub(crate) fn mark_border(
         &mut self,
         piece: u32,

@@ -457,6 +457,7 @@ impl<'a> ExactTiling<'a> {
         self.fresh = fresh;
     }
 
+    /// Cuts a cell of `side` units for a level, and opens the parts that no single sample covers.
     fn cut_cell<T: Recorder>(&mut self, cell: PieceCell, side: i32, level: u32, recorder: &mut T) {
         let first = self.open.len();
         let mut decided = self.present.before(Arrival::new(level, 0, 0));
