@@ -40,6 +40,7 @@ pub fn sample_recorded<T: Recorder>(
             let pattern = Pattern::of_spec(&parameters.pattern, observer)?;
             let mut engine = Sequential::new(parameters, pattern)?;
             while engine.step_recorded(observer, recorder)?.is_some() {}
+            // No stage is left: this only hands over the run.
             engine.finish(observer)
         }
         TilingMethod::Exact => {

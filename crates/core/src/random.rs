@@ -121,7 +121,8 @@ pub const fn threefry2x32_20(key: [u32; 2], counter: [u32; 2]) -> [u32; 2] {
     four_rounds(x, EVEN, keys, 5)
 }
 
-/// Returns the words after four rounds. After them the key is injected again, turned and numbered, so that rounds differ.
+/// Returns the words after four rounds. After them the key is injected again, turned and numbered, so that rounds
+/// differ.
 #[expect(
     clippy::inline_always,
     reason = "rotations are constants only where it is inlined"
@@ -164,6 +165,7 @@ pub(crate) fn threefry2x32_20_by_eight<S: Simd>(
     let keys = [a, b, a ^ b ^ PARITY];
     let mut x0 = counters[0] + a;
     let mut x1 = counters[1] + b;
+    // Each group does what `four_rounds` does.
     for (group, turns) in (1..).zip([EVEN, ODD, EVEN, ODD, EVEN]) {
         for turn in turns {
             x0 += x1;

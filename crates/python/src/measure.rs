@@ -16,8 +16,8 @@ use crate::memory::ask_to_measure;
 use crate::task::run;
 use crate::values::real_if_given;
 
-/// Returns the numbers of `tilescope analyze` by its names; `None` for one that is not defined. Of a set without a known
-/// radius, the smallest distance stands for it.
+/// Returns the numbers of `tilescope analyze` by its names; `None` for one that is not defined. Of a set without a
+/// known radius, the smallest distance stands for it.
 #[pyfunction]
 pub fn analyze<'py>(
     py: Python<'py>,
@@ -29,7 +29,8 @@ pub fn analyze<'py>(
     let measured = run(py, progress, |watch| {
         // Asked for first, as a failed allocation would end the interpreter.
         ask_to_measure(points.len())?;
-        // The smallest distance and the covering radius do not depend on the radius; the spacing keeps the search quick.
+        // Without a known radius any will do, since the smallest distance and the covering radius do not depend on it.
+        // One about as long as the samples' spacing keeps the search quick.
         let any = || (region.area() / points.len().max(1) as f64).sqrt();
         let (r, options) = (known.unwrap_or_else(any), VerifyOptions::default());
         let report = verify(points, region, r, &options, &watch.control("verify"))?;
@@ -105,7 +106,7 @@ pub fn pair_correlation<'py>(
     progress: Option<Py<PyAny>>,
 ) -> PyResult<PairCurve<'py>> {
     let (points, region) = (set.points()?, set.region()?);
-    // Sets of one known radius have the same bins, in parts of it.
+    // Bins are parts of the radius if it is known, so that sets of one radius have the same.
     let bins = PairBins::of(set.known_radius(), points.len(), region);
     let places = run(py, progress, |watch| {
         ask_to_measure(points.len())?;

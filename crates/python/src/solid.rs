@@ -201,7 +201,7 @@ pub fn is_in_space(path: PathBuf) -> bool {
     solid_certificate(&path).is_some()
 }
 
-/// Returns the values that take the place of those that the certificate of a file states, and its third side.
+/// Returns the values that take the place of those that a file's certificate states, and the third side if it is given.
 fn given(
     size: Option<[f64; 3]>,
     boundary: Option<&str>,

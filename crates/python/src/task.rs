@@ -66,7 +66,7 @@ impl TaskWatch {
         move |progress| {
             let work = Work::Named(name);
             let mut latest = lock(&self.latest);
-            // Calls come from several threads, not always in sequence.
+            // Calls come from several threads, not always in sequence: the number of steps done must not go back.
             let same_work = latest.filter(|before| before.work == work);
             let most = same_work.map_or(0, |before| before.done);
             *latest = Some(TaskProgress {

@@ -177,7 +177,8 @@ impl PatternHistory {
 
     /// Returns whether a sample of a level that is kept covers all of a cell of [`MARK_SIDE`], given by its column and
     /// row in the pattern, and lies in a rectangle of the pattern, and is not `missing`. In doubt it returns `false`:
-    /// the sample's place is kept to [`COVERING_UNIT`] and its number to eight bits.
+    /// the sample's place is kept to [`COVERING_UNIT`], and its number to eight bits. These are the last of the packed
+    /// word, and all that the filter reads.
     #[inline]
     pub(super) fn is_covered(
         &self,

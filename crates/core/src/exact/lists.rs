@@ -1,5 +1,5 @@
-//! Which samples cover places of a cell, in one list: a cell that is asked about is asked about often, and a list is read at
-//! once, where the cells around would be read one by one.
+//! Which samples cover places of a cell, in one list: a cell that is asked about is asked about often, and a list is
+//! read at once, where the cells around would be read one by one.
 
 use std::ops::Range;
 
@@ -75,6 +75,7 @@ impl CoverLists {
         self.found = found;
     }
 
+    /// Appends a list and free places behind it, `room` in all.
     fn append(&mut self, list: &[Covering], room: u32) -> Held {
         let start = self.entries.len() as u32;
         let free = Covering {

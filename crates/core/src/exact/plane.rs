@@ -204,7 +204,8 @@ fn made_alone(
     let domain = plane.domain;
 
     let made = plane.sweep(sources).finish(observer)?;
-    let is_right = agreement.holds(&domain, &made.0.points);
+    let (sampled, _) = &made;
+    let is_right = agreement.holds(&domain, &sampled.points);
     Ok(is_right.then_some(made))
 }
 
