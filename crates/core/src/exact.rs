@@ -1,5 +1,5 @@
-//! Exact tiling: KDRT's blocks and clips with no bias at their seams. It clips *the darts with their arrival order
-//! instead of the samples*: a dart is a sample unless an earlier sample covers it.
+//! Exact tiling: KDRT's blocks and clips with no bias at their seams. It clips *the darts with their arrival order instead
+//! of the samples*: a dart is a sample unless an earlier sample covers it.
 //!
 //! *Definition.* A pattern is random sequential addition of keyed darts ([`PatternDarts`]). A block holds every dart of
 //! the pattern whose image lies in the block itself: no margin around it. Darts arrive in the order of [`PlacedDart`],
@@ -44,9 +44,9 @@ const SMALL_SET: f64 = 28_000.0;
 impl PatternSpec {
     /// Returns the pattern that exact tiling takes for a set of about `samples` samples if no other is asked for.
     ///
-    /// K sets of N samples from M patterns of k samples have means that vary by about 1 / (K N) + 1 / (M k): how far
-    /// they are from the mean of all sets is decided by the fewer. So each seed has a pattern of its own, which for a
-    /// set of up to 28,000 samples is at least as large as the set, and beyond that has 111,000 samples.
+    /// K sets of N samples from M patterns of k samples have means that vary by about 1 / (K N) + 1 / (M k): how far they are
+    /// from the mean of all sets is decided by the fewer. So each seed has a pattern of its own, which for a set of up to
+    /// 28,000 samples is at least as large as the set, and beyond that has 111,000 samples.
     #[must_use]
     pub fn for_exact(samples: f64, seed: u64) -> Self {
         Self {

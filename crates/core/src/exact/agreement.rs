@@ -1,11 +1,10 @@
 //! A whole run by windows that are made without each other, and the proof that together they are the run.
 //!
-//! What a window has near the ends of its halo is not what the domain has there, and differences spread. A window alone
-//! can be certain of its samples only by following all that is in doubt, which takes as long as the samples. A whole
-//! run needs no doubt: *if each window has the samples within r of it as its neighbours made them, all samples are
-//! right.* For then each dart of a window is a sample exactly if no earlier sample *of the whole* covers it, since its
-//! own window decided so among the same samples; and only one set has that property everywhere (induction over the
-//! order of arrival).
+//! What a window has near the ends of its halo is not what the domain has there, and differences spread. A window alone can be
+//! certain of its samples only by following all that is in doubt, which takes as long as the samples. A whole run needs no
+//! doubt: *if each window has the samples within r of it as its neighbours made them, all samples are right.* For then each
+//! dart of a window is a sample exactly if no earlier sample *of the whole* covers it, since its own window decided so among
+//! the same samples; and only one set has that property everywhere (induction over the order of arrival).
 
 use std::sync::{Mutex, PoisonError};
 
@@ -32,8 +31,7 @@ impl Agreement {
         windows.push(Surrounded { window, around });
     }
 
-    /// Returns whether each window had around itself what all windows together have there: `points`, in canonical
-    /// order.
+    /// Returns whether each window had around itself what all windows together have there: `points`, in canonical order.
     pub(super) fn holds(&self, domain: &Domain, points: &[Point]) -> bool {
         let windows = self.windows.lock().unwrap_or_else(PoisonError::into_inner);
         windows.iter().all(|held| {

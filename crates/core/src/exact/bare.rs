@@ -1,8 +1,8 @@
 //! The cells that throw darts of the later levels: where a dart's fate may be another than in the pattern, and where no
 //! single sample is known to cover the whole cell.
 //!
-//! A *piece* is the part of a block that one copy of the pattern fills. The *first blocker* of a dart is the earliest
-//! sample of the pattern that covers it.
+//! A *piece* is the part of a block that one copy of the pattern fills. The *first blocker* of a dart is the earliest sample of
+//! the pattern that covers it.
 
 use std::ops::Range;
 
@@ -52,9 +52,9 @@ impl MarkedCells {
         self.pieces.push(piece);
     }
 
-    /// Marks the cells of a piece that hold a place at most r from the border of `part`, the part of a block that the
-    /// piece belongs to, and appends those not marked before to `out`. The first blocker of a dart in them may be
-    /// missing. Cells that `is_closed` are left out; it gets a cell's column and row in the pattern.
+    /// Marks the cells of a piece that hold a place at most r from the border of `part`, the part of a block that the piece
+    /// belongs to, and appends those not marked before to `out`. The first blocker of a dart in them may be missing. Cells that
+    /// `is_closed` are left out; it gets a cell's column and row in the pattern.
     pub(crate) fn mark_border(
         &mut self,
         piece: u32,
@@ -115,8 +115,8 @@ impl MarkedCells {
         }
     }
 
-    /// Marks the cells of a piece that a disk around `place` may touch, and appends those not marked before to `out`.
-    /// Cells that `is_closed` are left out; it gets a cell's column and row in the pattern.
+    /// Marks the cells of a piece that a disk around `place` may touch, and appends those not marked before to `out`. Cells
+    /// that `is_closed` are left out; it gets a cell's column and row in the pattern.
     #[inline]
     pub(crate) fn mark_disk(
         &mut self,
@@ -168,8 +168,8 @@ impl MarkedCells {
         }
     }
 
-    /// Appends to `out` the cells of side `to` within a cell of `side` that no sample of `decided` covers alone: in all
-    /// others every dart is refused.
+    /// Appends to `out` the cells of side `to` within a cell of `side` that no sample of `decided` covers alone: in all others
+    /// every dart is refused.
     pub(crate) fn cut(
         &self,
         cell: PieceCell,

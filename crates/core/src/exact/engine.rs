@@ -1,12 +1,11 @@
-//! The engine of exact tiling, written to be read. It lays down the pattern's samples and follows the differences from
-//! what the pattern's own darts made of them, in the order of arrival.
+//! The engine of exact tiling, written to be read. It lays down the pattern's samples and follows the differences from what
+//! the pattern's own darts made of them, in the order of arrival.
 //!
-//! It works on a whole domain, and can be recorded. [`super::seams`] makes the same samples window by window, in a
-//! fraction of the time.
+//! It works on a whole domain, and can be recorded. [`super::seams`] makes the same samples window by window, in a fraction of the
+//! time.
 //!
-//! A *tile* is the part of a block on the ground, and a *piece* the part of a tile that one copy of the pattern fills.
-//! The *first blocker* of a dart is the earliest sample of the pattern that covers it. *Late* darts are those of
-//! [`LATE_LEVEL`] and after.
+//! A *tile* is the part of a block on the ground, and a *piece* the part of a tile that one copy of the pattern fills. The *first
+//! blocker* of a dart is the earliest sample of the pattern that covers it. *Late* darts are those of [`LATE_LEVEL`] and after.
 
 pub(super) mod recorded;
 
@@ -41,11 +40,10 @@ use crate::stages::darts::LAST_LEVEL;
 
 /// Returns the exact tiling of a domain with the pattern of `history`.
 ///
-/// The result is conflict-free, and no lattice point of the domain is uncovered. It depends on the domain, the seed,
-/// the leaf, dihedral variation and the pattern; the other parameters have no meaning here. Samples of the pattern have
-/// their block and their index as source. A dart that became a sample here alone counts as inserted: one of levels 0
-/// and 1 in iteration 1, one of level k in iteration k. Equal parameters give equal results, bit for bit, on every
-/// machine.
+/// The result is conflict-free, and no lattice point of the domain is uncovered. It depends on the domain, the seed, the
+/// leaf, dihedral variation and the pattern; the other parameters have no meaning here. Samples of the pattern have their
+/// block and their index as source. A dart that became a sample here alone counts as inserted: one of levels 0 and 1 in
+/// iteration 1, one of level k in iteration k. Equal parameters give equal results, bit for bit, on every machine.
 ///
 /// ```
 /// use tilescope_core::{Parameters, PatternHistory, Unobserved, exact_sample};
@@ -246,8 +244,8 @@ impl<'a> ExactTiling<'a> {
         });
     }
 
-    /// Lays down the samples of a clip that lie in the last tile. Those around the tile count as lost from the
-    /// beginning: the darts that they refused are woken.
+    /// Lays down the samples of a clip that lie in the last tile. Those around the tile count as lost from the beginning: the
+    /// darts that they refused are woken.
     fn clip<T: Recorder>(&mut self, clipper: &Clipper, block: &PlacedBlock, recorder: &mut T) {
         let tile = self.tiles.len() as u32 - 1;
         let rect = self.tiles[tile as usize].rect;
@@ -275,8 +273,8 @@ impl<'a> ExactTiling<'a> {
                 block: block.index,
                 inside: true,
             });
-            // A sample deeper than r stays, since samples of other blocks cover only places within r of the border. The
-            // others are decided about when they arrive, and in a recording all are.
+            // A sample deeper than r stays, since samples of other blocks cover only places within r of the border. The others
+            // are decided about when they arrive, and in a recording all are.
             if T::ENABLED || rect.depth(place) <= R {
                 let dart = self.present.dart(self.present.get(id));
                 self.agenda.add(dart, What::Sample(id));
@@ -364,8 +362,8 @@ impl<'a> ExactTiling<'a> {
         self.present.lose(id);
 
         self.tiles[sample.tile as usize].missing.add(pattern);
-        // The darts that it refused are decided again, and its disk may be bare. Cells are marked in its own block
-        // alone: in other blocks its disk reaches only cells within r of the border, and all of those are marked.
+        // The darts that it refused are decided again, and its disk may be bare. Cells are marked in its own block alone: in
+        // other blocks its disk reaches only cells within r of the border, and all of those are marked.
         self.wake(sample.tile, sample.place, pattern, id, recorder);
         let tile = &self.tiles[sample.tile as usize];
         let pieces = tile.first_piece..tile.end_piece;
@@ -377,8 +375,7 @@ impl<'a> ExactTiling<'a> {
 
         let level = dart.arrival.level();
         if level >= LATE_LEVEL {
-            // Darts of these cells that are earlier than the sample were refused by other samples, and need not be
-            // thrown.
+            // Darts of these cells that are earlier than the sample were refused by other samples, and need not be thrown.
             let first = self.open.len();
             self.cut_fresh(level, recorder);
             self.throw(first, level, Some(dart), recorder);
@@ -512,8 +509,7 @@ impl<'a> ExactTiling<'a> {
                 source,
                 place: piece.place(source),
             };
-            // `after` is the dart of a lost sample, which refused later darts alone: other samples cover the earlier
-            // ones.
+            // `after` is the dart of a lost sample, which refused later darts alone: other samples cover the earlier ones.
             if after.is_some_and(|after| dart <= *after) {
                 continue;
             }
@@ -540,8 +536,8 @@ impl<'a> ExactTiling<'a> {
         }
     }
 
-    /// Puts the window's samples into `out`, in canonical order, with their counts, and with tags of their sources if
-    /// they are wanted.
+    /// Puts the window's samples into `out`, in canonical order, with their counts, and with tags of their sources if they
+    /// are wanted.
     pub(crate) fn emit(&self, with_tags: bool, out: &mut WindowSamples) {
         out.clear();
         self.count(&mut out.counts);
@@ -633,8 +629,8 @@ mod tests {
         }
     }
 
-    /// The control of the comparison with the definition: without what waits behind missing samples the set is another,
-    /// if one without conflicts and bare places.
+    /// The control of the comparison with the definition: without what waits behind missing samples the set is another, if
+    /// one without conflicts and bare places.
     #[test]
     fn a_missing_wake_is_noticed() {
         let parameters = parameters(30.0);

@@ -6,8 +6,8 @@ use crate::engine::parallel::clip::PlacedBlock;
 use crate::engine::parallel::frame::Frame;
 use crate::lattice::{Domain, Point, R, Rect};
 
-/// How far from the unknown late darts are thrown. Nearer, where most samples are doubtful, all late darts count as
-/// unknown, which spares following them. Of early samples farther than this fewer than one in a hundred was doubtful.
+/// How far from the unknown late darts are thrown. Nearer, where most samples are doubtful, all late darts count as unknown,
+/// which spares following them. Of early samples farther than this fewer than one in a hundred was doubtful.
 pub(crate) const LATE_MARGIN: i32 = 3 * R;
 
 /// Farther than any place of a frame with a halo is from its ends.
@@ -19,8 +19,7 @@ pub(crate) struct Ground {
     pub(crate) frame: Frame,
     /// The sides of a periodic domain that is worked on as a whole, so that opposite ends are joined.
     joined: Option<Point>,
-    /// The known part of the plane, if not all of it is known: the frame, and everything on the sides where a domain
-    /// ends.
+    /// The known part of the plane, if not all of it is known: the frame, and everything on the sides where a domain ends.
     known: Option<Rect>,
 }
 
@@ -132,8 +131,8 @@ impl Ground {
         self.known.is_some()
     }
 
-    /// Returns whether a dart at a place may be covered by something unknown that is earlier. Early darts are unknown
-    /// beyond the ground alone.
+    /// Returns whether a dart at a place may be covered by something unknown that is earlier. Early darts are unknown beyond the
+    /// ground alone.
     #[inline]
     pub(crate) fn is_near_unknown(&self, place: Point, is_late: bool) -> bool {
         let known = if is_late {
@@ -144,9 +143,8 @@ impl Ground {
         known.is_some_and(|known| known.depth(place) <= R)
     }
 
-    /// Calls `visit` with the parts of a rectangle that lie on the ground, and how far samples found there must be
-    /// moved to be beside the rectangle: opposite ends may be joined. Stops when `visit` returns `true`; returns
-    /// whether it did.
+    /// Calls `visit` with the parts of a rectangle that lie on the ground, and how far samples found there must be moved to
+    /// be beside the rectangle: opposite ends may be joined. Stops when `visit` returns `true`; returns whether it did.
     #[inline]
     pub(crate) fn any_part(
         &self,

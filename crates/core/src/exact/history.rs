@@ -16,8 +16,8 @@ use crate::progress::{Meter, Observer};
 use crate::stage::Stage;
 use crate::stages::disks::{farthest, tiling_cells};
 
-/// The refused darts of levels below this one are kept. More levels would make fewer cells active at seams, but two
-/// darts in five of level 2 lie in cells that one sample covers, and the table would be twice as large with it.
+/// The refused darts of levels below this one are kept. More levels would make fewer cells active at seams, but two darts
+/// in five of level 2 lie in cells that one sample covers, and the table would be twice as large with it.
 pub(crate) const LATE_LEVEL: u32 = 2;
 
 /// A throw of the levels that are kept takes three bits.
@@ -64,8 +64,8 @@ pub(crate) struct WaitingDart {
     pub(crate) offset: IVec2,
 }
 
-/// An early sample that covers all of a cell of [`MARK_SIDE`], in 4 bytes: where it lies to [`COVERING_UNIT`], and the
-/// last eight bits of its number.
+/// An early sample that covers all of a cell of [`MARK_SIDE`], in 4 bytes: where it lies to [`COVERING_UNIT`], and the last eight
+/// bits of its number.
 #[derive(Clone, Copy, PartialEq, Eq)]
 struct CoveringSample(u32);
 
@@ -100,8 +100,8 @@ impl CoveringSample {
 
 /// A pattern with the arrival of its samples, and with the darts of levels 0 and 1 that each of them refused first.
 ///
-/// It takes 12 bytes a refused dart, 12 a sample and 4 a cell of half a radius, 101 bytes a squared r: 1.0 MB of a
-/// pattern of 100 r, 16.2 MB of one of 400 r, 404 MB of the largest.
+/// It takes 12 bytes a refused dart, 12 a sample and 4 a cell of half a radius, 101 bytes a squared r: 1.0 MB of a pattern of
+/// 100 r, 16.2 MB of one of 400 r, 404 MB of the largest.
 pub struct PatternHistory {
     pattern: Arc<Pattern>,
     darts: PatternDarts,
@@ -279,8 +279,7 @@ fn blocked(
     // Level 1 has four times the cells of level 0.
     let mut meter = Meter::begin(observer, Stage::Pattern, 5 * cells as u64)?;
 
-    // A throw has 0.85 darts a cell. Level 0 has four throws, and level 1 one throw into four times the cells: 6.8 in
-    // all.
+    // A throw has 0.85 darts a cell. Level 0 has four throws, and level 1 one throw into four times the cells: 6.8 in all.
     let mut blocked = Vec::with_capacity(7 * cells);
 
     for level in 0..LATE_LEVEL {
@@ -329,8 +328,7 @@ mod tests {
         PatternHistory::of_spec(&spec, &mut Unobserved).unwrap()
     }
 
-    /// Every early dart is a sample or waits behind exactly one, which covers it, and which none that covers it
-    /// precedes.
+    /// Every early dart is a sample or waits behind exactly one, which covers it, and which none that covers it precedes.
     #[test]
     fn every_refused_dart_waits_behind_its_first_blocker() {
         for (side, boundary) in [(13.7, Boundary::Periodic), (12.0, Boundary::Bounded)] {

@@ -1,5 +1,5 @@
-//! Which samples cover places of a cell, in one list: a cell that is asked about is asked about often, and a list is
-//! read at once, where the cells around would be read one by one.
+//! Which samples cover places of a cell, in one list: a cell that is asked about is asked about often, and a list is read at
+//! once, where the cells around would be read one by one.
 
 use std::ops::Range;
 

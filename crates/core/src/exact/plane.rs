@@ -1,5 +1,4 @@
-//! Exact tiling of any window of a plane, from the blocks around it alone, and of a whole run by windows on all
-//! threads.
+//! Exact tiling of any window of a plane, from the blocks around it alone, and of a whole run by windows on all threads.
 
 use std::sync::Arc;
 
@@ -29,9 +28,9 @@ const MAX_HALO: i32 = HALO << 7;
 
 /// The plane of an exact tiling, from which any window can be computed alone.
 ///
-/// The samples are exactly those of [`crate::exact_sample`] over the whole domain, whatever the window and the number
-/// of threads. A window has a halo around it. The plane beyond is unknown, and so are samples that depend on it; if one
-/// of them lies in the window, the halo grows.
+/// The samples are exactly those of [`crate::exact_sample`] over the whole domain, whatever the window and the number of
+/// threads. A window has a halo around it. The plane beyond is unknown, and so are samples that depend on it; if one of
+/// them lies in the window, the halo grows.
 ///
 /// ```
 /// use tilescope_core::{ExactPlane, Parameters, PatternHistory, Unobserved, WindowMaker};
@@ -81,8 +80,8 @@ impl<'a> ExactPlane<'a> {
         })
     }
 
-    /// Returns the whole run at its beginning, to be computed in bands of windows on all threads. With `sources` each
-    /// sample has its source, for which all blocks are counted first.
+    /// Returns the whole run at its beginning, to be computed in bands of windows on all threads. With `sources` each sample
+    /// has its source, for which all blocks are counted first.
     #[must_use]
     pub fn sweep(mut self, sources: bool) -> Sweep<Self> {
         if sources {
@@ -93,9 +92,8 @@ impl<'a> ExactPlane<'a> {
 }
 
 impl WindowMaker for ExactPlane<'_> {
-    // Darts arrive all over a window, and the lists of a large one do not fit the cache: at leaf 20 r a sample took 451
-    // ns in windows of 300 cells a side, and 329 ns in windows of 134 cells, though with their halos they have an
-    // eighth more area.
+    // Darts arrive all over a window, and the lists of a large one do not fit the cache: at leaf 20 r a sample took 451 ns in
+    // windows of 300 cells a side, and 329 ns in windows of 134 cells, though with their halos they have an eighth more area.
     const MAX_SIDE: i32 = 136;
 
     fn domain(&self) -> &Domain {
@@ -158,8 +156,8 @@ pub fn exact_sample_parallel(
     Run::of_result(&parameters.as_exact(), history.pattern(), sampled, summary)
 }
 
-/// Returns the samples alone of what [`crate::exact_sample`] makes, in canonical order, made on all threads of the
-/// current pool.
+/// Returns the samples alone of what [`crate::exact_sample`] makes, in canonical order, made on all threads of the current
+/// pool.
 pub fn exact_points(
     parameters: &Parameters,
     history: &PatternHistory,
@@ -204,8 +202,7 @@ fn made_alone(
     let domain = plane.domain;
 
     let made = plane.sweep(sources).finish(observer)?;
-    let (sampled, _) = &made;
-    let is_right = agreement.holds(&domain, &sampled.points);
+    let is_right = agreement.holds(&domain, &made.0.points);
     Ok(is_right.then_some(made))
 }
 
@@ -264,8 +261,8 @@ mod tests {
         );
     }
 
-    /// Control: without asking whether samples are in doubt, windows with a narrow halo differ from the whole. Those
-    /// that are not in doubt do not.
+    /// Control: without asking whether samples are in doubt, windows with a narrow halo differ from the whole. Those that
+    /// are not in doubt do not.
     #[test]
     fn doubt_is_where_windows_differ() {
         for (seed, dihedral) in [(1, false), (2, true)] {

@@ -204,8 +204,8 @@ impl<'a> PresentSamples<'a> {
         self.visit_lists(place, |lists, cell, _| lists.remove(cell, id));
     }
 
-    /// Calls `visit` with each cell that has a list and is touched by the disk around `place`, and with the offset of
-    /// the place from the cell's lowest one.
+    /// Calls `visit` with each cell that has a list and is touched by the disk around `place`, and with the offset of the
+    /// place from the cell's lowest one.
     fn visit_lists(&mut self, place: Point, mut visit: impl FnMut(&mut CoverLists, usize, IVec2)) {
         let Self {
             ground,
@@ -305,8 +305,7 @@ impl<'a> PresentSamples<'a> {
         out.extend(later.map(|other| other.id));
     }
 
-    /// Calls `visit` with the ids of samples in cells within R of a rectangle, and their offsets from its lowest place,
-    /// until it returns `true`; returns whether it did. Lost ones are left out.
+    /// Calls `visit` with the ids of samples in cells within R of a rectangle, and their offsets from its lowest place, until it returns `true`; returns whether it did. Lost ones are left out.
     #[inline]
     fn any_near(&self, rect: &Rect, mut visit: impl FnMut(u32, IVec2) -> bool) -> bool {
         self.ground.any_part(&around(rect), |part, moved| {
@@ -354,8 +353,7 @@ impl SamplesBefore<'_, '_> {
         self.any(cell, |at| covers_offset(at - offset))
     }
 
-    /// Returns whether one of them covers all of a tile's rectangle of the domain, which is at most R / 2 wide and
-    /// high.
+    /// Returns whether one of them covers all of a tile's rectangle of the domain, which is at most R / 2 wide and high.
     pub(crate) fn covers_rect(&mut self, tile: u32, rect: &Rect) -> bool {
         let extent = IVec2::new(rect.width() - 1, rect.height() - 1);
         // What covers the whole rectangle covers its lowest place, and so is listed there.

@@ -132,9 +132,8 @@ impl Nested {
         }
     }
 
-    /// Returns what there is to verify: for each level that has samples of its own, how many samples there are to its
-    /// end, the radius that their distances exceed, and the radius for which they are maximal, if they hold a whole
-    /// level.
+    /// Returns what there is to verify: for each level that has samples of its own, how many samples there are to its end,
+    /// the radius that their distances exceed, and the radius for which they are maximal, if they hold a whole level.
     pub fn claims(&self) -> impl Iterator<Item = (usize, f64, Option<f64>)> {
         let mut ends = self.ends.clone();
         ends.dedup();
@@ -201,8 +200,7 @@ struct Farthest<'a> {
 }
 
 impl<'a> Farthest<'a> {
-    /// Returns the samples of a level, `points` in the order drawn, with their distances to the samples of coarser
-    /// levels.
+    /// Returns the samples of a level, `points` in the order drawn, with their distances to the samples of coarser levels.
     fn new(domain: &'a Domain, before: &SampleGrid, points: &'a [Point]) -> Self {
         let mut grid = SampleGrid::with_capacity(*domain, points.len());
         for (id, &point) in (0..).zip(points) {
@@ -233,8 +231,7 @@ impl<'a> Farthest<'a> {
         }
     }
 
-    /// Returns the sample that is farthest from all samples of coarser levels and all taken before it, or `None` at the
-    /// end.
+    /// Returns the sample that is farthest from all samples of coarser levels and all taken before it, or `None` at the end.
     fn take(&mut self) -> Option<Point> {
         while let Some((square, Reverse(id))) = self.queue.pop() {
             // A sample taken since lies nearer, or is this one. In the first case it stands in the queue again.
@@ -244,8 +241,8 @@ impl<'a> Farthest<'a> {
             self.squares[id as usize] = -1;
             let point = self.points[id as usize];
 
-            // All others are at most as far from the samples taken before as this one was. So only those that are
-            // nearer to this one than that can change; a unit more, as the root is rounded down.
+            // All others are at most as far from the samples taken before as this one was. So only those that are nearer to
+            // this one than that can change; a unit more, as the root is rounded down.
             let longest = i64::from(self.domain.width().max(self.domain.height()));
             let reach = (square.isqrt() + 1).min(longest) as i32;
 

@@ -1,7 +1,7 @@
 //! The plane of a run of nested levels: the whole, computed as one frame, and its windows, each computed by itself.
 //!
-//! A window needs each level in a frame around it that shrinks from level to level by the halo of the level. A window
-//! in which unknowns remain is computed again with a halo twice as wide.
+//! A window needs each level in a frame around it that shrinks from level to level by the halo of the level. A window in
+//! which unknowns remain is computed again with a halo twice as wide.
 
 use glam::I64Vec2;
 
@@ -129,8 +129,8 @@ impl NestedRequest {
         Ok(made)
     }
 
-    /// Returns the samples of the radius that gives `count` of them in the last level, to within 1% or one sample.
-    /// Neither the radius of `parameters` nor [`Self::exactly`] is used.
+    /// Returns the samples of the radius that gives `count` of them in the last level, to within 1% or one sample. Neither the
+    /// radius of `parameters` nor [`Self::exactly`] is used.
     ///
     /// Fails as [`Self::make`] and [`search_radius`].
     pub fn of_count(
@@ -196,12 +196,12 @@ pub struct NestedPlane {
 }
 
 impl NestedPlane {
-    /// Returns the plane of `levels` levels of which the finest has the radius of the parameters, and each one before
-    /// it a radius larger by the root of 2. The pattern is made here (see [`NestedPattern`]).
+    /// Returns the plane of `levels` levels of which the finest has the radius of the parameters, and each one before it
+    /// a radius larger by the root of 2. The pattern is made here (see [`NestedPattern`]).
     ///
-    /// Fails when the parameters cannot be sampled, there are no or more than [`crate::MAX_LEVELS`] levels, the domain
-    /// is too small for the coarsest radius, or a choice other than the default is made for the order of elimination,
-    /// insertion, search, variant or the pattern's boundary.
+    /// Fails when the parameters cannot be sampled, there are no or more than [`crate::MAX_LEVELS`] levels, the domain is too
+    /// small for the coarsest radius, or a choice other than the default is made for the order of elimination, insertion,
+    /// search, variant or the pattern's boundary.
     pub fn new(
         parameters: &Parameters,
         levels: u32,
@@ -244,8 +244,8 @@ impl NestedPlane {
         })
     }
 
-    /// Returns the plane with large windows cut into ones of `radii` finest radii a side instead of 512. The samples
-    /// are the same.
+    /// Returns the plane with large windows cut into ones of `radii` finest radii a side instead of 512. The samples are
+    /// the same.
     #[must_use]
     pub fn with_windows(mut self, radii: u16) -> Self {
         self.window_side = i32::from(radii.max(1)) * R;
@@ -284,8 +284,8 @@ impl NestedPlane {
             }
 
             nearest = nearest.max(found as u64);
-            // Counts go as the inverse square of the radius. The radius shrinks by a thousandth more than the missing
-            // share implies, since a try must reach the count.
+            // Counts go as the inverse square of the radius. The radius shrinks by a thousandth more than the missing share
+            // implies, since a try must reach the count.
             radius *= 0.999 * (found as f64 / count as f64).sqrt();
         }
 
@@ -464,8 +464,8 @@ impl NestedPlane {
         Radius::before(self.levels - 1 - level)
     }
 
-    /// Computes all levels in a window with halos of `halo` radii, and returns whether all its samples are known. In
-    /// the region coordinates begin at the window's corner.
+    /// Computes all levels in a window with halos of `halo` radii, and returns whether all its samples are known. In the
+    /// region coordinates begin at the window's corner.
     fn compute(
         &self,
         region: &mut LevelRegion,
@@ -484,8 +484,8 @@ impl NestedPlane {
             let size = I64Vec2::new(window.width().into(), window.height().into());
             let (mut low, mut high) = (I64Vec2::splat(-halo), size + halo);
 
-            // A bounded plane ends at the domain's border: a frame that reaches the border is cut there and misses
-            // nothing. In the frame's coordinates the domain lies from `first` to `end`.
+            // A bounded plane ends at the domain's border: a frame that reaches the border is cut there and misses nothing.
+            // In the frame's coordinates the domain lies from `first` to `end`.
             if !frame.periodic {
                 let first = -frame.origin;
                 let end = first + I64Vec2::from(domain.rect().max);
@@ -533,8 +533,8 @@ impl NestedPlane {
         self.run(region, |_| frame, repeats, meter)
     }
 
-    /// Computes all levels, each in the frame that `frame_of` gives it. `repeats` says whether a block may lie in a
-    /// frame several times.
+    /// Computes all levels, each in the frame that `frame_of` gives it. `repeats` says whether a block may lie in a frame
+    /// several times.
     fn run(
         &self,
         region: &mut LevelRegion,

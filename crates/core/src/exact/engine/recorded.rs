@@ -21,12 +21,11 @@ use crate::stages::blocks::split_recorded;
 use crate::stages::disks::Cell;
 use crate::stages::tile::Tile;
 
-/// Like [`exact_sample`](crate::exact_sample), and reports events to `recorder`. The result is the same. The run also
-/// has the samples that were lost, each with the first sample that covers it.
+/// Like [`exact_sample`](crate::exact_sample), and reports events to `recorder`. The result is the same. The run also has the
+/// samples that were lost, each with the first sample that covers it.
 ///
-/// All that a block has of the pattern's samples is laid down first, then everything arrives in its order: a sample is
-/// kept or eliminated, a dart is refused or inserted. The engine asks only samples near seams; here each one's arrival
-/// is an event.
+/// All that a block has of the pattern's samples is laid down first, then everything arrives in its order: a sample is kept
+/// or eliminated, a dart is refused or inserted. The engine asks only samples near seams; here each one's arrival is an event.
 pub fn exact_recorded<T: Recorder>(
     parameters: &Parameters,
     history: &PatternHistory,
