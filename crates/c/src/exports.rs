@@ -62,13 +62,13 @@ pub unsafe extern "C" fn tilescope_plane_new(
 ) -> TilescopeStatus {
     guarded(|| {
         // SAFETY: the caller's guarantee, at the head of this file.
-        let place = unsafe { write(plane, "plane") }?;
+        let target = unsafe { write(plane, "plane") }?;
         // A caller that does not look at the status finds no plane rather than a wild pointer.
-        let stored = place.write(std::ptr::null_mut());
+        let handle = target.write(std::ptr::null_mut());
 
         // SAFETY: as above.
         let settings = unsafe { read(settings, "settings") }?;
-        *stored = Box::into_raw(Box::new(TilescopePlane::new(settings)?));
+        *handle = Box::into_raw(Box::new(TilescopePlane::new(settings)?));
         Ok(())
     })
 }

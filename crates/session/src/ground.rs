@@ -85,7 +85,7 @@ impl GroundRequest {
 /// The product is that of the scaled expression, bit for bit, as a number is printed such that it is read back exactly.
 pub(crate) fn scaled_text(expression: &Expression, scale: f64) -> String {
     let text = expression.text();
-    if scale == 1.0 {
+    if scale.to_bits() == 1.0_f64.to_bits() {
         return text.to_owned();
     }
     format!("{scale} * ({text})")
