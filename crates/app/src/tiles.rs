@@ -131,8 +131,8 @@ fn tile(tiles: &Tiles<Panel>, id: TileId, depth: usize) -> Option<layout::Layout
     })
 }
 
-/// Returns these tiles, with shares taken from `before` wherever a row or column is as in `shown`, which was made of
-/// `before`: rows and columns that were not resized keep their shares in a window of another size.
+/// Takes back what a small window did to shares: `shown` is `before` with tiles enlarged to fit, and these tiles are `shown`
+/// after changes by the user. A row or column that is still as in `shown` gets its shares of `before`.
 #[must_use]
 pub fn with_shares_of(
     mut tree: Tree<Panel>,
@@ -150,6 +150,7 @@ pub fn with_shares_of(
             // A row that was resized differs from the one that was shown, and keeps its new shares.
             && *linear == seen
         {
+            // The rest is equal, as enlarging changes shares alone.
             *linear = old;
         }
     }

@@ -142,7 +142,8 @@ impl GroundArguments {
         Ok(Some(recipe.ground().in_file(file)?))
     }
 
-    /// Has a file judged in its field and its shape, if it has such: by its certificate, or by these arguments.
+    /// Puts the field and the shape in which a file is to be judged into the overrides: those of its certificate, or of these
+    /// arguments. Without either the overrides stay as they are.
     pub fn judge_in(
         &self,
         file: &Path,

@@ -267,6 +267,7 @@ impl Scene {
         let recording = &self.now.recording;
         // Evaluated only for the name that is asked for: each looks at all samples.
         let here = || PointSet::at(recording, self.cursor());
+        // A run that lacks the stage, such as one of darts, has no samples of it.
         let after = |stage| PointSet::at(recording, recording.end_of(stage).unwrap_or(0));
 
         Ok(match name.as_str() {

@@ -185,7 +185,8 @@ pub fn bare(size: [Option<f64>; 2], origin: Option<[f64; 2]>, boundary: Boundary
         scale: 1.0,
     });
     VaryingRecipe {
-        // An expression, whose nodes are those at which a function is evaluated. This one is always valid.
+        // A placeholder, which the field replaces. It is an expression, since a function of Python is evaluated at the nodes
+        // that an expression has. "1" always parses, so that the constant is never used.
         radius: expression.unwrap_or(RadiusSource::Constant(1.0)),
         shape: None,
         size,

@@ -201,6 +201,7 @@ pub fn sample_field<'py>(
     })?;
     // The set keeps the field and the shape, which `verify` and pictures need and positions do not show.
     let ground = Ground::of_made(recipe, &made.facts);
+    // A set that covers a shape with one radius has a ground as well, so that this never fails.
     let ground = ground.ok_or_else(|| PyValueError::new_err("the set has no field"))?;
     Ok((into_python(made, py)?, ground))
 }

@@ -90,7 +90,7 @@ pub struct Engines {
 }
 
 impl Engines {
-    /// Starts a pool for each number of threads other than all.
+    /// Starts a pool for each of these numbers of threads, and one of a single thread. For all threads there is the global pool.
     pub fn open(threads: &[usize], gpus: Vec<Arc<Gpu>>) -> Result<Self> {
         let all = rayon::current_num_threads();
         // Exact tiling is measured on one thread.

@@ -449,7 +449,8 @@ const fn passes(command: &PassCommand) -> Rules {
 /// Returns the rules of a command of the comparison.
 const fn compare(command: CompareCommand) -> Rules {
     match command {
-        // The second run may be the question's own, made again.
+        // While a question is open all are refused: the second run may be the run of the question, made again, and would show
+        // the answer. A comparison is own work, which ends the tour.
         CompareCommand::Start(_)
         | CompareCommand::Keep
         | CompareCommand::Swap

@@ -136,7 +136,9 @@ impl WaveSums {
     }
 
     /// Replaces the sums of a row by those of a transform at `(column, row)` and `(column, -row)`. All rows are to be replaced.
+    /// The new sums are not rounded to units; changes are added to them as to others.
     pub fn replace(&mut self, row: usize, transform: &Transform) {
+        // Changes that wait for any row are in the transform already.
         self.waiting = 0;
         let blocks = self.along_x.len();
         for (index, block) in self.sums[row * blocks..][..blocks].iter_mut().enumerate() {

@@ -221,21 +221,26 @@ fn status(
         progress(ui, context, shown, own);
     });
 
-    let color = match context.run.measuring.failure(shown) {
-        Some(_) => context.palette.muted,
-        None => context.palette.text,
+    let text_of = |run: &RunView, shown: &ShownMoment<'_>, text: String| {
+        let is_failure = run.measuring.failure(shown).is_some();
+        let palette = context.palette;
+        RichText::new(text).color(if is_failure {
+            palette.muted
+        } else {
+            palette.text
+        })
     };
     let status = status_text(context.run, shown, &sets.first);
     let second = context.second.and_then(|run| Some((run, run.shown()?)));
     // The sentence below the canvas already announces the event to screen readers: no text here is announced again.
     let (Some((run, other)), Some(measures)) = (second, &sets.second) else {
-        lines(ui, RichText::new(status).color(color)).known_as("analysis.status");
+        lines(ui, text_of(context.run, shown, status)).known_as("analysis.status");
         return;
     };
-    let text = RichText::new(format!("A: {status}")).color(color);
+    let text = text_of(context.run, shown, format!("A: {status}"));
     lines(ui, text).known_as("analysis.status");
     let text = format!("B: {}", status_text(run, &other, measures));
-    lines(ui, RichText::new(text).color(context.palette.text)).known_as("analysis.status-b");
+    lines(ui, text_of(run, &other, text)).known_as("analysis.status-b");
 }
 
 /// Returns a sentence on which moment of a run is measured, and how far.

@@ -151,7 +151,9 @@ impl Interaction for Order {
         let items = self.items.iter().enumerate().map(|(index, text)| {
             let id = format!("item-{}", index + 1);
             let place = view.draft.chosen().position(|chosen| chosen == index);
-            let mut item = view.item(id, text.clone(), index, place.is_some(), false);
+            // No item is right by itself: its right place is shown instead.
+            let (is_chosen, is_right) = (place.is_some(), false);
+            let mut item = view.item(id, text.clone(), index, is_chosen, is_right);
             item.mark = Some(Mark::Place(place.map(|place| place + 1)));
 
             // Items of equal rank share a place.

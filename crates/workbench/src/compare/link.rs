@@ -52,10 +52,9 @@ pub fn corresponding(
     if let Some([a, b]) = common
         && cursor <= a.saturating_add(1)
     {
-        // At `a + 1` the event by which the runs differ has just happened; in the other run that is so at `b + 1`. Up
-        // to there cursors are equal: `common` is given only where no events were left out, so that `a` and `b` are
-        // equal, too, and `min` changes nothing.
-        let cursor = if cursor <= a { cursor.min(b) } else { b + 1 };
+        // Up to the divergence cursors are equal, as no events were left out. At `a + 1` the event by which the runs differ has
+        // just happened; in the other run that is so at `b + 1`.
+        let cursor = if cursor <= a { cursor } else { b + 1 };
         return moment_at(to, cursor);
     }
 

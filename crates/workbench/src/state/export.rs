@@ -515,7 +515,7 @@ fn fill_in(form: &mut ExportForm, command: ExportCommand) {
         ExportCommand::Type(NumberField::Scale, text) => form.scale = text,
         ExportCommand::Type(NumberField::Every, text) => form.every = text,
         ExportCommand::Type(NumberField::Delay, text) => form.delay = text,
-        // `Exports::apply` carries out the others; on a page it has no dialog to open.
+        // `Exports::apply` carries out the others. `Browse` comes here on a page, which has no dialog to open.
         _ => {}
     }
 }

@@ -293,7 +293,7 @@ impl FileState {
         }
     }
 
-    /// Starts to read a file in the background.
+    /// Starts to read a file in the background; without a purpose its content decides what it is for.
     fn begin_reading(
         &mut self,
         purpose: Option<Purpose>,
@@ -302,7 +302,7 @@ impl FileState {
         run: &RunView,
         context: &mut Context,
     ) {
-        // A set to be compared with the run must have its domain.
+        // A set that is to be compared with the run must have the run's domain and radius: the task checks that.
         let domain = run.session.as_ref().map(|session| session.run().domain);
         let run = domain.map(|domain| (region(&domain), domain.radius()));
 

@@ -51,12 +51,13 @@ impl LinkSource<'_> {
         Link { left_out, ..link }
     }
 
-    /// Returns the link to the step of the open lesson. It names no run, so that it does not show what happens after the
-    /// question.
+    /// Returns the link to the step of the lesson that is open, or that an opened link asks for and that follows; `None`
+    /// without either. It names no run, so that it does not show what happens after the question.
     fn lesson_link(&self) -> Option<Link> {
         let lessons = self.lessons;
 
         let wanted = match (&lessons.wanted, &lessons.open) {
+            // It is about to replace the open lesson.
             (Some(wanted), _) => wanted.clone(),
             (None, Some(open)) if open.source == LessonSource::Shipped => WantedLesson {
                 name: open.learner.lesson().name.clone(),

@@ -440,13 +440,14 @@ pub fn sample(painter: &Painter, rect: Rect, line: Dash, color: Color32) {
 
 /// Returns round values within a range, at most about `most`, with their labels.
 fn ticks([low, high]: [f64; 2], most: f32) -> Vec<(f64, String)> {
+    // A chart with hardly any room still has two steps, so that its scale can be read.
     let rough = (high - low) / f64::from(most.max(2.0));
     let power = 10_f64.powf(rough.log10().floor());
     let steps = [1.0, 2.0, 5.0, 10.0];
     // Rounding must not pass over a step that is just large enough.
     let times = steps.into_iter().find(|step| step * power >= rough * 0.999);
     let step = times.unwrap_or(10.0) * power;
-    // Steps of one and more need no decimals.
+    // Steps of one and more need no decimals; beyond six the margin has no room. Chosen.
     let decimals = (-step.log10().floor()).clamp(0.0, 6.0) as usize;
 
     // Ends of the range that are round have a number, whatever rounding makes of them.

@@ -61,7 +61,8 @@ impl Hits {
 }
 
 impl RunView {
-    /// Takes the stops that were found, and starts to look for them again if the breakpoints or the session have changed.
+    /// Takes the events that were found, and starts to look for them again if the enabled breakpoints or the session have
+    /// changed.
     pub(in crate::state) fn want_hits(&mut self, context: &Context) {
         self.hits.found.poll();
         let (Some(session), Some(debugger)) = (&self.session, &self.debugger) else {
@@ -70,35 +71,42 @@ impl RunView {
         };
 
         let enabled = debugger.breakpoints().iter().filter(|b| b.enabled);
-        let stops = enabled.map(|b| (b.line, b.condition.as_str()));
+        let breakpoints = enabled.map(|b| (b.line, b.condition.as_str()));
         // The comparison makes no copies, because it is made in every frame.
         let same = self.hits.key.as_ref().is_some_and(|(generation, known)| {
             let known = known.iter().map(|(line, text)| (*line, text.as_str()));
-            *generation == session.generation && known.eq(stops.clone())
+            *generation == session.generation && known.eq(breakpoints.clone())
         });
 
         if same {
             return;
         }
 
-        let stops: Vec<(LineId, String)> =
-            stops.map(|(line, text)| (line, text.to_owned())).collect();
-        self.hits.key = Some((session.generation, stops.clone()));
-        self.hits.found = if stops.is_empty() {
+        let breakpoints: Vec<(LineId, String)> = breakpoints
+            .map(|(line, text)| (line, text.to_owned()))
+            .collect();
+        self.hits.key = Some((session.generation, breakpoints.clone()));
+        self.hits.found = if breakpoints.is_empty() {
             FoundEvents::Nothing
         } else {
             let session = SessionRef(Arc::clone(session));
-            FoundEvents::Pending(task::start(&context.wake, CountHitsTask { session, stops }))
+            FoundEvents::Pending(task::start(
+                &context.wake,
+                CountHitsTask {
+                    session,
+                    breakpoints,
+                },
+            ))
         };
     }
 }
 
-/// The task of finding the stops in a session's events.
+/// The task of finding the events at which breakpoints stop, in a session's events.
 #[derive(Serialize, Deserialize)]
 pub struct CountHitsTask {
     session: SessionRef,
     /// The lines of the enabled breakpoints, and their conditions.
-    stops: Vec<(LineId, String)>,
+    breakpoints: Vec<(LineId, String)>,
 }
 
 impl Task for CountHitsTask {
@@ -107,14 +115,20 @@ impl Task for CountHitsTask {
 
     fn run(self, monitor: &Monitor) -> Self::Outcome {
         let recording = self.session.recording();
-        recording.map_or_else(Vec::new, |recording| hits(recording, &self.stops, monitor))
+        recording.map_or_else(Vec::new, |recording| {
+            hits(recording, &self.breakpoints, monitor)
+        })
     }
 }
 
 /// Returns the moments at which breakpoints stop the run, as far as the limits allow.
-fn hits(recording: &Arc<Recording>, stops: &[(LineId, String)], monitor: &Monitor) -> Vec<usize> {
+fn hits(
+    recording: &Arc<Recording>,
+    breakpoints: &[(LineId, String)],
+    monitor: &Monitor,
+) -> Vec<usize> {
     let mut debugger = Debugger::new(Arc::clone(recording), DEFAULT_BUDGET);
-    for (line, condition) in stops {
+    for (line, condition) in breakpoints {
         debugger.add_breakpoint(*line, condition);
     }
 
@@ -125,7 +139,7 @@ fn hits(recording: &Arc<Recording>, stops: &[(LineId, String)], monitor: &Monito
     while found.len() < MAX_HITS && unclear < MAX_UNCLEAR && go_on() {
         match debugger.run_while(Direction::Forwards, &go_on) {
             Stop::Breakpoint(_) | Stop::Target => found.push(debugger.state().cursor()),
-            // A condition that cannot be evaluated stops a run, but is not counted as a hit.
+            // A condition that cannot be evaluated breakpoints a run, but is not counted as a hit.
             Stop::BadCondition(..) => unclear += 1,
             Stop::End => break,
         }
