@@ -25,11 +25,13 @@ pub enum Experiment {
     Search,
     /// Equation 1, section 5.1: whether every place is as likely as any other.
     Uniformity,
+    /// Beyond the paper: how many samples a maximal set has to an area.
+    Density,
 }
 
 impl Experiment {
     /// All of them, in the sequence of a report.
-    pub const ALL: [Self; 8] = [
+    pub const ALL: [Self; 9] = [
         Self::Fig10,
         Self::Fig11,
         Self::Fig12,
@@ -38,6 +40,7 @@ impl Experiment {
         Self::Eq4,
         Self::Search,
         Self::Uniformity,
+        Self::Density,
     ];
 
     /// Returns its name, as it is asked for.
@@ -63,6 +66,7 @@ impl Experiment {
             Self::Eq4 => ["eq4", "Equation 4: the affected share"],
             Self::Search => ["search", "Section 3.2.2: how far detectors look"],
             Self::Uniformity => ["uniformity", "Equation 1 and section 5.1: uniformity"],
+            Self::Density => ["density", "Density at saturation"],
         }
     }
 }

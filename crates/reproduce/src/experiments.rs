@@ -1,6 +1,7 @@
 //! The experiments, a module each: sets, measures, claims and figures. None of them reads what another one has found.
 
 mod common;
+mod density;
 mod eq4;
 mod fig10;
 mod fig11;
@@ -40,6 +41,7 @@ impl Experiment {
             Self::Eq4 => (|_| eq4::UNITS, eq4::run),
             Self::Search => (search::units, search::run),
             Self::Uniformity => (uniformity::units, uniformity::run),
+            Self::Density => (density::units, density::run),
         }
     }
 }

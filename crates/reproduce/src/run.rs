@@ -149,7 +149,9 @@ fn made_by(machine: &Machine) -> String {
 
 /// Returns the stamp that kept numbers must have to be used: program, machine and settings.
 fn stamp(experiment: Experiment, settings: &Settings, made_by: &str) -> String {
-    let Settings { quick, seed, many } = settings;
+    let Settings { quick, seed, .. } = settings;
+    // A batch of density does not depend on how many there are: a run of many goes on behind a whole one.
+    let many = settings.many && experiment != Experiment::Density;
     format!("{experiment} quick {quick} seed {seed} many {many} {made_by}")
 }
 

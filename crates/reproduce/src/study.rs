@@ -19,8 +19,11 @@ pub struct Settings {
     pub quick: bool,
     /// Seed of the first set; every set of an experiment has its own.
     pub seed: u64,
-    /// As many sets as tell a bias of uniformity that is half as large, for the whole sizes alone.
+    /// As many sets as tell a bias of uniformity that is half as large, and a density to two millionths, for the whole sizes
+    /// alone.
     pub many: bool,
+    /// Whether batches of density that no earlier run left are left out. The numbers of the others do not depend on it.
+    pub kept: bool,
 }
 
 impl Default for Settings {
@@ -29,6 +32,7 @@ impl Default for Settings {
             quick: true,
             seed: 1,
             many: false,
+            kept: false,
         }
     }
 }
@@ -97,6 +101,16 @@ impl<'a> Study<'a> {
         // A kept unit counts as done as well.
         self.done.set(self.done.get() + 1);
         Ok(result)
+    }
+
+    /// Returns whether a unit was kept.
+    pub fn has_kept<T: DeserializeOwned>(&self, key: &str) -> bool {
+        self.parts.load::<T>(key).is_some()
+    }
+
+    /// Leaves a unit out, which counts as done.
+    pub fn skip(&self) {
+        self.done.set(self.done.get() + 1);
     }
 
     /// Returns the results of sets with these indices, made on all threads as one unit: `make` is given the seed of each.

@@ -76,7 +76,8 @@ macro_rules! file {
     };
 }
 
-const FILES: [(&str, &str); 8] = [
+const FILES: [(&str, &str); 9] = [
+    file!("density"),
     file!("eq4"),
     file!("fig10"),
     file!("fig11"),

@@ -12,7 +12,7 @@ use predicates::str::contains;
 use serde_json::Value;
 use tempfile::{TempDir, tempdir};
 
-const EXPERIMENTS: [&str; 8] = [
+const EXPERIMENTS: [&str; 9] = [
     "fig10",
     "fig11",
     "fig12",
@@ -21,6 +21,7 @@ const EXPERIMENTS: [&str; 8] = [
     "eq4",
     "search",
     "uniformity",
+    "density",
 ];
 
 fn reproduced(folder: &TempDir, experiments: &[&str]) -> Value {

@@ -1,0 +1,176 @@
+//! The density, its error, and what the lattice leaves out, from the counts. Begin with [`DensityResults::of`].
+
+use std::f64::consts::PI;
+use std::ops::RangeInclusive;
+
+use tilescope_analysis::measures::student_quantile;
+
+use super::coarse::CoarseSets;
+use super::torus::{LEVELS, TorusSets};
+use crate::error::{ReproduceError, Result};
+use crate::experiments::common::MISSED;
+use crate::outcome::Verdict;
+
+/// The published coverage by disks of diameter r, 0.547 073 5 (Zhang and Torquato 2013), as N r^2 / area: a disk covers
+/// pi / 4 of a squared diameter.
+pub const PUBLISHED: f64 = 0.547_073_5 * 4.0 / PI;
+/// Its standard error: 2.8e-6 of coverage.
+pub const PUBLISHED_ERROR: f64 = 2.8e-6 * 4.0 / PI;
+/// By what share the radius of a control is off. The published error is a fiftieth of what this does to the density.
+pub const OFF: f64 = 1e-4;
+/// The last level of the control that stops too early. Levels behind it insert three samples in ten thousand.
+pub const UNFINISHED: usize = 10;
+/// The levels whose insertions halve from one to the next: on coarser ones gaps are not small beside disks, and on finer
+/// ones the lattice shows.
+const HALVING: RangeInclusive<usize> = 6..=10;
+
+/// What the lattice leaves out of the density, by two estimates, each with its standard error.
+#[derive(Clone, Copy, Debug)]
+pub struct LatticeError {
+    pub by_levels: [f64; 2],
+    pub by_coarse: [f64; 2],
+}
+
+impl LatticeError {
+    /// Returns by how much the estimate from coarse lattices is larger, and the standard error of that.
+    pub fn difference(&self) -> [f64; 2] {
+        let [one, other] = [self.by_levels, self.by_coarse];
+        [other[0] - one[0], one[1].hypot(other[1])]
+    }
+
+    /// Returns the estimate that is used, which is that by levels, and its error. The difference from the other one counts as an
+    /// error, too, as it may come from what both suppose.
+    pub fn used(&self) -> [f64; 2] {
+        let [value, error] = self.by_levels;
+        [value, error.hypot(self.difference()[0])]
+    }
+}
+
+/// What a run found.
+#[derive(Clone, Debug)]
+pub struct DensityResults {
+    pub batches: Vec<TorusSets>,
+    /// All batches together.
+    pub all: TorusSets,
+    pub small: Vec<TorusSets>,
+    pub coarse: Vec<CoarseSets>,
+    pub lattice: LatticeError,
+}
+
+impl DensityResults {
+    /// Returns the results of batches, of which there must be one.
+    pub fn of(batches: &[TorusSets], small: &[TorusSets], coarse: Vec<CoarseSets>) -> Result<Self> {
+        let joined = batches.iter().cloned().reduce(|a, b| a.joined(&b));
+        let none = || ReproduceError::Engine("there is no set to count".to_owned());
+        let all = joined.ok_or_else(none)?;
+        let lattice = LatticeError {
+            by_levels: left_out_by_levels(&all),
+            by_coarse: left_out_by_coarse(&coarse),
+        };
+        Ok(Self {
+            batches: batches.to_vec(),
+            all,
+            small: small.to_vec(),
+            coarse,
+            lattice,
+        })
+    }
+
+    /// Returns the density without what the lattice leaves out, and its error from both.
+    pub fn density(&self) -> [f64; 2] {
+        let [[density, error], [left_out, doubt]] = [self.all.density(), self.lattice.used()];
+        [density + left_out, error.hypot(doubt)]
+    }
+
+    /// Returns how far a density is from the published one, and the interval that holds the truth with probability 99 % by the
+    /// errors of both.
+    pub fn beside_published(&self, density: f64) -> (f64, [f64; 2]) {
+        let error = self.density()[1].hypot(PUBLISHED_ERROR);
+        let reach = student_quantile(MISSED, f64::INFINITY) * error;
+        let difference = density - PUBLISHED;
+        (difference, [difference - reach, difference + reach])
+    }
+
+    /// Returns whether a density is the published one, within the errors.
+    pub fn agrees(&self, density: f64) -> bool {
+        let (_, [low, high]) = self.beside_published(density);
+        (low..=high).contains(&0.0)
+    }
+
+    /// Returns the densities that these sets would have if the radius were off by [`OFF`], to either side, or if they had
+    /// been stopped after level [`UNFINISHED`].
+    pub fn controls(&self) -> [f64; 3] {
+        let [density, _] = self.density();
+        let late: u64 = self.all.by_level[UNFINISHED + 1..].iter().sum();
+        let [left_out, _] = self.lattice.used();
+        [
+            density * (1.0 - OFF).powi(2),
+            density * (1.0 + OFF).powi(2),
+            density - late as f64 / self.all.area() - left_out,
+        ]
+    }
+
+    /// Returns the verdict on the published density. Controls that agree as well say that there are too few sets.
+    pub fn verdict(&self) -> Verdict {
+        let told = !self.controls().into_iter().any(|one| self.agrees(one));
+        Verdict::if_known(told, self.agrees(self.density()[0]))
+    }
+}
+
+/// Returns the density that a level would insert if insertions halved from level 0 on, by those levels of which they do, and
+/// its standard error.
+pub fn halving(sets: &TorusSets) -> [f64; 2] {
+    let inserted: u64 = sets.by_level[HALVING].iter().sum();
+    let shares: f64 = HALVING.map(|level| 0.5_f64.powi(level as i32)).sum();
+    // Small gaps are filled far from each other, so that their number is nearly that of independent events.
+    [inserted as f64, (inserted as f64).sqrt()].map(|count| count / shares / sets.area())
+}
+
+/// Returns what the lattice leaves out, by what its levels insert, and the standard error.
+///
+/// Without a lattice, levels would go on halving, and all that follow one would insert as much as that one. The levels of the
+/// lattice that follow [`HALVING`] are the last, and insert less than that.
+fn left_out_by_levels(sets: &TorusSets) -> [f64; 2] {
+    let last = *HALVING.end();
+    let scale = 0.5_f64.powi(last as i32);
+    let [expected, error] = halving(sets).map(|of_level_0| of_level_0 * scale);
+
+    let inserted: u64 = sets.by_level[last + 1..].iter().sum();
+    let area = sets.area();
+    let [late, late_error] = [inserted as f64, (inserted as f64).sqrt()].map(|count| count / area);
+    [expected - late, error.hypot(late_error)]
+}
+
+/// Returns what a lattice leaves out of the density, times the units to r: for each coarse lattice, with the standard error.
+pub fn coarse_losses(coarse: &[CoarseSets]) -> Vec<[f64; 2]> {
+    let loss = |one: &CoarseSets| {
+        let [density, error] = one.density();
+        [PUBLISHED - density, error].map(|share| share * f64::from(one.radius))
+    };
+    coarse.iter().map(loss).collect()
+}
+
+/// Returns what the lattice leaves out, by coarse lattices, and the standard error.
+///
+/// What a lattice leaves out is in proportion to its spacing s, with terms of higher order on coarse ones: loss / s = a + b s. A
+/// straight line, whose places weigh by their errors, gives a. Losses count from the published density: were that off by
+/// 10^-5, a would change by a thousandth of itself.
+fn left_out_by_coarse(coarse: &[CoarseSets]) -> [f64; 2] {
+    let places = coarse.iter().zip(coarse_losses(coarse));
+    let [mut weights, mut x_sum, mut xx_sum, mut y_sum, mut xy_sum] = [0.0; 5];
+    for (one, [y, error]) in places {
+        let (x, weight) = (f64::from(one.radius).recip(), error.powi(-2));
+        weights += weight;
+        x_sum += weight * x;
+        xx_sum += weight * x * x;
+        y_sum += weight * y;
+        xy_sum += weight * x * y;
+    }
+
+    // The ordinate at 0 of the line of least squares, and its error, by the normal equations.
+    let determinant = weights * xx_sum - x_sum * x_sum;
+    let at_zero = (xx_sum * y_sum - x_sum * xy_sum) / determinant;
+    let error = (xx_sum / determinant).sqrt();
+    let units = 0.5_f64.powi(LEVELS as i32 - 1);
+    [at_zero * units, error * units]
+}

@@ -1,0 +1,163 @@
+//! Tables and charts of the density.
+
+use serde_json::json;
+use tilescope_analysis::measures::student_quantile;
+use tilescope_figures::chart::{LineChart, Panel, Series};
+
+use super::results::{DensityResults, PUBLISHED, PUBLISHED_ERROR, coarse_losses, halving};
+use super::torus::TorusSets;
+use crate::error::Result;
+use crate::experiments::common::{MISSED, curve, picture, reference};
+use crate::outcome::{Picture, Table};
+use crate::texts::{chart, table};
+
+/// The charts show densities in millionths.
+const MILLION: f64 = 1e6;
+
+/// Returns the charts: the density by the number of samples, and what each level inserts.
+pub fn picture_of(found: &DensityResults) -> Result<Picture> {
+    let rows = vec![vec![
+        Panel::Lines(so_far(found)),
+        Panel::Lines(by_level(&found.all)),
+    ]];
+    let values = json!({ "samples": found.all.sums.samples, "sets": found.all.sums.sets });
+    picture("density/density", &values, rows)
+}
+
+/// Returns all batches up to each, as one.
+fn growing(batches: &[TorusSets]) -> Vec<TorusSets> {
+    let mut all: Vec<TorusSets> = Vec::new();
+    for batch in batches {
+        let next = all
+            .last()
+            .map_or_else(|| batch.clone(), |sum| sum.joined(batch));
+        all.push(next);
+    }
+    all
+}
+
+/// Returns the chart of the density of all batches up to each, less the published one.
+fn so_far(found: &DensityResults) -> LineChart {
+    let quantile = student_quantile(MISSED, f64::INFINITY);
+    let [left_out, doubt] = found.lattice.used();
+    let (mut points, mut band) = (Vec::new(), Vec::new());
+
+    for all in growing(&found.batches) {
+        let [density, error] = all.density();
+        let y = MILLION * (density + left_out - PUBLISHED);
+        let reach = MILLION * quantile * error.hypot(doubt);
+        points.push([all.sums.samples as f64 / MILLION, y]);
+        band.push([y - reach, y + reach]);
+    }
+
+    // The published density with its interval is a line as long as the curve.
+    let ends = [points.first(), points.last()].map(|end| end.map_or(0.0, |[x, _]| *x));
+    let reach = MILLION * quantile * PUBLISHED_ERROR;
+    let published = Series {
+        band: Some(vec![[-reach, reach]; 2]),
+        ..reference("Zhang and Torquato 2013", ends.map(|x| [x, 0.0]).to_vec())
+    };
+    let here = Series {
+        band: Some(band),
+        ..curve("here", 0, points)
+    };
+    chart("density/so-far", vec![published, here])
+}
+
+/// Returns the chart of what each level inserts, beside levels that halve.
+fn by_level(all: &TorusSets) -> LineChart {
+    let area = all.area();
+    // A level that inserts nothing has no logarithm.
+    let inserted = all.by_level.iter().enumerate();
+    let inserted = inserted.filter(|(_, count)| **count > 0);
+    let points = inserted.map(|(level, count)| [level as f64, (*count as f64 / area).log2()]);
+
+    let [first, _] = halving(all);
+    let halving = (0..all.by_level.len()).map(|level| [level as f64, first.log2() - level as f64]);
+    let mut chart = chart(
+        "density/levels",
+        vec![
+            reference("halving", halving.collect()),
+            curve("here", 0, points.collect()),
+        ],
+    );
+    chart.x.range = Some([0.0, all.by_level.len() as f64 - 1.0]);
+    chart
+}
+
+/// Returns all tables.
+pub fn tables(found: &DensityResults) -> Vec<Table> {
+    vec![
+        estimates(found),
+        levels(&found.all),
+        coarse(found),
+        tori(found),
+        batches(found),
+    ]
+}
+
+/// Returns the density step by step: as counted, without the lattice, published.
+fn estimates(found: &DensityResults) -> Table {
+    let counted = found.all.density();
+    let rows = [
+        ("counted on the lattice", counted),
+        ("left out, by levels", found.lattice.by_levels),
+        ("left out, by coarse lattices", found.lattice.by_coarse),
+        ("density", found.density()),
+        ("Zhang and Torquato 2013", [PUBLISHED, PUBLISHED_ERROR]),
+    ];
+    table(
+        "density/estimates",
+        rows,
+        |(what, [value, error])| json!({ "what": what, "value": value, "error": error }),
+    )
+}
+
+fn levels(all: &TorusSets) -> Table {
+    let [first, _] = halving(all);
+    let expected = |level: usize| first * all.area() * 0.5_f64.powi(level as i32);
+    table(
+        "density/levels",
+        all.by_level.iter().enumerate(),
+        |(level, count)| {
+            json!({
+                "level": level, "inserted": count, "halving": expected(level),
+                "share": *count as f64 / expected(level),
+            })
+        },
+    )
+}
+
+fn coarse(found: &DensityResults) -> Table {
+    let rows = found.coarse.iter().zip(coarse_losses(&found.coarse));
+    table("density/coarse", rows, |(one, [loss, loss_error])| {
+        let [density, error] = one.density();
+        json!({
+            "radius": one.radius, "sets": one.sums.sets, "samples": one.sums.samples,
+            "density": density, "error": error, "loss": loss, "loss_error": loss_error,
+        })
+    })
+}
+
+fn tori(found: &DensityResults) -> Table {
+    let rows = found.small.iter().chain([&found.all]);
+    let [whole, whole_error] = found.all.density();
+    table("density/tori", rows, |one| {
+        let [density, error] = one.density();
+        json!({
+            "side": one.side, "sets": one.sums.sets, "samples": one.sums.samples,
+            "density": density, "error": error,
+            "errors_apart": (density - whole) / error.hypot(whole_error),
+        })
+    })
+}
+
+fn batches(found: &DensityResults) -> Table {
+    table("density/batches", &found.batches, |one| {
+        let [density, error] = one.density();
+        json!({
+            "sets": one.sums.sets, "samples": one.sums.samples,
+            "density": density, "error": error,
+        })
+    })
+}

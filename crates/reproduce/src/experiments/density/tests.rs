@@ -1,0 +1,98 @@
+//! Verdicts on densities that are known, and a quick run.
+
+use serde_json::Value;
+
+use super::results::{DensityResults, LatticeError, OFF, PUBLISHED};
+use super::sums::CountSums;
+use super::torus::{LEVELS, TorusSets};
+use super::*;
+use crate::experiment::Experiment;
+use crate::outcome::Verdict;
+use crate::study::tests::{alone, quick_run};
+
+/// What the lattice leaves out here.
+const LEFT_OUT: f64 = 9e-6;
+
+/// Results of sets whose mean density is `density` on the lattice, with the spread that sets of this size have.
+fn found(density: f64, sets: u64) -> DensityResults {
+    let mean = density * SIDE * SIDE;
+    // Counts of sets scatter by a root of 0.055 of themselves.
+    let deviation = (0.055 * mean).sqrt();
+    let pair = |sign: f64| CountSums::of((mean + sign * deviation).round() as usize);
+    let mut sums = CountSums::default();
+    for _ in 0..sets / 2 {
+        sums = sums.joined(pair(1.0)).joined(pair(-1.0));
+    }
+
+    let mut by_level = [0; LEVELS];
+    let samples = sums.samples as f64;
+    for (level, count) in by_level.iter_mut().enumerate() {
+        *count = (0.4 * samples * 0.5_f64.powi(level as i32)) as u64;
+    }
+    let all = TorusSets {
+        side: SIDE,
+        sums,
+        by_level,
+    };
+    let lattice = LatticeError {
+        by_levels: [LEFT_OUT, 2e-7],
+        by_coarse: [LEFT_OUT, 4e-7],
+    };
+    DensityResults {
+        lattice,
+        ..DensityResults::of(&[all], &[], Vec::new()).unwrap()
+    }
+}
+
+#[test]
+fn the_published_density_is_confirmed_and_one_of_a_radius_that_is_off_is_refused() {
+    let verdict = |density: f64, sets| found(density - LEFT_OUT, sets).verdict();
+    let many = 40_000;
+    assert_eq!(verdict(PUBLISHED, many), Verdict::Reproduced);
+    for factor in [1.0 - OFF, 1.0 + OFF] {
+        let wrong = PUBLISHED * factor * factor;
+        assert_eq!(verdict(wrong, many), Verdict::NotReproduced);
+    }
+    // Without what the lattice leaves out it would be refused as well; few sets tell nothing.
+    assert_eq!(verdict(PUBLISHED - 3e-5, many), Verdict::NotReproduced);
+    assert_eq!(verdict(PUBLISHED, 20), Verdict::NotComparable);
+}
+
+#[test]
+fn estimates_of_the_lattice_s_error_that_differ_are_refused() {
+    let mut found = found(PUBLISHED, 1000);
+    let verdict = |found: &DensityResults| claims::claims(found)[1].verdict;
+    assert_eq!(verdict(&found), Verdict::Reproduced);
+    found.lattice.by_coarse[0] += 3e-6;
+    assert_eq!(verdict(&found), Verdict::NotReproduced);
+    // The difference is part of the error from then on.
+    assert!(found.lattice.used()[1] > 2.9e-6);
+    found.lattice.by_coarse[1] = 3e-6;
+    assert_eq!(verdict(&found), Verdict::NotComparable);
+}
+
+#[test]
+fn controls_are_refused_and_the_set_itself_is_not() {
+    alone(&Settings::default(), |control| {
+        torus::refuse_controls(160.0, 5, control)?;
+        let sets = TorusSets::made(40.0, vec![5, 6], control)?;
+        let inserted: u64 = sets.by_level.iter().sum();
+        assert_eq!((sets.sums.sets, sets.sums.samples), (2, inserted));
+        let each = [5, 6].map(|seed| TorusSets::made(40.0, vec![seed], control));
+        let [a, b] = each.map(Result::unwrap);
+        assert_eq!(b.joined(&a), sets);
+        Ok(())
+    });
+}
+
+#[test]
+fn a_quick_run_has_the_units_it_said() {
+    let outcome = quick_run(Experiment::Density, &Settings::default());
+    assert_eq!(outcome.claims.len(), 2);
+    let cell = |row: usize| serde_json::to_value(&outcome.tables[0].rows[row][1]).unwrap();
+    let number = |value: Value| value.as_f64().unwrap();
+    // Eight sets of 46,000 samples: a standard error of 0.0003.
+    assert!((number(cell(3)) - PUBLISHED).abs() < 0.001);
+    // Levels and coarse lattices are far apart, and give one size.
+    assert!((0.3..3.0).contains(&(number(cell(1)) / number(cell(2)))));
+}
