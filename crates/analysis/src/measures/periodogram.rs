@@ -7,7 +7,7 @@ use std::ops::Range;
 use glam::DVec2;
 use rayon::prelude::*;
 use rustfft::num_complex::Complex;
-use serde::Serialize;
+use serde::{Deserialize, Serialize};
 
 use super::check_set;
 use super::error::MeasureError;
@@ -115,7 +115,7 @@ impl Weighed {
 }
 
 /// The power of one set, or the mean power of several, on a window of frequencies.
-#[derive(Clone, Debug, PartialEq, Serialize)]
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Periodogram {
     /// The frequencies, in cycles per extent of the region.
     pub window: FrequencyWindow,

@@ -64,7 +64,7 @@ impl Summary {
 }
 
 /// The running average of curves of one length, one curve per set; the spread is kept after Welford 1962.
-#[derive(Clone, Debug, PartialEq)]
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Average {
     sets: u64,
     means: Vec<f64>,
@@ -91,6 +91,31 @@ impl Average {
     pub fn add(&mut self, curve: &[f64]) -> Result<(), MeasureError> {
         check_length("an average of curves", curve.len(), self.means.len())?;
         self.push(curve.iter().copied());
+        Ok(())
+    }
+
+    /// Adds the curves of another average, up to rounding as if they had been added one by one (Chan, Golub and LeVeque 1983).
+    ///
+    /// # Errors
+    ///
+    /// [`MeasureError::LengthDiffers`].
+    pub fn join(&mut self, other: &Self) -> Result<(), MeasureError> {
+        check_length("an average of curves", other.means.len(), self.means.len())?;
+        let [ours, theirs] = [self.sets, other.sets].map(|sets| sets as f64);
+        // No curves change nothing, and would divide by zero.
+        if other.sets == 0 {
+            return Ok(());
+        }
+
+        let all = ours + theirs;
+        let own = self.means.iter_mut().zip(&mut self.squares);
+        let others = other.means.iter().zip(&other.squares);
+        for ((mean, square), (other_mean, other_square)) in own.zip(others) {
+            let apart = other_mean - *mean;
+            *mean += apart * theirs / all;
+            *square += other_square + apart * apart * ours * theirs / all;
+        }
+        self.sets += other.sets;
         Ok(())
     }
 

@@ -2,13 +2,13 @@
 
 use std::ops::Range;
 
-use serde::Serialize;
+use serde::{Deserialize, Serialize};
 
 use super::error::MeasureError;
 use super::nufft::TransformPlan;
 
 /// A rectangle of integer frequencies, in cycles per extent of the region.
-#[derive(Clone, Debug, PartialEq, Eq, Serialize)]
+#[derive(Clone, Debug, PartialEq, Eq, Serialize, Deserialize)]
 pub struct FrequencyWindow {
     /// The frequencies along x, without the end of the range.
     pub x: Range<i64>,

@@ -46,6 +46,30 @@ fn averages_have_the_spread_of_their_sets() {
 
 /// Both kinds of band hold the true power of noise, 1, with about their stated probability.
 #[test]
+fn averages_of_parts_join_to_that_of_all_curves() {
+    let curves = [[1.0, -5.0], [2.0, 5.0], [6.0, 9.0], [4.0, 0.5], [-3.0, 7.0]];
+    let of = |curves: &[[f64; 2]]| {
+        let mut average = Average::new(2);
+        for curve in curves {
+            average.add(curve).expect("two values");
+        }
+        average
+    };
+    let all = of(&curves);
+    for cut in 0..=curves.len() {
+        let mut joined = of(&curves[..cut]);
+        joined.join(&of(&curves[cut..])).expect("one length");
+        assert_eq!(joined.sets(), all.sets());
+        let errors = |one: &Average| one.standard_errors().expect("five sets");
+        let near = |a: &[f64], b: &[f64]| a.iter().zip(b).all(|(a, b)| (a - b).abs() < 1e-12);
+        assert!(near(joined.means(), all.means()), "{cut}");
+        assert!(near(&errors(&joined), &errors(&all)), "{cut}");
+    }
+    let short = of(&curves).join(&Average::new(1));
+    assert!(matches!(short, Err(MeasureError::LengthDiffers { .. })));
+}
+
+#[test]
 fn bands_hold_the_truth_as_often_as_they_say() {
     let window = FrequencyWindow {
         x: 1..40,

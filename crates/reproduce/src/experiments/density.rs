@@ -4,6 +4,7 @@
 
 mod claims;
 mod coarse;
+mod line;
 mod results;
 mod shown;
 mod sums;
@@ -44,11 +45,11 @@ struct DensityPlan {
 
 impl DensityPlan {
     fn of(settings: &Settings) -> Self {
-        // 48 batches have 2.2 x 10^9 samples, 240 have 1.1 x 10^10.
-        let batches = if settings.many { 240 } else { 48 };
+        // 96 batches have 2.2 x 10^9 samples, 480 have 1.1 x 10^10.
+        let batches = if settings.many { 480 } else { 96 };
         let whole = Self {
             batches,
-            sets: 1000,
+            sets: 500,
             small: 2e7,
             coarse: 10_000,
         };

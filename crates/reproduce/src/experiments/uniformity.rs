@@ -17,7 +17,7 @@ use crate::experiments::common::square;
 use crate::outcome::Outcome;
 use crate::study::{Settings, Study};
 use crate::texts::text;
-use averages::AveragedWay;
+use averages::AveragePlan;
 use counted::SeedCounts;
 use offsets::UniformityResults;
 
@@ -37,7 +37,7 @@ fn amounts(settings: &Settings) -> (usize, f64, usize) {
 }
 
 pub fn units(settings: &Settings) -> usize {
-    amounts(settings).0 + AveragedWay::ALL.len()
+    amounts(settings).0 + AveragePlan::of(settings).units()
 }
 
 /// Counts the samples of many sets by place, and compares the mean curves of each way to make sets.

@@ -28,7 +28,6 @@ fn published(found: &DensityResults) -> Claim {
     let controls = found
         .controls()
         .map(|control| found.beside_published(control).0);
-    let refused = found.controls().map(|control| !found.agrees(control));
 
     let values = json!({
         "published": PUBLISHED, "published_error": PUBLISHED_ERROR,
@@ -38,7 +37,7 @@ fn published(found: &DensityResults) -> Claim {
         "errors": difference / error.hypot(PUBLISHED_ERROR),
         "samples": found.all.sums.samples, "sets": found.all.sums.sets, "side": found.all.side,
         "off": OFF, "last": UNFINISHED, "controls": controls,
-        "refused": refused.iter().filter(|refused| **refused).count(),
+        "refused": found.refused(),
     });
     claim("density/published", found.verdict(), &values)
 }

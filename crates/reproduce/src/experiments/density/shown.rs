@@ -72,7 +72,7 @@ fn by_level(all: &TorusSets) -> LineChart {
     let inserted = inserted.filter(|(_, count)| **count > 0);
     let points = inserted.map(|(level, count)| [level as f64, (*count as f64 / area).log2()]);
 
-    let [first, _] = halving(all);
+    let [first, _] = halving(all).terms;
     let halving = (0..all.by_level.len()).map(|level| [level as f64, first.log2() - level as f64]);
     let mut chart = chart(
         "density/levels",
@@ -114,7 +114,7 @@ fn estimates(found: &DensityResults) -> Table {
 }
 
 fn levels(all: &TorusSets) -> Table {
-    let [first, _] = halving(all);
+    let [first, _] = halving(all).terms;
     let expected = |level: usize| first * all.area() * 0.5_f64.powi(level as i32);
     table(
         "density/levels",

@@ -1,6 +1,8 @@
 //! Mean curves of many sets of each way: g(r), radial mean power and anisotropy, held against those of reference sets. A curve of
 //! one set scatters by more than the bias at seams adds; that of K sets by a root of K less. Begin with [`averages`].
 
+use std::ops::Range;
+
 use rayon::prelude::*;
 use serde::{Deserialize, Serialize};
 use tilescope_analysis::measures::{
@@ -18,6 +20,8 @@ use crate::study::{Settings, Study};
 
 /// Sets that are measured at a time: their periodograms take the memory.
 const AT_ONCE: usize = 20;
+/// Sets of a unit of work: an interrupted run loses at most these. Their periodogram, which is kept, takes 5 MB.
+const PORTION: usize = 250;
 /// Bins of g(r) to an r, as [`PairCorrelation::in_units_of`] has them.
 const BINS: f64 = 40.0;
 
@@ -68,6 +72,17 @@ impl AveragePlan {
             samples,
             pattern,
         }
+    }
+
+    /// Returns the indices of the sets of each unit of work.
+    fn portions(self) -> impl Iterator<Item = Range<usize>> {
+        let firsts = (0..self.sets).step_by(PORTION);
+        firsts.map(move |first| first..self.sets.min(first + PORTION))
+    }
+
+    /// Returns how many units of work the sets of all ways are.
+    pub fn units(self) -> usize {
+        AveragedWay::ALL.len() * self.portions().count()
     }
 }
 
@@ -141,15 +156,27 @@ impl AgainstReference {
     }
 }
 
-/// Makes and measures the sets of all ways, a unit of work each, and holds the others against the reference.
+/// Makes and measures the sets of all ways, some sets a unit of work, and holds the others against the reference.
 pub fn averages(study: &Study<'_>) -> Result<Vec<AgainstReference>> {
     let plan = AveragePlan::of(study.settings);
     let measured = AveragedWay::ALL.map(|way| {
         let [name, key] = way.words();
-        let what = format!("mean curves of {} sets, {name}", plan.sets);
-        study.unit(&format!("averages-{key}"), &what, |control| {
-            measure(plan, way, study.settings, control)
-        })
+        let mut all: Option<AveragedSets> = None;
+
+        for (number, sets) in (1..).zip(plan.portions()) {
+            let what = format!(
+                "mean curves of sets up to {} of {}, {name}",
+                sets.end, plan.sets
+            );
+            let portion = study.unit(&format!("averages-{key}-{number}"), &what, |control| {
+                measure(plan, way, sets, study.settings, control)
+            })?;
+            all = Some(match all {
+                None => portion,
+                Some(before) => before.joined(portion)?,
+            });
+        }
+        all.ok_or_else(nothing)?.curves(way)
     });
 
     let each: Vec<MeanCurves> = measured.into_iter().collect::<Result<_>>()?;
@@ -169,21 +196,73 @@ struct MeasuredOnce {
     pairs: Vec<f64>,
 }
 
-/// Makes and measures the sets of a way.
+/// The error of a plan without sets.
+fn nothing() -> ReproduceError {
+    ReproduceError::Engine("there is no set to average".to_owned())
+}
+
+/// Sets of one way, averaged: what a unit of work keeps.
+#[derive(Clone, Debug, Serialize, Deserialize)]
+struct AveragedSets {
+    /// The samples of each set.
+    counts: Vec<f64>,
+    periodogram: Periodogram,
+    pairs: Average,
+}
+
+impl AveragedSets {
+    /// Returns the average of both.
+    fn joined(mut self, mut other: Self) -> Result<Self> {
+        self.counts.append(&mut other.counts);
+        self.pairs.join(&other.pairs)?;
+
+        let (own, others) = (&mut self.periodogram, &other.periodogram);
+        let share = others.sets as f64 / (own.sets + others.sets) as f64;
+        for (mean, power) in own.power.iter_mut().zip(&others.power) {
+            *mean += share * (power - *mean);
+        }
+        own.samples += share * (others.samples - own.samples);
+        own.sets += others.sets;
+        Ok(self)
+    }
+
+    /// Returns the mean curves of these sets, which were made in one way.
+    fn curves(self, way: AveragedWay) -> Result<MeanCurves> {
+        let powers = Spectrum::of(&self.periodogram)?.profile;
+        let sets = self.counts.len() as f64;
+        let counts = Summary::of(self.counts).ok_or_else(nothing)?;
+        Ok(MeanCurves {
+            way,
+            count: [counts.mean, counts.deviation / sets.sqrt()],
+            excess: powers.anisotropy_excess_db(),
+            excess_reach: powers.anisotropy_excess_reach_db(),
+            powers,
+            // Plans have several sets, so that there always are standard errors.
+            pairs: [
+                self.pairs.means().to_vec(),
+                self.pairs.standard_errors().unwrap_or_default(),
+            ],
+            sets: self.pairs.sets(),
+        })
+    }
+}
+
+/// Makes and measures sets of a way, given by their indices.
 fn measure(
     plan: AveragePlan,
     way: AveragedWay,
+    sets: Range<usize>,
     settings: &Settings,
     control: &Control<'_>,
-) -> Result<MeanCurves> {
+) -> Result<AveragedSets> {
     let mut periodograms = MeanPeriodogram::default();
     let mut pairs: Option<Average> = None;
     let mut counts = Vec::new();
 
-    for first in (0..plan.sets).step_by(AT_ONCE) {
+    for first in sets.clone().step_by(AT_ONCE) {
         // Sets are measured on all threads, but added in the sequence of their seeds: sums of floats depend on the order, and
         // must not depend on threads.
-        let seeds = (first..plan.sets.min(first + AT_ONCE)).into_par_iter();
+        let seeds = (first..sets.end.min(first + AT_ONCE)).into_par_iter();
         let some = seeds.map(|index| once(plan, way, settings.seed_of(index as u64), control));
         for one in some.collect::<Result<Vec<MeasuredOnce>>>()? {
             counts.push(one.count as f64);
@@ -193,23 +272,11 @@ fn measure(
         }
     }
 
-    let nothing = || ReproduceError::Engine("there is no set to average".to_owned());
-    let (mean, pairs) = periodograms.mean().zip(pairs).ok_or_else(nothing)?;
-    let powers = Spectrum::of(&mean)?.profile;
-    let counts = Summary::of(counts).ok_or_else(nothing)?;
-
-    Ok(MeanCurves {
-        way,
-        count: [counts.mean, counts.deviation / (plan.sets as f64).sqrt()],
-        excess: powers.anisotropy_excess_db(),
-        excess_reach: powers.anisotropy_excess_reach_db(),
-        powers,
-        // Plans have several sets, so that there always are standard errors.
-        pairs: [
-            pairs.means().to_vec(),
-            pairs.standard_errors().unwrap_or_default(),
-        ],
-        sets: pairs.sets(),
+    let (periodogram, pairs) = periodograms.mean().zip(pairs).ok_or_else(nothing)?;
+    Ok(AveragedSets {
+        counts,
+        periodogram,
+        pairs,
     })
 }
 
