@@ -94,7 +94,7 @@ impl Average {
         Ok(())
     }
 
-    /// Adds the curves of another average, up to rounding as if they had been added one by one (Chan, Golub and LeVeque 1983).
+    /// Adds the curves of another average, up to rounding as if they had been added one by one (Chan et al. 1983).
     ///
     /// # Errors
     ///

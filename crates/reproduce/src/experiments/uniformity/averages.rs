@@ -316,3 +316,57 @@ fn once(
         pairs: PairCorrelation::in_units_of(points, region, set.radius, &go_on)?.g,
     })
 }
+
+#[cfg(test)]
+mod tests {
+    use tilescope_analysis::Region;
+    use tilescope_analysis::measures::FrequencyWindow;
+
+    use super::*;
+
+    /// Averages sets that have one power at all frequencies and one value of g(r), each the set's own.
+    fn averaged(values: &[f64]) -> AveragedSets {
+        let window = FrequencyWindow::centered(1);
+        let mut periodograms = MeanPeriodogram::default();
+        let mut pairs = Average::new(1);
+        for value in values {
+            let one = Periodogram {
+                power: vec![*value; 9],
+                window: window.clone(),
+                region: Region::UNIT_SQUARE,
+                samples: 100.0 * value,
+                sets: 1,
+            };
+            periodograms.add(one).unwrap();
+            pairs.add(&[*value]).unwrap();
+        }
+        AveragedSets {
+            counts: values.to_vec(),
+            periodogram: periodograms.mean().unwrap(),
+            pairs,
+        }
+    }
+
+    #[test]
+    fn portions_hold_every_set_once_and_join_to_the_average_of_all() {
+        let plan = AveragePlan {
+            sets: 2 * PORTION + 7,
+            ..AveragePlan::of(&Settings::default())
+        };
+        let sets: Vec<usize> = plan.portions().flatten().collect();
+        assert_eq!(sets, (0..plan.sets).collect::<Vec<_>>());
+        assert_eq!(plan.units(), 3 * AveragedWay::ALL.len());
+
+        let values = [1.0, 2.0, 4.0, 7.0, 11.0];
+        let [first, second] = [&values[..3], &values[3..]].map(averaged);
+        let (joined, all) = (first.joined(second).unwrap(), averaged(&values));
+        let near = |a: f64, b: f64| assert!((a - b).abs() < 1e-12, "{a} {b}");
+        assert_eq!(joined.counts, values);
+        assert_eq!(joined.periodogram.sets, 5);
+        near(joined.periodogram.samples, all.periodogram.samples);
+        near(joined.periodogram.power[3], 5.0);
+        near(joined.pairs.means()[0], 5.0);
+        let error = |one: &AveragedSets| one.pairs.standard_errors().unwrap()[0];
+        near(error(&joined), error(&all));
+    }
+}
