@@ -51,17 +51,24 @@ fn so_far(found: &DensityResults) -> LineChart {
     }
 
     // The published density with its interval is a line as long as the curve.
-    let ends = [points.first(), points.last()].map(|end| end.map_or(0.0, |[x, _]| *x));
+    let last = points.last().map_or(0.0, |[x, _]| *x);
     let reach = MILLION * quantile * PUBLISHED_ERROR;
     let published = Series {
         band: Some(vec![[-reach, reach]; 2]),
-        ..reference("Zhang and Torquato 2013", ends.map(|x| [x, 0.0]).to_vec())
+        ..reference("Zhang and Torquato 2013", vec![[0.0, 0.0], [last, 0.0]])
     };
     let here = Series {
         band: Some(band),
         ..curve("here", 0, points)
     };
-    chart("density/so-far", vec![published, here])
+
+    // Of few batches the interval is far wider than what the chart is about: it would press all else flat.
+    let (apart, [low, high]) = found.beside_published(found.density()[0]);
+    let end = MILLION * (apart.abs() + 2.5 * (high - low));
+    let mut chart = chart("density/so-far", vec![published, here]);
+    chart.x.range = Some([0.0, last]);
+    chart.y.range = Some([-end, end]);
+    chart
 }
 
 /// Returns the chart of what each level inserts, beside levels that halve.
@@ -77,7 +84,7 @@ fn by_level(all: &TorusSets) -> LineChart {
     let mut chart = chart(
         "density/levels",
         vec![
-            reference("halving", halving.collect()),
+            curve("halving", 1, halving.collect()),
             curve("here", 0, points.collect()),
         ],
     );
