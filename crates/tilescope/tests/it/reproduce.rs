@@ -224,6 +224,10 @@ fn what_cannot_be_used_is_named_before_anything_is_made() {
         "--out names a folder",
     );
     refused(&["fig12"], "--out");
+    refused(
+        &["fig12", "density", "--kept", "--out", "d"],
+        "--kept is for density alone",
+    );
     assert!(!folder.path().join("d").exists());
     let kept = fs::read_to_string(folder.path().join("out")).unwrap();
     assert!(predicate::eq("a file").eval(kept.as_str()));
