@@ -8,7 +8,7 @@ use super::torus::{LEVELS, TorusSets};
 use super::*;
 use crate::experiment::Experiment;
 use crate::outcome::Verdict;
-use crate::study::tests::{alone, quick_run};
+use crate::study::tests::{alone, quick_run, studied};
 
 /// What the lattice leaves out here.
 const LEFT_OUT: f64 = 9e-6;
@@ -100,4 +100,28 @@ fn a_quick_run_has_the_units_it_said() {
     // 0.3 of the lattice's spacing is left out: the levels of few sets tell it roughly, coarse lattices better.
     assert!((cell(1, 1) - 1e-5).abs() < 4.0 * cell(1, 2));
     assert!((7e-6..1.4e-5).contains(&cell(2, 1)));
+}
+
+#[test]
+fn a_stopped_run_concludes_from_the_batches_that_it_left() {
+    let settings = Settings {
+        kept: true,
+        ..Settings::default()
+    };
+    studied(Experiment::Density, &settings, |study| {
+        let error = run(study).unwrap_err();
+        assert!(error.to_string().contains("no batch is kept"), "{error}");
+
+        // The second of two batches, as if the first had been lost.
+        let left = study.unit("batch-1", "left", |control| {
+            TorusSets::made(SIDE, vec![3, 4], control)
+        })?;
+        let outcome = run(study)?;
+        let batches = outcome.tables.last().unwrap();
+        assert_eq!(batches.rows.len(), 1);
+        let samples = serde_json::to_value(&batches.rows[0][1]).unwrap();
+        assert_eq!(samples.as_u64(), Some(left.sums.samples));
+        Ok(())
+    })
+    .unwrap();
 }
