@@ -244,6 +244,7 @@ const VERDICT_WIDTH: usize = "not reproduced (quick)".len();
 /// Returns the claims with their verdicts, in lines.
 fn text(summary: &Summary) -> String {
     let mut out = String::new();
+
     for one in &summary.finished {
         let _ = writeln!(out, "{}", one.experiment.title());
         for claim in &one.claims {
@@ -257,6 +258,7 @@ fn text(summary: &Summary) -> String {
             );
         }
     }
+
     let _ = writeln!(
         out,
         "\nof the paper: {} reproduced, {} not reproduced, {} not comparable\nreport         {}",

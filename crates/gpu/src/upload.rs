@@ -216,13 +216,8 @@ fn write_grid(
     let mut grid = vec![[u32::MAX, u32::MAX, u32::MAX, 0]; cells];
     let last = run.iterations.len() as u32;
 
-    for (id, (&point, &fate)) in run
-        .samples
-        .points
-        .iter()
-        .zip(&run.samples.fates)
-        .enumerate()
-    {
+    let samples = run.samples.points.iter().zip(&run.samples.fates);
+    for (id, (&point, &fate)) in samples.enumerate() {
         let iteration = run
             .iterations
             .iter()

@@ -103,7 +103,7 @@ fn links_as_mail_and_course_systems_mangle_them_are_read() {
 
     // A scene that is left out takes its view with it; the views of the others stay with theirs.
     let (content, warnings) =
-        read("v=1&mark=5:a,x:b,7:c&mark-view=look:dark,look:print,look:light");
+        read("v=1&mark=5:a;x:b;7:c&mark-view=look:dark;look:print;look:light");
     let views = content.scenes.iter();
     let views: Vec<_> = views
         .map(|scene| (scene.event, scene.view["look"].clone()))
