@@ -65,6 +65,7 @@ fn threads(asked: &[usize]) -> Result<Vec<usize>> {
 
 /// Returns the engine's name in JSON, and the row's.
 fn names(row: &EngineRate) -> (&'static str, String) {
+    // Sets made from scratch have no leaf, and their names state none.
     let leaf = row.leaf.unwrap_or_default();
     match row.engine {
         Engine::Sequential => ("sequential", format!("sequential, leaf {leaf} r")),

@@ -246,7 +246,8 @@ fn scene(arguments: &DrawArguments, read: &ReadSet, region: Region) -> Result<Sc
     Ok(set_scene(&picture, &options))
 }
 
-/// Returns the radius of each sample, if it is not the same one.
+/// Returns the radius of each sample; `None` if all have the same one, if no disks are drawn, and if the field that the
+/// certificate states cannot be had, which a note reports.
 fn own_radii(arguments: &DrawArguments, read: &ReadSet) -> Result<Option<Vec<f64>>> {
     let (file, set, ground) = (&arguments.file, &arguments.set, &arguments.ground);
     let stated = read.certificate.as_ref();

@@ -345,7 +345,7 @@ fn round_or_fault(arguments: &SoakArguments, index: u64) -> Tally {
         return Tally::default();
     }
     let key = Key::from_seed(arguments.seed).derive(Stream::Pattern, index as u32);
-    // The round's key is its seed as well, in the 64 bits of both.
+    // The two words of the round's key are also the 64 bits of its seed.
     let [low, high] = key.words();
     let dice = Dice(key);
     let parameters = parameters(&dice, u64::from(low) | u64::from(high) << 32);
@@ -414,6 +414,7 @@ fn round(parameters: &Parameters, dice: &Dice, verify: &VerifyOptions) -> Result
     // A reach of two radii may leave gaps: that is the finding of an experiment, and no fault.
     if parameters.search == Search::Complete {
         round.gaps = report.gaps;
+        // The radius of a round is 1.
         round.covering_radius_r = report.covering_radius;
     }
 
@@ -456,12 +457,13 @@ fn windows_agree(
     Ok(true)
 }
 
-/// Returns a window of random size and place, if it is one.
+/// Returns a window of random size and place; `None` if the domain refuses it, as one without an area.
 fn random_window(domain: &Domain, dice: &Dice, index: u32) -> Option<Window> {
     let sides = domain.size();
     // Room for ten draws of each window, behind those of the parameters.
     let share = |k: u32| dice.share(100 + 10 * index + k);
-    // Windows may begin outside: a periodic domain goes on there, and a bounded one cuts them at its border.
+    // Windows may begin up to a fifth of a side outside: a periodic domain goes on there, and a bounded one cuts them at its
+    // border.
     let corner = [share(0), share(1)].map(|s| 1.4 * s - 0.2);
     let low = [corner[0] * sides[0], corner[1] * sides[1]];
     // Products of two draws make small windows more frequent.
@@ -477,7 +479,8 @@ fn random_window(domain: &Domain, dice: &Dice, index: u32) -> Option<Window> {
 fn shows(window: &Window, domain: &Domain, p: Point) -> bool {
     let [min, max] = [window.min, window.max].map(I64Vec2::from);
     let mut at = I64Vec2::from(p) - min;
-    // A window is at most as long as the domain: it holds the image of a sample that follows its corner, or none.
+    // In a periodic domain, of the images of a sample the one that follows the window's corner counts: a window, at most as
+    // long as the domain, holds no other.
     if let (true, Some(wrapped)) = (domain.is_periodic(), domain.wrap(at)) {
         at = wrapped.into();
     }

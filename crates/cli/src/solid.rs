@@ -62,6 +62,7 @@ fn overrides(set: &SetArguments, file: &Path) -> Result<Overrides> {
     let given = set.width.is_some() || set.height.is_some() || set.boundary.is_some();
     let of_stated = stated.map(|stated| stated.region);
     let region = || set.region_over(of_stated.unwrap_or(Region::UNIT_SQUARE));
+    // Without a region here, the check takes that of the certificate.
     Ok(Overrides {
         format: set.format,
         set: set.set,

@@ -19,7 +19,7 @@ impl SpaceArguments {
         self.depth.is_some() || self.sides.is_some()
     }
 
-    /// Returns the first option that is given.
+    /// Returns the option that gives the third side, where there is one.
     pub const fn option(&self) -> &'static str {
         if self.depth.is_some() {
             "--depth"

@@ -234,6 +234,7 @@ impl LookArguments {
                 let mean = darkness.sum::<f64>() / radii.len().max(1) as f64;
                 // The areas of all dots add up to those of as many dots of the even radius.
                 let of_black = self.dot_radius.unwrap_or(even / mean.sqrt());
+                // The radius of a dot is this number over the distance that it keeps, which is `black` where all is black.
                 Dots::ByDensity(of_black * black)
             }
         };
@@ -260,7 +261,7 @@ fn of_dots(error: VaryingError, dots: u64) -> anyhow::Error {
     }
 }
 
-/// Returns the radius at each dot.
+/// Returns the radius at each dot; nothing for a set of one radius, which a stipple never is.
 fn radii(made: &Made) -> Vec<f64> {
     let judged = made.facts.varying.as_ref().map(|varying| &varying.judged);
     let points = judged.map(|judged| (judged, &made.set.points));

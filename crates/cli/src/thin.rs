@@ -148,6 +148,7 @@ fn make(arguments: &ThinArguments) -> Result<ThinnedFile> {
     if let Some(path) = &arguments.out {
         file.check_name(&file_name(path)).in_file(path)?;
     }
+    // The choice goes by the order of the points.
     let with_ranks = true;
     let mut thinning = recipe
         .prepare(&file, with_ranks)
@@ -224,6 +225,8 @@ impl ThinArguments {
         }
     }
 
+    /// Returns what the arguments ask for. Clap takes both sides of the domain or none, and a boundary only beside them; without
+    /// one the domain is bounded.
     fn recipe(&self) -> Result<ThinRecipe> {
         Ok(ThinRecipe {
             radius: self.radius()?,

@@ -20,7 +20,8 @@ use crate::progress::verifying;
 use crate::thin::{COLUMNS, SET, XY, columns, report_json, report_text};
 use crate::{output, verdict_code};
 
-/// Verifies a set whose certificate states that it was chosen from another one, and prints the verdict.
+/// Verifies a set whose certificate states that it was chosen from another one, and prints the verdict. Without a `source` only
+/// the set itself is judged. Of the ground only the radius is used: a thinned set has no shape.
 pub fn run(
     path: &Path,
     set: &SetArguments,
@@ -111,18 +112,19 @@ fn verdict(
     let Some(source) = source else {
         return alone(&chosen, &recipe, stated, thinned).in_file(path);
     };
-    let (bytes, name) = (read_whole(source)?, file_name(source));
-    // A source may have several sets. The certificate states which of them was thinned.
+    let (source_bytes, source_name) = (read_whole(source)?, file_name(source));
+    // A source may have several sets. The certificate states which of them was thinned. Format and columns are those of the
+    // chosen set, whose rows are copies.
     let of_set = stated
         .parameters
         .get(SET)
         .and_then(serde_json::Value::as_u64);
-    let hint = Hint {
-        name: &name,
+    let source_hint = Hint {
+        name: &source_name,
         set: set.set.or(of_set.map(|set| set as usize)),
         ..hint
     };
-    let given = PointFile::new(&bytes, hint).in_file(source)?;
+    let given = PointFile::new(&source_bytes, source_hint).in_file(source)?;
     against(&chosen, &given, &recipe, stated).in_file(source)
 }
 

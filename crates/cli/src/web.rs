@@ -137,7 +137,7 @@ fn elsewhere(address: SocketAddr, outward: Option<IpAddr>) -> String {
 /// Returns the address from which this machine reaches others, if it can. No packet is sent.
 fn outward(listening: IpAddr) -> Option<IpAddr> {
     // To connect this kind of socket only chooses a way to the far address, and with it one's own. The far ones are reserved
-    // for documentation (RFC 5737, RFC 3849).
+    // for documentation (RFC 5737, RFC 3849); any port would do.
     let (own, far) = if listening.is_ipv4() {
         ("0.0.0.0:0", "192.0.2.1:9")
     } else {

@@ -59,7 +59,8 @@ impl Analysis {
             ..Self::default()
         };
 
-        // A single set is the reference itself; several are averaged.
+        // A single set is the reference itself; several are averaged. A file that cannot be read counts as one set: the
+        // measurement then reports why.
         if let [path] = &against[..]
             && request.sources(path).map_or(1, |sources| sources.len()) == 1
         {
@@ -115,7 +116,7 @@ impl Analysis {
         Ok(())
     }
 
-    /// Averages all sets of files and keeps only their numbers.
+    /// Averages all sets of files and keeps only their numbers; `None` if no set can be used.
     fn average(&mut self, paths: &[PathBuf], request: &Request<'_>) -> Result<Option<Subject>> {
         let mut population = Population::default();
         for (path, repetition) in paths.iter().zip(repetitions(paths)) {
@@ -144,8 +145,9 @@ impl Analysis {
         Ok(population.finish(is_average)?)
     }
 
+    /// Reports that a set is not analysed. Fails with the same error if the command was asked to end.
     fn fail(&mut self, source: Source<'_>, error: anyhow::Error) -> Result<()> {
-        // The file has no fault then: its work was stopped, and that of the others is not to begin.
+        // The file then has no fault: its work was stopped, and that of the others is not to begin.
         if interrupt::requested() {
             return Err(error);
         }

@@ -172,16 +172,16 @@ impl<'a> Request<'a> {
         let radius = has_radius.then_some(report.radius);
         let measure = |control: Control<'_>| {
             // The report has the smallest distance, which need not be searched for again.
-            let mut set = MeasuredSet::new(samples, region, radius);
-            set.take_report(report.clone());
+            let mut measures = MeasuredSet::new(samples, region, radius);
+            measures.take_report(report.clone());
             // The spectrum comes last and by its own window: it takes the most memory.
             for part in Part::of_numbers().filter(|part| *part != Part::Spectrum) {
-                set.measure(part, points, control)?;
+                measures.measure(part, points, control)?;
             }
             let periodogram = Periodogram::of(points, region, &window, control)?;
             let spectrum = Arc::new(Spectrum::of(&periodogram)?);
             let powers = spectrum.profile.powers();
-            set.take_spectrum(Arc::clone(&spectrum));
+            measures.take_spectrum(Arc::clone(&spectrum));
 
             // In an average the bins are those of the first set.
             let farthest = bins.farthest(samples, region);
@@ -193,12 +193,12 @@ impl<'a> Request<'a> {
                 samples,
                 has_radius,
                 valid,
-                measures: of_set(&set),
+                measures: of_set(&measures),
             };
             Ok::<_, MeasureError>(Measurement {
                 member,
                 powers,
-                curve: set.curve,
+                curve: measures.curve,
                 pairs: pairs.points(),
                 periodogram,
                 spectrum,
@@ -213,8 +213,8 @@ impl<'a> Request<'a> {
         Ok(measured)
     }
 
-    /// Gives distances in the unit of the first set: curves of sets of one radius, which jump at one distance, would differ if
-    /// each was cut at its own.
+    /// Gives distances in the unit of the first set. The curves of sets of one radius jump at that radius: with the unit of each
+    /// set, which follows from its number of samples, they would jump at different x.
     fn put_in_one_unit(&self, measured: &mut Measurement) {
         let Member {
             samples, region, ..

@@ -16,6 +16,7 @@ pub fn numbered(names: &[String]) -> Vec<String> {
         // own, as their starts differ by less than the step.
         let numbers = (before + 1..).step_by(names.len());
         let mut all = numbers.map(|number| format!("{name} ({number})"));
+        // The numbers have no end, so that a free one is always found.
         all.find(|name| !names.contains(name)).unwrap_or_default()
     };
     names.iter().enumerate().map(numbered).collect()

@@ -127,7 +127,7 @@ pub fn differences(reference: &Subject, subjects: &[Subject], all: &[Differences
     let Some(first) = all.first() else {
         return Table::default();
     };
-    // Sets alone or one average are compared, and all have the measures of the first.
+    // Either single sets are compared or one average, so that all subjects have the measures of the first.
     let of_measures = first.measures.iter().map(|difference| &difference.measure);
     let column = |(subject, of): (&Subject, &Differences)| {
         let curves = of.of_curves.iter().map(|own| own.text(own.value, 0));

@@ -79,8 +79,9 @@ fn add_darts(block: &Block, dihedral: bool, history: &PatternHistory, all: &mut 
 /// A copy of the turned pattern: the repeated pattern is made of them.
 struct PatternCopy {
     symmetry: Symmetry,
-    /// How far the turned pattern moves to have its lowest corner at 0, and then to where the domain has that corner.
+    /// How far the turned pattern moves to have its lowest corner at 0.
     corner: I64Vec2,
+    /// Where the domain has that corner.
     origin: I64Vec2,
     side: i64,
 }
@@ -119,8 +120,8 @@ fn copies(block: &Block, dihedral: bool, history: &PatternHistory) -> Vec<Patter
         i64::from(below(draw[axis], starts as u32)) + i64::from(R)
     });
 
-    // `first` is where the block begins in the repeated pattern, r behind its clip. The block may reach over the end of the
-    // periodic pattern, into as many further copies as it is long.
+    // `first` is where the block begins in the repeated pattern, r behind its clip. A block that reaches over the end of a
+    // periodic pattern goes on in the next copies of it.
     let along = |axis: usize| first[axis] / side..=(first[axis] + size[axis] - 1) / side;
     let all = along(1).flat_map(|row| along(0).map(move |column| I64Vec2::new(column, row)));
     let corner = symmetry.corner(extent).as_i64vec2();

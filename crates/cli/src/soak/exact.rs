@@ -52,6 +52,7 @@ pub fn round(parameters: &Parameters, dice: &Dice, options: &VerifyOptions) -> R
         conflicts: report.conflicts,
         // Unlike KDRT with a short reach, exact tiling may never leave a gap: all count as faults.
         gaps: report.gaps,
+        // The radius of a round is 1, so that lengths are in radii.
         covering_radius_r: report.covering_radius,
         unequal: u64::from(!(is_defined && engines_agree && windows_agree)),
         commands: (!faults.is_empty()).then(command).into_iter().collect(),

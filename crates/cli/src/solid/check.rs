@@ -30,8 +30,10 @@ pub fn verify(
     Ok(verdict_code(check.passed()))
 }
 
+/// The points of a file and their check, or why it was not checked.
 type Checked = Result<(Vec<[f64; 3]>, SolidCheck), CheckError>;
 
+/// Reads and checks a set. The outer error is one of the arguments; the inner one is that of the check, which `convert` looks at.
 fn checked(file: &Path, set: &SetArguments, judge: &JudgeArguments) -> Result<Checked> {
     check_judge(judge)?;
     let mut overrides = overrides(set, file)?;
@@ -152,7 +154,7 @@ fn smallest_distance(points: &[[f64; 3]], region: SolidRegion) -> Result<f64> {
         ..VerifyOptions::default()
     };
     // The verifier refuses a radius at which, in a periodic box, a place may be near two images of a sample: the
-    // shortest side has to be more than twice the covering limit, which is a hair above the radius.
+    // shortest side has to be more than twice the covering limit, which is a hair above the radius. 2.5 is 2 with room.
     let radius = spacing.min(shortest / 2.5);
     let report = verifying(|control| verify_solid(points, region, radius, &options, control))
         .context("no radius is known, and none can be measured; give --radius")?;

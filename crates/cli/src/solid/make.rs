@@ -92,7 +92,7 @@ fn recipe(arguments: &SampleArguments) -> Result<SolidRecipe> {
         .space
         .size([asked.width, asked.height])
         .context("a set in space has three sides")?;
-    // By clap one of the three is given, and --exactly alone.
+    // Clap lets at least one of --exactly, --count and --radius through, and --exactly only by itself.
     let balls = match (arguments.nested.exactly, arguments.run.count) {
         (Some(count), _) => BallSize::Exactly(count as u64),
         (None, Some(count)) => BallSize::Count(count),

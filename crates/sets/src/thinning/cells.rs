@@ -84,7 +84,7 @@ impl Grid {
         let count = self.cells[axis];
         let high = at + steps;
         if !self.is_periodic {
-            // A span may end beyond the last cell, as there are no points.
+            // A span may end beyond the last cell, where there are no points.
             return [Some((at.saturating_sub(steps), high)), None];
         }
 
@@ -136,7 +136,7 @@ struct Entry {
 }
 
 impl Layer {
-    /// Sorts the points of these indices into cells.
+    /// Sorts the points of these indices into cells. Without `ranks` the index of a point is its rank.
     pub fn new(
         grid: Grid,
         indices: impl IndexedParallelIterator<Item = u32>,
@@ -256,7 +256,7 @@ impl Layer {
         }
     }
 
-    /// Returns where the cells of a row may be found.
+    /// Returns where the cells of a row may be found: without a table of rows, among all cells.
     fn row(&self, row: u32) -> (usize, usize) {
         let all = self.keys.len();
         let Some(rows) = &self.rows else {
@@ -285,5 +285,6 @@ fn rows(keys: &[u64], count: u32) -> Option<Vec<u32>> {
             rows.push(cell as u32);
         }
     }
+    // Rows behind the last cell are missing, and `Layer::row` takes the end of all cells for their beginning.
     Some(rows)
 }

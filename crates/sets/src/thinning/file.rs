@@ -129,7 +129,7 @@ impl<'a> PointFile<'a> {
             detect(self.bytes, name.as_ref())?.format,
             self.read.detection.format,
         );
-        // Where columns are chosen, lines of numbers are a table.
+        // Where columns are chosen, lines of numbers are a table. A format that is given holds for any name.
         let is_table = self.hint.columns.is_some() && found == Format::UtkText;
         if found == format || is_table || self.hint.format.is_some() {
             return Ok(());
@@ -248,7 +248,7 @@ impl ThinRecipe {
             Some(radius) => (CertifiedRadius::Constant(radius), None),
             None => self.radii(points, region, origin)?,
         };
-        // Without ranks the file is a chosen one, whose columns were read from its source.
+        // A column is read only to rank the points by it.
         let column = match &self.priority {
             ThinningPriority::Column { column, .. } if with_ranks => {
                 read_column(file.bytes, &file.hint, column)?

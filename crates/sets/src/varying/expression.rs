@@ -107,6 +107,7 @@ impl Expression {
     /// Returns the value at a place.
     #[must_use]
     pub fn at(&self, x: f64, y: f64) -> f64 {
+        // As many numbers as most expressions wait with: chosen, not measured.
         let mut stack = Vec::with_capacity(8);
         self.on(&mut stack, x, y)
     }

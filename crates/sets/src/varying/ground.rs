@@ -147,20 +147,23 @@ impl VaryingRecipe {
         self.radius.check()?;
         let frame = self.frame(&self.radius)?;
         let Some(squares) = frame.squares else {
-            // Without pixels and functions there is one radius, in a rectangle or a polygon: the 1 is never used.
+            // Only a constant radius has no squares, so that the 1 is never used.
             let radius = self.radius.constant().unwrap_or(1.0);
             Domain::from_size(frame.size, radius, self.boundary)?;
             return Ok(samples_in(frame.size[0] * frame.size[1], radius));
         };
 
+        // Each grey value is looked at by itself, and is not a mean of several as at a node.
+        let count = 1;
         let radii: Vec<f64> = match &self.radius {
             RadiusSource::Image { image, radii } => {
                 let few = image.few().map(u32::from);
-                few.map(|grey| radius_of_grey(*radii, grey, 1)).collect()
+                few.map(|grey| radius_of_grey(*radii, grey, count))
+                    .collect()
             }
             RadiusSource::Density { image, black } => {
                 let few = image.few().map(u32::from);
-                few.map(|grey| radius_of_darkness(*black, grey, 1))
+                few.map(|grey| radius_of_darkness(*black, grey, count))
                     .collect()
             }
             RadiusSource::Grid { grid, scale } => {
@@ -310,7 +313,7 @@ impl VaryingRecipe {
             }
             sides = [0, 1].map(|axis| sides[axis].or(Some(high[axis] - origin[axis])));
         }
-        // Pixels are squares, so that one side gives the other.
+        // Pixels are squares, so that one side gives the other. A side that nothing gives is 1, with pixels the width.
         let size = match (sides, pixels.map(|pixels| pixels.map(|count| count as f64))) {
             ([Some(width), Some(height)], _) => [width, height],
             ([Some(width), None], Some([columns, rows])) => [width, width * rows / columns],
@@ -523,6 +526,7 @@ fn stated_radius(source: &RadiusSource, nodes: &Nodes) -> CertifiedRadius {
     if let RadiusSource::Constant(radius) = source {
         return CertifiedRadius::Constant(*radius);
     }
+    // The units along the two axes differ by rounding alone. With the smaller one, no length is stated too long.
     let unit = nodes.domain.unit().min_element();
     let extreme = |unit_radius: Option<&i32>| f64::from(unit_radius.copied().unwrap_or(R)) * unit;
     CertifiedRadius::Field(CertifiedField {

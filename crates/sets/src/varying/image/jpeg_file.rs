@@ -54,6 +54,7 @@ pub(super) fn read(file: &ImageFile<'_>) -> Result<Pixels, VaryingError> {
     }
 
     let luma = decoder.decode().map_err(damaged)?;
+    // The headers were decoded above, so that the width is there.
     let columns = decoder.info().map_or(1, |info| usize::from(info.width));
     // 257 times 255 is 65,535: black stays the least and white the greatest value.
     let light = luma.iter().map(|&byte| u16::from(byte) * 257).collect();
