@@ -251,7 +251,7 @@ pub fn refuse_degrees(read: &ReadSet, region: Region, origin: [f64; 2]) -> Resul
     let is_beyond = |[x, y]: &[f64; 2]| !closed.contains([x - origin[0], y - origin[1]]);
     let first = read.set.points.iter().position(is_beyond);
 
-    // Points that all lie in the domain may well be planar, as small as their numbers are.
+    // Points that all lie in the domain may well be planar, although they lie within the limits of degrees, too.
     match first.filter(|_| read.degrees) {
         None => Ok(()),
         Some(index) => {

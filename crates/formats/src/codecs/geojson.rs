@@ -128,6 +128,7 @@ fn refuse_geometry(geometry: &Outline, place: &str) -> Result<(), FormatError> {
 }
 
 fn unsupported(kind: &str, place: &str) -> FormatError {
+    // The type may be any text of the file, and a message is to stay one: 40 characters are more than any type has.
     let kind: String = kind.chars().take(40).flat_map(char::escape_debug).collect();
     FormatError::Unsupported {
         format: FORMAT,

@@ -279,7 +279,8 @@ pub(super) fn read_head(bytes: &[u8]) -> Result<Option<PlyHead>, FormatError> {
     const FORMAT: Format = Format::PlyBinary;
     let header = parse(bytes, FORMAT)?;
     // A stream reads z, which must be 0. The header's last line is the one before the data.
-    let columns = PlyColumns::find(&header.vertex, FORMAT, header.data_line - 1, false)?;
+    let any_z = false;
+    let columns = PlyColumns::find(&header.vertex, FORMAT, header.data_line - 1, any_z)?;
     let Encoding::Binary(endian) = header.encoding else {
         return Ok(None);
     };

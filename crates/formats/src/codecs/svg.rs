@@ -302,13 +302,13 @@ pub(super) fn write(points: &[[f64; 2]], target: &Target, columns: &Columns) -> 
     }
 
     // In a picture of dots each dot has a radius that follows from its sample's own.
-    for (index, [x, y]) in points.iter().enumerate() {
+    for (index, [cx, cy]) in points.iter().enumerate() {
         let own = columns.radii.get(index).copied();
         let dot = columns.drawing.as_ref().zip(own);
         let shown = dot.map_or(disk, |(drawing, own)| drawing.dots.radius(own));
         push(
             &mut out,
-            format_args!("<circle cx=\"{x}\" cy=\"{y}\" r=\"{shown}\"/>\n"),
+            format_args!("<circle cx=\"{cx}\" cy=\"{cy}\" r=\"{shown}\"/>\n"),
         );
     }
 
