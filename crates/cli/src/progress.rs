@@ -66,8 +66,8 @@ impl Stopwatch {
         std::mem::take(&mut self.seconds)
     }
 
-    /// Drops the times of tries for a radius, before the run whose times are reported. The pattern's time stays, as it is made
-    /// once for all of them.
+    /// Drops the times of tries for a radius, before the run whose times are reported. The pattern's time stays, as it
+    /// is made once for all of them.
     pub fn drop_tries(&mut self) {
         self.seconds.retain(|&(stage, _)| stage == Stage::Pattern);
     }

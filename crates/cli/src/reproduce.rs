@@ -185,8 +185,8 @@ fn plan_text(each: &[Planned]) -> String {
     out
 }
 
-/// Returns a time in seconds or in minutes, in whole ones. 90 s are chosen, not measured; less than a second counts as one, as
-/// no work takes 0 s.
+/// Returns a time in seconds or in minutes, in whole ones. 90 s are chosen, not measured; less than a second counts as
+/// one, as no work takes 0 s.
 fn duration(seconds: f64) -> String {
     if seconds < 90.0 {
         format!("{:.0} s", seconds.max(1.0))

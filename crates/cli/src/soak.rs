@@ -462,8 +462,8 @@ fn random_window(domain: &Domain, dice: &Dice, index: u32) -> Option<Window> {
     let sides = domain.size();
     // Room for ten draws of each window, behind those of the parameters.
     let share = |k: u32| dice.share(100 + 10 * index + k);
-    // Windows may begin up to a fifth of a side outside: a periodic domain goes on there, and a bounded one cuts them at its
-    // border.
+    // Windows may begin up to a fifth of a side outside: a periodic domain goes on there, and a bounded one cuts them
+    // at its border.
     let corner = [share(0), share(1)].map(|s| 1.4 * s - 0.2);
     let low = [corner[0] * sides[0], corner[1] * sides[1]];
     // Products of two draws make small windows more frequent.
@@ -479,8 +479,8 @@ fn random_window(domain: &Domain, dice: &Dice, index: u32) -> Option<Window> {
 fn shows(window: &Window, domain: &Domain, p: Point) -> bool {
     let [min, max] = [window.min, window.max].map(I64Vec2::from);
     let mut at = I64Vec2::from(p) - min;
-    // In a periodic domain, of the images of a sample the one that follows the window's corner counts: a window, at most as
-    // long as the domain, holds no other.
+    // In a periodic domain, of the images of a sample the one that follows the window's corner counts: a window, at
+    // most as long as the domain, holds no other.
     if let (true, Some(wrapped)) = (domain.is_periodic(), domain.wrap(at)) {
         at = wrapped.into();
     }

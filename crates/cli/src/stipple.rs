@@ -234,7 +234,8 @@ impl LookArguments {
                 let mean = darkness.sum::<f64>() / radii.len().max(1) as f64;
                 // The areas of all dots add up to those of as many dots of the even radius.
                 let of_black = self.dot_radius.unwrap_or(even / mean.sqrt());
-                // The radius of a dot is this number over the distance that it keeps, which is `black` where all is black.
+                // The radius of a dot is this number over the distance that it keeps, which is `black` where all is
+                // black.
                 Dots::ByDensity(of_black * black)
             }
         };

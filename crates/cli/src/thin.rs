@@ -225,8 +225,8 @@ impl ThinArguments {
         }
     }
 
-    /// Returns what the arguments ask for. Clap takes both sides of the domain or none, and a boundary only beside them; without
-    /// one the domain is bounded.
+    /// Returns what the arguments ask for. Clap takes both sides of the domain or none, and a boundary only beside
+    /// them; without one the domain is bounded.
     fn recipe(&self) -> Result<ThinRecipe> {
         Ok(ThinRecipe {
             radius: self.radius()?,

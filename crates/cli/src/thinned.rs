@@ -20,8 +20,8 @@ use crate::progress::verifying;
 use crate::thin::{COLUMNS, SET, XY, columns, report_json, report_text};
 use crate::{output, verdict_code};
 
-/// Verifies a set whose certificate states that it was chosen from another one, and prints the verdict. Without a `source` only
-/// the set itself is judged. Of the ground only the radius is used: a thinned set has no shape.
+/// Verifies a set whose certificate states that it was chosen from another one, and prints the verdict. Without a
+/// `source` only the set itself is judged. Of the ground only the radius is used: a thinned set has no shape.
 pub fn run(
     path: &Path,
     set: &SetArguments,
@@ -113,8 +113,8 @@ fn verdict(
         return alone(&chosen, &recipe, stated, thinned).in_file(path);
     };
     let (source_bytes, source_name) = (read_whole(source)?, file_name(source));
-    // A source may have several sets. The certificate states which of them was thinned. Format and columns are those of the
-    // chosen set, whose rows are copies.
+    // A source may have several sets. The certificate states which of them was thinned. Format and columns are those of
+    // the chosen set, whose rows are copies.
     let of_set = stated
         .parameters
         .get(SET)

@@ -144,7 +144,8 @@ fn prefix(arguments: &VerifyArguments, count: usize) -> Result<u8> {
     Ok(verdict_code(level.valid))
 }
 
-/// Reads and verifies a file. Returns also the given origin, or else that of the field and the shape, if there is either.
+/// Reads and verifies a file. Returns also the given origin, or else that of the field and the shape, if there is
+/// either.
 fn checked(arguments: &VerifyArguments) -> Result<(Check, Option<[f64; 2]>)> {
     let file = &arguments.file;
     let mut overrides = Overrides {

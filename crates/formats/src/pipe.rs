@@ -22,8 +22,8 @@ pub(crate) enum Input {
 }
 
 impl Input {
-    /// Opens a file. Anything else that `path` names is read to its end when it is first opened, and its bytes are kept until the
-    /// program ends.
+    /// Opens a file. Anything else that `path` names is read to its end when it is first opened, and its bytes are kept
+    /// until the program ends.
     pub fn open(path: &Path) -> io::Result<Self> {
         if fs::metadata(path)?.is_file() {
             return File::open(path).map(Self::File);

@@ -187,7 +187,8 @@ fn parameters_of(
         ..Parameters::default()
     };
 
-    // In the order of the caller, so that the first wrong argument is the one that is named.
+    // In the order of the caller, so that the first wrong argument is the one that is named. Without a dictionary none
+    // is given.
     for (name, value) in given.into_iter().flatten() {
         let name: String = name.extract()?;
         // The method is an argument of its own, with the reference sampler among its values.
@@ -310,6 +311,7 @@ fn settle_radius(
             parameters.radius = radius_estimate(parameters, count).map_err(Failure::from)?;
             Ok(())
         }
+        // The parameters hold this radius already.
         (None, Some(_)) => {
             parameters.validate().map_err(Failure::from)?;
             Ok(())
@@ -317,7 +319,8 @@ fn settle_radius(
     }
 }
 
-/// Returns the origin of a given pattern: the one that is stated, or else the digest of its positions.
+/// Returns the origin of a given pattern: the one that is stated, or else, as also for a text that is no JSON, the
+/// digest of its positions.
 fn source_of(given: &SetArgument<'_>, source: Option<&str>) -> PyResult<Value> {
     if let Some(Ok(source)) = source.map(serde_json::from_str) {
         return Ok(source);

@@ -35,7 +35,8 @@ pub enum Failure {
 }
 
 impl Failure {
-    /// Returns the failure with the part of the input that it is about.
+    /// Returns the failure with the part of the input that it is about. A missing field counts as a wrong value then.
+    /// Errors of the system name a path already, and a lack of memory is about no part: both stay as they are.
     pub fn of(self, part: &str) -> Self {
         match self {
             Self::Value(text) | Self::NoField(text) => Self::Value(format!("{part}: {text}")),
@@ -129,7 +130,7 @@ impl From<PieceError<Failure>> for Failure {
 impl From<VerifyError> for Failure {
     fn from(error: VerifyError) -> Self {
         match error {
-            // No argument is at fault for these.
+            // No argument is at fault for these: the judges differ or fail, or the caller stopped the work.
             VerifyError::Disagreement { .. }
             | VerifyError::Triangulation { .. }
             | VerifyError::Cancelled => Self::Runtime(error.to_string()),
@@ -141,6 +142,7 @@ impl From<VerifyError> for Failure {
 impl From<SolidError> for Failure {
     fn from(error: SolidError) -> Self {
         match error {
+            // No argument is at fault for these either.
             SolidError::Disagreement { .. }
             | SolidError::Farther { .. }
             | SolidError::Cancelled => Self::Runtime(error.to_string()),

@@ -153,8 +153,7 @@ pub struct FoundSet {
 
 impl FoundSet {
     /// Returns the set with its positions in units of the domain. Files of the unit torus have them in units of the
-    /// width of
-    /// `region`; without a region the units of the file are taken for the domain's.
+    /// width of `region`; without a region the units of the file are taken for the domain's.
     pub fn in_domain(mut self, region: Option<Region>) -> Self {
         if let Some(precision) = self.file_units.take() {
             let mapping = Mapping::new(self.format, region, precision).with_origin(self.origin);
@@ -201,7 +200,7 @@ fn certified(
         )));
     }
 
-    // An origin that is given is the stated one: another would be a difference.
+    // An origin that is given is the stated one: another would be a difference. Without either it is 0 0.
     let stated = check.certificate.as_ref().and_then(|stated| stated.origin);
     Ok(Some(FoundSet {
         set,
@@ -212,7 +211,8 @@ fn certified(
     }))
 }
 
-/// Reads the positions of a file, in its own unit, and where each sample came from if `with_provenance`.
+/// Reads the positions of a file, in its own unit, and where each sample came from if `with_provenance`. An origin that
+/// is not given is 0 0.
 fn bare(path: &Path, overrides: &Overrides, with_provenance: bool) -> Result<FoundSet, Failure> {
     let bytes = read_whole(path)?;
     let name = lossy(path.file_name().unwrap_or_default());

@@ -62,6 +62,8 @@ impl Pixels<'_> {
         match self {
             Self::Array(grey) => {
                 let columns = grey.shape()[1];
+                // Python passes contiguous arrays. Of any other array no pixels are read, and an image without any is
+                // refused.
                 let grey = grey.as_slice().map(<[u16]>::to_vec);
                 Ok(GrayImage::from_grey(columns, grey.unwrap_or_default())?)
             }
@@ -75,7 +77,7 @@ fn image(path: &Path) -> Result<GrayImage, Failure> {
     Ok(GrayImage::read(&name, &read_whole(path)?)?)
 }
 
-/// Returns the pixels of a row, and all of them.
+/// Returns the pixels of a row, and all of them; none of an array with gaps, which Python does not pass.
 fn pixels<'a>(array: &'a PyReadonlyArray2<'_, f64>) -> (usize, &'a [f64]) {
     (array.shape()[1], array.as_slice().unwrap_or_default())
 }
@@ -237,6 +239,7 @@ impl Ground {
             let boundary = Boundary::of(region.is_periodic());
             let mut like = bare(region.size().map(Some), Some(origin), boundary);
             given.shape = field.shape()?;
+            // Where the nodes of the domain lie may depend on its shape.
             like.shape.clone_from(&given.shape);
             given.radius = field.field(&like)?;
         }

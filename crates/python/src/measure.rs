@@ -49,7 +49,8 @@ pub fn analyze<'py>(
     values.into_py_dict(py)
 }
 
-/// Returns the spectrum of a set up to the frequency `nu`, or as far as it is usually looked at.
+/// Returns the spectrum of a set up to the frequency `nu`, or as far as it is usually looked at. It needs no radius, so
+/// that sets whose radius varies or that cover a shape have one too.
 #[pyfunction]
 pub fn spectrum<'py>(
     py: Python<'py>,

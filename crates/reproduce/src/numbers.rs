@@ -76,7 +76,7 @@ pub fn number(value: f64, digits: usize) -> String {
     grouped(&format!("{:.0}", (value / unit).round() * unit))
 }
 
-/// Returns the figures of a whole number with thousands apart.
+/// Returns the figures of a whole number with thousands apart; numbers of four figures or fewer have no gap.
 fn grouped(whole: &str) -> String {
     let (sign, figures) = match whole.strip_prefix('-') {
         Some(figures) => ("\u{2212}", figures),

@@ -137,7 +137,8 @@ pub fn reproduce(
     Ok(summary)
 }
 
-/// Identifies this build and machine, since another one may give other numbers.
+/// Identifies this build and machine, since another one may give other numbers. A program whose file cannot be read is
+/// identified by its version and the machine.
 fn made_by(machine: &Machine) -> String {
     let read = std::env::current_exe().and_then(fs::read);
     let digest = read.map_or_else(

@@ -29,8 +29,8 @@ const LAW: &str = "exact in every window; averages over the set vary as those of
 /// parameters that were `given` are as asked.
 #[must_use]
 pub fn exact_pattern(asked: &Parameters, given: &[Parameter], samples: f64) -> PatternSpec {
-    // Side and seed always have values, so that `given` says whether they were given: their defaults are those of other tilings.
-    // The boundary has one default for all.
+    // Side and seed always have values, so that `given` says whether they were given: their defaults are those of other
+    // tilings. The boundary has one default for all.
     let mut pattern = PatternSpec::for_exact(samples, asked.seed);
     pattern.boundary = asked.pattern.boundary;
     if given.contains(&Parameter::PatternSide) {

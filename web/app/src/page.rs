@@ -315,7 +315,7 @@ impl Tilescope {
         }
     }
 
-    /// Returns the parts of the session that the link cannot hold; empty if it holds all.
+    /// Returns the parts of the session that the link cannot hold; empty if it holds all, or while the app is busy.
     pub fn left_out(&self) -> String {
         let page = self.runner.app_mut::<Page>();
         page.map_or_else(String::new, |page| {
@@ -515,10 +515,12 @@ impl Page {
         }
     }
 
-    /// Advances the background work where no frame does: before an answer, and while the page is hidden.
+    /// Advances the background work where no frame does: before an answer, and while the page is hidden. Only frames
+    /// let time pass for playback and cameras.
     fn work(&mut self) {
         self.pool.tick();
-        self.app.state.advance(0.0);
+        let passed_secs = 0.0;
+        self.app.state.advance(passed_secs);
     }
 
     /// Makes the page load the lessons once they are wanted.
@@ -556,6 +558,7 @@ impl Page {
             .classroom()
             .talk_json(&state.runs().first.canvas_view())
             .to_string();
+        // A page within another page reports no talk.
         if talk != self.talk && self.stores {
             hooks::talk(&talk);
             self.talk = talk;

@@ -281,7 +281,8 @@ impl Pool {
         if let Some(busy) = slot.busy {
             (busy.task.answer)(TaskEnd::Failed(text));
         }
-        // No worker is started any more, so that the tasks that wait fail, too.
+        // No worker is started any more, so that the tasks that wait fail, too. Only a fault brings this about, but
+        // both causes have a text.
         if is_hopeless {
             let (Break::Fault(why) | Break::Lacking(why)) = cause;
             let waiting = std::mem::take(&mut self.0.borrow_mut().waiting);
@@ -321,12 +322,15 @@ impl Pool {
         }
     }
 
+    /// Returns the monitor of a worker's task; `None` if the worker was replaced or has no task.
     fn monitor_of(&self, worker: &Worker) -> Option<Arc<Monitor>> {
         let inner = self.0.borrow();
         let slot = inner.slots.iter().find(|slot| slot.worker == *worker)?;
         Some(Arc::clone(&slot.busy.as_ref()?.task.monitor))
     }
 
+    /// Takes the outcome of a worker's task. `kept` has the sessions that the worker keeps; it keeps none if it says
+    /// nothing of them.
     fn finish(&self, worker: &Worker, bytes: Vec<u8>, kept: Option<Vec<u64>>) {
         let busy = {
             let mut inner = self.0.borrow_mut();
@@ -392,8 +396,11 @@ impl Pool {
             // Answers and new workers borrow the pool themselves.
             drop(inner);
             match (idle, failed) {
+                // The next task could not be sent: the one behind it may be.
                 (_, Some((answer, why))) => answer(TaskEnd::Failed(why)),
+                // It was sent.
                 (Some(_), None) => {}
+                // All workers are busy. Where there may be no more of them, the first to finish sends the next task.
                 (None, None) if may_grow => self.add(),
                 (None, None) => return,
             }

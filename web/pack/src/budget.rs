@@ -7,7 +7,7 @@ use anyhow::{Result, ensure};
 
 use crate::compress::Packed;
 
-/// The most bytes, compressed, that may be needed to start.
+/// The most bytes, compressed by brotli, that may be needed to start. Chosen, not measured.
 pub const MAX_TO_START: usize = 2_550_000;
 
 /// The line of the first page's sizes.
@@ -55,6 +55,7 @@ impl Table {
                 *sum += size;
             }
         }
+        // `index.html`, which has the first page, is one of these files.
         for (sum, size) in sum.iter_mut().zip(self.first_page) {
             *sum = sum.saturating_sub(size);
         }

@@ -71,6 +71,7 @@ fn gzip(bytes: &[u8]) -> Vec<u8> {
 
 fn brotli(bytes: &[u8]) -> Vec<u8> {
     let parameters = brotli::enc::BrotliEncoderParams {
+        // The highest quality.
         quality: 11,
         // The largest window that browsers accept.
         lgwin: 24,

@@ -253,7 +253,8 @@ impl Entry {
     }
 }
 
-/// Adds the pictures of a lesson's steps, and its preview for chats, which show no SVG.
+/// Adds the pictures of a lesson's steps, and its preview for chats, which show no SVG. Pages in both languages show
+/// the pictures of the English steps.
 fn add_pictures(sources: &mut BTreeMap<String, Source>, entry: &Entry) -> Result<()> {
     let steps = &entry.english.steps;
     for (index, step) in steps.iter().enumerate() {

@@ -64,8 +64,8 @@ impl Differences {
     }
 }
 
-/// Returns the measures of a curve of differences. Their keys begin with `key`. The first label has the curve's `name`, as the
-/// rows below it belong to the same curve; labels call its points `points`, and its x is in `unit`.
+/// Returns the measures of a curve of differences. Their keys begin with `key`. The first label has the curve's `name`,
+/// as the rows below it belong to the same curve; labels call its points `points`, and its x is in `unit`.
 fn of_curve(
     curve: &DifferenceCurve,
     key: &str,

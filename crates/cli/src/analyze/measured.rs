@@ -213,8 +213,8 @@ impl<'a> Request<'a> {
         Ok(measured)
     }
 
-    /// Gives distances in the unit of the first set. The curves of sets of one radius jump at that radius: with the unit of each
-    /// set, which follows from its number of samples, they would jump at different x.
+    /// Gives distances in the unit of the first set. The curves of sets of one radius jump at that radius: with the
+    /// unit of each set, which follows from its number of samples, they would jump at different x.
     fn put_in_one_unit(&self, measured: &mut Measurement) {
         let Member {
             samples, region, ..

@@ -56,8 +56,8 @@ pub fn html(analysis: &Analysis, figures: &[String]) -> String {
     out
 }
 
-/// Renames the ids of a figure, which are those of clip paths and of layers, so that the ids of several figures on one page
-/// differ.
+/// Renames the ids of a figure, which are those of clip paths and of layers, so that the ids of several figures on one
+/// page differ.
 pub(crate) fn with_own_ids(svg: &str, index: usize) -> String {
     svg.replace("id=\"clip-", &format!("id=\"f{index}-clip-"))
         .replace("url(#clip-", &format!("url(#f{index}-clip-"))

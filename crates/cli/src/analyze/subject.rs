@@ -49,8 +49,8 @@ impl Subject {
 
     /// Returns how its radial mean power and its pair correlation differ from a reference's.
     pub fn minus(&self, reference: &Self) -> Result<[DifferenceCurve; 2], MeasureError> {
-        // A spectrum has bands of its own only if its powers are independent. Those of bounded sets, which are tapered, are not,
-        // and their differences are judged by the spread between sets.
+        // A spectrum has bands of its own only if its powers are independent. Those of bounded sets, which are tapered,
+        // are not, and their differences are judged by the spread between sets.
         let independent = self.spectrum.bands.is_some() && reference.spectrum.bands.is_some();
         let level = Spectrum::LEVEL;
         let power = if independent {
@@ -122,8 +122,8 @@ impl Population {
         Ok(())
     }
 
-    /// Returns the column of the average, or of its only set; `None` without a set. With `average` the column is that of an
-    /// average, even of one set: it is named so, and has the measures of the mean power.
+    /// Returns the column of the average, or of its only set; `None` without a set. With `average` the column is that
+    /// of an average, even of one set: it is named so, and has the measures of the mean power.
     pub fn finish(self, average: bool) -> Result<Option<Subject>, MeasureError> {
         let (Some(mean), Some(powers), Some(correlations)) =
             (self.periodograms.mean(), self.powers, self.correlations)

@@ -21,8 +21,8 @@ pub fn add(
     dice: &Dice,
     verify: &VerifyOptions,
 ) -> Result<()> {
-    // A run of levels takes several times as long as one of a single level. The numbers 20 and 21 are those of draws that
-    // nothing else takes.
+    // A run of levels takes several times as long as one of a single level. The numbers 20 and 21 are those of draws
+    // that nothing else takes.
     if !dice.has(Feature::Levels) || dice.share(20) >= SHARE {
         return Ok(());
     }

@@ -33,7 +33,8 @@ pub fn verify(
 /// The points of a file and their check, or why it was not checked.
 type Checked = Result<(Vec<[f64; 3]>, SolidCheck), CheckError>;
 
-/// Reads and checks a set. The outer error is one of the arguments; the inner one is that of the check, which `convert` looks at.
+/// Reads and checks a set. The outer error is one of the arguments; the inner one is that of the check, which `convert`
+/// looks at.
 fn checked(file: &Path, set: &SetArguments, judge: &JudgeArguments) -> Result<Checked> {
     check_judge(judge)?;
     let mut overrides = overrides(set, file)?;

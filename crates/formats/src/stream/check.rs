@@ -62,8 +62,8 @@ pub(super) fn check_from(
     };
 
     // Shuffled points, and those of levels, are not in the order of rows, and a stream would fail after it has read a part of
-    // them. They are read whole at once, if memory allows. A text does not state its number of points: whether it is too
-    // large shows when it is read.
+    // them. They are read whole at once, if memory allows. A text does not state its number of points: whether it is
+    // too large shows when it is read.
     let is_not_in_rows =
         |stated: &Certificate| stated.shuffle_seed.is_some() || !stated.levels.is_empty();
     if reader.certificate().is_some_and(is_not_in_rows)

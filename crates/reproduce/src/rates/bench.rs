@@ -123,10 +123,12 @@ impl Bench {
         let made = self.rounds(&open, once, &by_leaf, &base, &pattern, watch)?;
         let rounds: Vec<&[EngineTime]> = made.iter().map(Vec::as_slice).collect();
 
+        // Without a named baseline the first engine of a round is the baseline, which is the reference sampler.
+        let baseline = None;
         Ok(CpuRates {
             pattern_seconds,
             history_seconds,
-            rows: rows(&rounds, None),
+            rows: rows(&rounds, baseline),
             windows: self.windows(&of_plane, &pattern, watch)?,
         })
     }

@@ -135,8 +135,8 @@ impl RadiusSource {
             found.map_or(Ok(1.0), |name| number(&parameters[name]["scale"], "scale"))
         };
 
-        // The radii of an image follow from the parameters that name it, which `of_image` reads below. Where an expression is
-        // stated, no image is needed, and one that is given is passed over.
+        // The radii of an image follow from the parameters that name it, which `of_image` reads below. Where an
+        // expression is stated, no image is needed, and one that is given is passed over.
         let image = match given {
             GivenRadius::Image(image) => Some(image),
             GivenRadius::Nothing => None,

@@ -105,6 +105,7 @@ fn functions(
         kinds.function(program.kind(*index));
         code.function(&stub(program, *index, check, slots_table, *slot));
     }
+    // Like the loader that it calls, the check takes and returns nothing, so that it has the loader's type.
     kinds.function(program.kind(plan.loader));
     code.function(&checking(slots_table, indices.get(plan.loader)?));
     Ok((kinds, code))

@@ -66,7 +66,8 @@ fn names(folder: &Path) -> Result<Vec<String>> {
         let name = entry.file_name().to_string_lossy().into_owned();
         let is_file = entry.file_type().in_file(folder)?.is_file();
         let ending = extension(name.as_ref());
-        // `files` reads the index by itself. A frame installs no service worker, and course systems compress by themselves.
+        // `files` reads the index by itself. A frame installs no service worker, and course systems compress by
+        // themselves.
         let is_apart = [INDEX, "sw.js"].contains(&&*name) || ["br", "gz"].contains(&&*ending);
         if is_file && !is_apart {
             names.push(name);

@@ -43,6 +43,7 @@ fn plate(all: &[SamplerResults]) -> LineChart {
         .series
         .iter()
         .filter_map(|series| series.points.last());
+    // The axis ends where the longest curve does, but not before the Nyquist frequency.
     chart.x.range = Some([0.0, ends.map(|point| point[0]).fold(NYQUIST, f64::max)]);
     chart
 }

@@ -91,6 +91,8 @@ pub fn corner(
 
 /// Returns the window of frequencies that [`CELLS`] squares along an axis fill, up to about [`Spectrum::MAX_NU`].
 fn window(count: usize) -> FrequencyWindow {
+    // A square has an odd number of frequencies along a side, so that the zero frequency is in the middle of the middle
+    // square.
     let wide = 2.0 * Spectrum::MAX_NU * (count as f64).sqrt() / CELLS as f64;
     let side = 2 * (0.5 * (wide - 1.0)).round().max(0.0) as u32 + 1;
     FrequencyWindow::centered((CELLS as u32 * side - 1) / 2)

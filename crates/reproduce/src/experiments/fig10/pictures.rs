@@ -141,16 +141,18 @@ fn plate_note(one: &SamplerResults, id: &str) -> String {
     first.map_or_else(String::new, |plate| text(id, &json!(plate)))
 }
 
-/// The image of the first set, or its error.
+/// The image of the first set, or its error; nothing where it has no shades.
 fn plate_content(one: &SamplerResults, which: usize, side: f64) -> Result<TileContent> {
     let images = one.plates.first().and_then(|plate| plate.shades.as_ref());
+    // The lower rows have the lowest frequencies, as in the exact tile.
     let lower = true;
     images.map_or(Ok(TileContent::Empty), |images| {
         shades(&images[which], side, lower)
     })
 }
 
-/// Returns the note below the image of the first set, and the image.
+/// Returns the note below the image of the first set, and the image: the first that has shades, which is that of
+/// [`SHOWN`] samples per pixel. Both are empty without one.
 fn horizon_content(one: &SamplerResults, side: f64) -> Result<(String, TileContent)> {
     let first = one.horizons.iter().filter_map(|sets| sets.first());
     let mut images = first.filter_map(|set| Some((set.rmse, set.shades.as_deref()?)));
@@ -158,6 +160,7 @@ fn horizon_content(one: &SamplerResults, side: f64) -> Result<(String, TileConte
         return Ok((String::new(), TileContent::Empty));
     };
     let note = format!("RMSE {}", number(rmse, 3));
+    // The upper rows have the sky and the horizon.
     let lower = false;
     Ok((note, shades(image, side, lower)?))
 }
@@ -220,6 +223,7 @@ fn horizons(all: &[SamplerResults], horizon: Horizon) -> Result<Picture> {
         tiles.push(tile(Some(LARGE), one.sampler.name(), note, content));
     }
     let values = json!({ "side": horizon.side, "shown": SHOWN });
+    // The same rows as in the other tiles.
     let lower = false;
     let exact = exact_tile(&horizon.exact(), lower)?;
     sheet("fig10/horizon", &values, exact, tiles)

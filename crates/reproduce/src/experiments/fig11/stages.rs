@@ -187,6 +187,8 @@ fn verified(
     Ok((timed, points))
 }
 
+/// Returns what a stage of the sequential engine is called here. That engine has neither the stage of patterns, which
+/// are made before, nor that of regions, which the parallel engine has.
 const fn procedure(stage: Stage, printed: bool) -> Procedure {
     match stage {
         Stage::Pattern | Stage::Blocks => Procedure::Blocks,

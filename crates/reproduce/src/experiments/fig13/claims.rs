@@ -93,6 +93,7 @@ fn by_name(rows: &[&EngineRate]) -> String {
     let ratios_of = |name: &String| {
         let rows = rows.iter().filter(|row| row.engine.name() == *name);
         let ratios = rows.map(|row| {
+            // All of these rows have a leaf: `rates` chose them by it.
             let leaf = row.leaf.unwrap_or_default();
             format!("{} at leaf {leaf} r", number(row.ratio.quartiles[1], 3))
         });

@@ -185,6 +185,8 @@ fn series(of: &MethodSpectra, value: impl Fn(usize) -> Option<f64>) -> Series {
     }
 }
 
+/// Returns the chart of mean powers, from 0 to 2: these ends are chosen, not measured. A curve without a band at every
+/// frequency has none.
 fn power(one: &MethodSpectra, below: &MethodSpectra) -> Panel {
     let [below, own] = [below, one].map(|of| series(of, |index| Some(of.curves.power[index])));
     let band = Some(one.curves.band.clone()).filter(|band| band.len() == one.curves.nu.len());

@@ -174,7 +174,7 @@ fn grid(spectrum: &Spectrum) -> MeanPicture {
 }
 
 /// Returns the root of the mean square of relative differences between two radial means, over frequencies from 0.1 to
-/// 2 `nu`; none where their annuli are not the same.
+/// 2 `nu`, ends that are chosen and not measured; none where their annuli are not the same.
 pub fn difference(one: &Curves, other: &Curves) -> Option<f64> {
     if one.power.len() != other.power.len() {
         return None;

@@ -12,7 +12,8 @@ use crate::numbers::{drawn_count, drawn_number};
 use crate::outcome::{Picture, Table};
 use crate::texts::table;
 
-/// Columns of iterations in the table of all sets.
+/// Columns of iterations that the table of all sets has at least. Chosen, not measured: sets with more iterations add
+/// columns.
 const COLUMNS: usize = 8;
 
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]

@@ -36,7 +36,8 @@ pub struct Witness {
 }
 
 impl Witness {
-    /// Returns the centre of a gap with those three of `samples`, by their indices, that are nearest to it.
+    /// Returns the centre of a gap with those three of `samples`, by their indices, that are nearest to it. Where there
+    /// are fewer than three, the missing sites are NaN, which counts as in sight.
     pub fn of(gap: &Gap, set: &Set, samples: &[usize]) -> Self {
         let [x, y] = gap.center;
         let away = |index: &usize| {
@@ -133,6 +134,7 @@ impl GapCounts {
                 control.go_on()?;
             }
 
+            // A centre that lies in no hole of the tessellation has no samples, and so no sites.
             let hole = parts.gap_at(gap.center);
             let samples = hole.map_or(&[][..], |hole| &parts.gaps[hole].sites);
             let witness = Witness::of(gap, set, samples);

@@ -96,6 +96,7 @@ fn around(set: &Set, center: [f64; 2], middle: [f64; 2]) -> Vec<[f64; 2]> {
 
 /// Returns the uncovered area, solid below a hatch.
 fn hole(triangles: &[[DVec2; 3]], palette: &Palette) -> Vec<Shape> {
+    // Transparency and hatch are chosen, not measured.
     let solid = Style::filled(with_alpha(palette.gap, 170));
     let mut hatched = solid;
     hatched.fill = Some(Fill::Hatch(Hatch {

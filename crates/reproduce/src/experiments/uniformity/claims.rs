@@ -189,11 +189,13 @@ fn frame_of(how: &str, reference: &SamplerUniformity, ours: &SamplerUniformity) 
 
 /// Which side of the border of a periodic domain has more samples.
 fn sides(order: &str, reference: &SamplerUniformity, ours: &SamplerUniformity) -> Claim {
+    // Two sides count as even if their intervals overlap.
     let even = |subject: &SamplerUniformity| {
         let [after, before] = subject.sides();
         after.interval[0] <= before.interval[1] && before.interval[0] <= after.interval[1]
     };
     let [after, before] = ours.sides();
+    // Intervals apart show a difference, however wide they are. That there is none, only narrow ones can show.
     let known = !even(ours) || after.tells(TELLING) && before.tells(TELLING);
     let verdict = Verdict::if_known(even(reference) && known, even(ours));
     let values = json!({

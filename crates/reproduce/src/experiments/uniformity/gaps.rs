@@ -141,7 +141,7 @@ impl Gap {
         }
     }
 
-    /// Returns a uniform place of the triangles.
+    /// Returns a uniform place of the triangles; in a gap without triangles, its deepest place.
     fn draw(&self, draws: &mut impl FnMut() -> f64) -> [f64; 2] {
         let Some(total) = self.areas.last() else {
             return self.region.deepest.0.into();
@@ -150,6 +150,7 @@ impl Gap {
         let triangle = self.areas.partition_point(|area| *area <= at);
         let [a, b, c] = self.region.fill[triangle.min(self.areas.len() - 1)];
         let (mut s, mut t) = (draws(), draws());
+        // The two draws fill a parallelogram: its half beyond the triangle is turned into the triangle.
         if s + t > 1.0 {
             (s, t) = (1.0 - s, 1.0 - t);
         }

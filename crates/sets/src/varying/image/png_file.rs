@@ -37,7 +37,8 @@ pub(super) fn read(file: &ImageFile<'_>) -> Result<Pixels, VaryingError> {
     if reader.info().is_animated() {
         return Err(file.fault("the image is animated; save one picture of it"));
     }
-    // The buffer has at most 8 bytes for each pixel, and the number of pixels was checked above, so that its size is a number.
+    // The buffer has at most 8 bytes for each pixel, and the number of pixels was checked above, so that its size is a
+    // number.
     let size = reader.output_buffer_size().unwrap_or(0);
     let mut data = vec![0; size];
     let info = reader.next_frame(&mut data).map_err(damaged)?;
