@@ -141,7 +141,7 @@ fn find(names: &[String], axis: &str) -> Result<Option<usize>, String> {
     only(names, axis, |name| is_near(name, axis))
 }
 
-/// The only column whose name is as wanted.
+/// The only column whose name is as wanted; `None` if none is. Several are an error.
 fn only(
     names: &[String],
     wanted: &str,
@@ -166,7 +166,7 @@ fn is_near(name: &str, axis: &str) -> bool {
     matches!(&specific_words(name)[..], [word] if joined(word))
 }
 
-/// The names of longitude and latitude.
+/// The names of longitude and latitude; `None` unless a header has both.
 fn degrees(names: &[String]) -> Option<[&String; 2]> {
     let find = |known: &[&str]| {
         let is_known = |word: &String| known.contains(&word.as_str());
@@ -176,7 +176,8 @@ fn degrees(names: &[String]) -> Option<[&String; 2]> {
     Some([longitude, find(&["lat", "latitude"])?])
 }
 
-/// The words of a name in lower case, without units in brackets and without general words.
+/// The words of a name in lower case, without units in brackets and without general words. A bracket that is not closed
+/// makes all behind it a unit.
 fn specific_words(name: &str) -> Vec<String> {
     let mut depth = 0_u32;
     let without_units = name.chars().map(|letter| {
@@ -197,6 +198,7 @@ fn specific_words(name: &str) -> Vec<String> {
 
 /// The names in quotation marks, cut to a bounded number.
 fn list(names: &[String]) -> String {
+    // Chosen, not measured.
     const MOST: usize = 12;
     let quoted = names.iter().take(MOST).map(|name| format!("\"{name}\""));
     let mut listed = quoted.collect::<Vec<_>>().join(", ");

@@ -65,6 +65,7 @@ impl Separator {
 
 /// The bytes of a row outside of its quotation marks.
 fn outside_quotes(row: &[u8]) -> impl Iterator<Item = u8> {
+    // The first part lies outside, the second one inside, and so on by turns.
     let parts = row.split(|&b| b == b'"').step_by(2);
     parts.flatten().copied()
 }
@@ -77,6 +78,7 @@ fn is_row(part: &[u8]) -> bool {
 /// Whether a field is a number or was meant to be one, such as `0,5` or `1.0D-02`.
 pub(crate) fn looks_numeric(field: &[u8]) -> bool {
     let field = unquoted(field);
+    // `inf` and `NaN` are numbers that begin with a letter.
     let parses = || std::str::from_utf8(field).is_ok_and(|text| text.parse::<f64>().is_ok());
     matches!(field.first(), Some(b'0'..=b'9' | b'+' | b'-' | b'.')) || parses()
 }
@@ -123,7 +125,7 @@ impl QuotedRow {
         self.ends.resize(self.line.len() + 1, 0);
 
         self.parser.reset();
-        let (result, _, _, count) =
+        let (result, _read, _written, count) =
             (self.parser).read_record(&self.line, &mut self.contents, &mut self.ends);
         self.ends.truncate(count);
         result == csv_core::ReadRecordResult::Record
