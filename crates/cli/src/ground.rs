@@ -166,7 +166,10 @@ impl GroundArguments {
         // An expression gives the radius alone. A density needs a radius beside it, that of black; and where there is a shape
         // alone, the radius is the same everywhere.
         let radius = match (&self.radius_expression, &self.density_image, set.radius) {
-            (Some(text), ..) => formula(text)?,
+            (Some(_), _, Some(_)) => {
+                bail!("both --radius and --radius-expression are given; give one")
+            }
+            (Some(text), _, None) => formula(text)?,
             (None, Some(path), Some(black)) => RadiusSource::Density {
                 image: image(path, "--density-image")?,
                 black,

@@ -37,7 +37,7 @@ pub fn run(
         bail!("--source is for sets whose certificate states that they were thinned");
     };
     // The points were chosen by the certificate's own values: the choice cannot be judged by other ones.
-    refuse_others(set)?;
+    refuse_others(set, ground)?;
 
     let verdict = verdict(
         path,
@@ -56,7 +56,7 @@ pub fn run(
 }
 
 /// Refuses arguments that would describe another set than the certificate.
-fn refuse_others(set: &SetArguments) -> Result<()> {
+fn refuse_others(set: &SetArguments, ground: &GroundArguments) -> Result<()> {
     let given = [
         ("--radius", set.radius.is_some()),
         ("--width", set.width.is_some()),
@@ -64,6 +64,8 @@ fn refuse_others(set: &SetArguments) -> Result<()> {
         ("--depth", set.depth.is_some()),
         ("--boundary", set.boundary.is_some()),
         ("--origin", set.origin.is_some()),
+        ("--shape", ground.shape.is_some()),
+        ("--mask", ground.mask.is_some()),
     ];
     match given.into_iter().find(|(_, is_given)| *is_given) {
         Some((name, _)) => {

@@ -306,6 +306,10 @@ fn positions_of_others_are_in_the_coordinates_of_the_shape() {
         run(&folder, line, 0)["origin"],
         json!([500_000.0, 5_400_000.0])
     );
+    let both = "verify trees.csv --radius 2 --radius-expression 2+0*x";
+    let refused = tilescope(&folder).args(words(both)).assert().code(2);
+    refused.stderr(contains("both --radius and --radius-expression are given"));
+
     tamper(&folder, "trees.csv", 7, None);
     assert!(run(&folder, line, 1)["gaps"].as_u64().unwrap() > 0);
 }
