@@ -346,10 +346,10 @@ impl Domain {
 
     /// Returns the promised bound on the covering radius, in user units: (1 + 2^-15) radius.
     ///
-    /// A place that insertion leaves uncovered is within 0.71 units (half a lattice diagonal) of
-    /// a covered point (0.12 units more with a pattern from a file), and a unit exceeds `radius / R` by at most one part in the shortest
-    /// side's 131,072 units, 0.25 units at r: together below one unit, 2^-15 r. With a pattern from a file the shortest side has
-    /// 196,608 units.
+    /// A place that insertion leaves uncovered is within 0.71 units (half a lattice diagonal) of a covered point (0.12
+    /// units more with a pattern from a file), and a unit exceeds `radius / R` by at most one part in the shortest
+    /// side's 131,072 units, 0.25 units at r: together below one unit, 2^-15 r. With a pattern from a file the shortest
+    /// side has 196,608 units.
     #[must_use]
     pub fn covering_bound(&self) -> f64 {
         self.radius * (1.0 + 1.0 / f64::from(R))
@@ -508,12 +508,12 @@ impl Domain {
 
         let end = |position: f64, axis: usize| {
             let units = [self.width, self.height][axis];
-            let last = first(position, axis);
+            let beyond = first(position, axis);
             // A rectangle that reaches a closed border includes it.
-            if last == units {
+            if beyond == units {
                 self.rect_side(axis)
             } else {
-                last
+                beyond
             }
         };
 
@@ -529,8 +529,9 @@ impl Domain {
         if axis == 0 { max.x } else { max.y }
     }
 
-    /// Returns the lattice point nearest to a finite position in user units, wrapped or clamped into
-    /// the domain; positions should lie in it, or at most a side outside. Positions made by [`Self::user_from_lattice`] return to their own lattice point.
+    /// Returns the lattice point nearest to a finite position in user units, wrapped or clamped into the domain;
+    /// positions should lie in it, or at most a side outside. Positions made by [`Self::user_from_lattice`] return to
+    /// their own lattice point.
     #[must_use]
     pub fn lattice_from_user(&self, position: [f64; 2]) -> Point {
         let axis = |value: f64, side: f64, total: i32| {

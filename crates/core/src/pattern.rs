@@ -205,7 +205,7 @@ impl PatternVariant {
         }
     }
 
-    /// Returns the rectangle of all starts at which a `width` x `height` clip fits.
+    /// Returns the rectangle of all starts at which a `width` x `height` clip fits, or `None` if it fits nowhere.
     #[must_use]
     pub fn starts(&self, width: i32, height: i32) -> Option<Rect> {
         let max = if self.periodic {

@@ -20,6 +20,7 @@ pub(super) struct Clip {
 
 /// Returns every piece's contribution; samples more than `reach` units inside their rectangle are deep.
 pub(super) fn clips(domain: &Domain, pieces: &[Piece], reach: i32) -> Vec<Clip> {
+    // Pieces may differ much in size: each is a task of its own.
     let each = pieces.par_iter().with_max_len(1);
     each.map(|piece| clip(domain, pieces, piece, reach))
         .collect()

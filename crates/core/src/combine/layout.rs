@@ -80,7 +80,8 @@ fn check_partition(domain: &Domain, rects: &[Rect]) -> Result<(), CombineError> 
     let mut by_column: Vec<usize> = (0..rects.len()).collect();
     by_column.sort_by_key(|&k| rects[k].min.x);
 
-    // Between two edges of rectangles all rows are alike: the lowest one stands for its strip.
+    // Between two edges of rectangles all rows are alike: the lowest one stands for its strip. Row 0 is looked at
+    // even if no rectangle begins there.
     let ends = rects.iter().flat_map(|rect| [rect.min.y, rect.max.y]);
     let mut edges: Vec<i32> = ends.chain([0]).filter(|&y| y < all.y).collect();
     edges.sort_unstable();
@@ -88,6 +89,7 @@ fn check_partition(domain: &Domain, rects: &[Rect]) -> Result<(), CombineError> 
 
     for y in edges {
         // How far the row is covered, and the rectangle that ends there.
+        // Before the first rectangle `last` is not read, as none begins below 0.
         let (mut end, mut last) = (0, 0);
         let at = |x: i32| domain.user_from_lattice(Point::new(x, y));
 
@@ -150,7 +152,8 @@ fn check_set(piece: usize, placed: &Piece) -> Result<(), CombineError> {
     Ok(())
 }
 
-/// Returns whether the set covers the lines of its rectangle, `short` of them on each axis, on which it ends.
+/// Returns whether the set covers the last columns and rows of its rectangle, which lie just beyond the set's own
+/// domain: `short` of them on each axis, none where that number is not positive.
 fn covers_beyond(placed: &Piece, short: [i32; 2]) -> bool {
     let (start, max) = (placed.start, placed.set.domain().rect().max);
     let points = placed.set.samples().iter();

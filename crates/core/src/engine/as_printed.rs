@@ -326,6 +326,7 @@ impl AsPrinted {
         let limit = i64::from(radius) * i64::from(radius);
         let mut members = Vec::new();
 
+        // The closure returns `false`, so that the search goes on to the last sample.
         self.grid.any_near(centre, radius, |near| {
             let distance_squared = near.offset.as_i64vec2().length_squared();
             if distance_squared <= limit && is_valid(samples.fates[near.id as usize]) {

@@ -28,6 +28,7 @@ pub(crate) enum What {
 pub(crate) struct Agenda {
     /// The questions of each level.
     levels: [Vec<Arriving>; LAST_LEVEL as usize + 1],
+    /// The level that is being decided; none before the first.
     deciding: Option<u32>,
     /// Its questions in the order of arrival, each a word: the first bits of the arrival, then the question's index in the level.
     order: Vec<u64>,

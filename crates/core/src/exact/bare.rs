@@ -198,7 +198,7 @@ impl MarkedCells {
         }
     }
 
-    /// Returns where a piece has a cell, without what of the cell lies beyond the piece.
+    /// Returns where a piece has a cell, without what of the cell lies beyond the piece, or `None` if all of it does.
     pub(crate) fn placed(&self, PieceCell { piece, min }: PieceCell, side: i32) -> Option<Rect> {
         let piece = &self.pieces[piece as usize];
         let Rect { min: low, max: end } = piece.sources;

@@ -326,7 +326,8 @@ impl<'a> ExactTiling<'a> {
         let mut meter = Meter::begin(observer, stage, known as u64)?;
 
         while let Some(next) = self.agenda.next() {
-            // A question may be asked twice, which changes nothing. A recording has it once.
+            // A question may be asked twice, which changes nothing. A recording has it once, and so keeps each question
+            // to compare the next one with it.
             let is_repeated = T::ENABLED && self.kept.last.replace(next) == Some(next);
             if !is_repeated {
                 match next.what {
@@ -454,7 +455,7 @@ impl<'a> ExactTiling<'a> {
         self.fresh = fresh;
     }
 
-    /// Cuts a cell of `side` units for a level, and opens the parts that no single sample covers.
+    /// Cuts a cell of `side` units for a level, and opens the parts that no single sample of the levels before covers.
     fn cut_cell<T: Recorder>(&mut self, cell: PieceCell, side: i32, level: u32, recorder: &mut T) {
         let first = self.open.len();
         let mut decided = self.present.before(Arrival::new(level, 0, 0));

@@ -289,6 +289,7 @@ fn blocked(
                 let order = |id: u32| (arrivals[id as usize], samples[id as usize].row_major());
 
                 let mut first: Option<u32> = None;
+                // The closure returns `false`, so that all samples near are compared.
                 grid.any_near(place, R, |near| {
                     let is_earlier = first.is_none_or(|id| order(near.id) < order(id));
                     if is_earlier && covers_offset(near.offset) {

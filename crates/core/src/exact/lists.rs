@@ -92,7 +92,8 @@ impl CoverLists {
         }
     }
 
-    /// Adds a sample to the list of a cell that has one.
+    /// Adds a sample to the list of a cell that has one. A list without room moves behind the others; its old places
+    /// stay unused until all lists are removed.
     pub(crate) fn add(&mut self, cell: usize, sample: Covering) {
         let held = self.cells[cell];
         if held.len == held.room {

@@ -305,7 +305,8 @@ impl<'a> PresentSamples<'a> {
         out.extend(later.map(|other| other.id));
     }
 
-    /// Calls `visit` with the ids of samples in cells within R of a rectangle, and their offsets from its lowest place, until it returns `true`; returns whether it did. Lost ones are left out.
+    /// Calls `visit` with the ids of samples in cells within R of a rectangle, and their offsets from its lowest place,
+    /// until it returns `true`; returns whether it did. Lost ones are left out.
     #[inline]
     fn any_near(&self, rect: &Rect, mut visit: impl FnMut(u32, IVec2) -> bool) -> bool {
         self.ground.any_part(&around(rect), |part, moved| {

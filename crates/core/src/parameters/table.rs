@@ -359,6 +359,7 @@ impl Parameter {
     pub fn value_of(self, option: &ParameterOption) -> Value {
         match self.row().kind {
             ParameterKind::Switch { .. } => json!(option.name == "yes"),
+            // A choice. Numbers have no options.
             _ => json!(option.name),
         }
     }

@@ -54,11 +54,14 @@ impl BallGrid {
     /// Returns whether any sample covers a place of the domain.
     #[inline]
     pub fn covers(&self, place: Place) -> bool {
-        self.any_near(place, 1, 0, covers_offset)
+        // A place is a cube of one unit, and a sample that just reaches it covers it.
+        let (side, depth) = (1, 0);
+        self.any_near(place, side, depth, covers_offset)
     }
 
     /// Calls `visit` with the offset from `min` of samples that lie within R of a cube, and of some farther ones, until
-    /// it returns `true`; returns whether it did. `min` is the cube's lowest place, and it lies in one cell.
+    /// it returns `true`; returns whether it did. `min` is the lowest place of the cube, which lies in one cell and is
+    /// `side` units wide. Samples in cells from which none reaches `depth` units into it are left out.
     #[inline]
     fn any_near(
         &self,

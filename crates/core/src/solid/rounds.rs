@@ -63,7 +63,9 @@ impl<'a> Undecided<'a> {
 
     /// Returns whether no earlier dart lies within the radius of a dart.
     fn is_first(&self, number: u32, place: Place) -> bool {
-        !self.frame.any_cell_near(place, 1, 0, |cell, _| {
+        // A place is a cube of one unit, which a dart just has to reach.
+        let (side, depth) = (1, 0);
+        !self.frame.any_cell_near(place, side, depth, |cell, _| {
             let mut entry = self.heads[cell];
             while entry != NOTHING {
                 let other = &self.entries[entry as usize];

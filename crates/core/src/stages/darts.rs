@@ -295,7 +295,7 @@ impl<G: DartGround> DartProcess<G> {
         Ok(accepted)
     }
 
-    /// Returns the darts of this level that no sample of earlier levels covers, by rank.
+    /// Returns the darts of the throw to come that no sample so far covers, by rank.
     fn darts<T: Recorder>(
         &self,
         meter: &mut Meter<'_>,

@@ -263,6 +263,8 @@ impl<'a> Detection<'a> {
         self.cell.reset(min, max);
     }
 
+    /// Makes `near` the samples at most `reach` from the detector `id` at `at` on both axes, without itself, and cuts
+    /// off from the relaxed cell what each of them takes.
     fn clip_cell(&mut self, id: u32, at: Point, reach: i32) {
         self.near.clear();
         let (near, cell) = (&mut self.near, &mut self.cell);

@@ -26,6 +26,7 @@ pub fn gap_process(domain: Domain, samples: &Samples, key: Key) -> DartProcess {
             let fits = disks.insert(point);
             debug_assert!(fits, "survivors are conflict-free");
         } else {
+            // Elimination has decided all: the sample is eliminated or dropped.
             touched_cells(&domain, point, &mut cells);
         }
     }

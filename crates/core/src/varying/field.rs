@@ -361,7 +361,8 @@ impl RadiusField {
 
     /// Returns the range of the nodes around some cells, or a little more.
     fn cells_range(&self, first: [usize; 2], last: [usize; 2]) -> RadiusRange {
-        // The smallest blocks of which three or fewer on each axis hold all cells: at most nine ranges are read.
+        // The smallest blocks of which three or fewer on each axis hold all cells: at most nine ranges are read. The
+        // last level has a single block, which always does.
         let spread =
             |size: usize| (0..2).all(|axis| (last[axis] >> size) - (first[axis] >> size) <= 2);
         let size = (0..self.levels.len())

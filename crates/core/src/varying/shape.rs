@@ -226,7 +226,8 @@ impl Polygon {
             if area == 0 && edge.is_beside([x, y], [x, y]) {
                 return true;
             }
-            // An edge without its upper end: of two edges that meet in a corner, one crosses its row, or none or both do.
+            // An edge counts without its upper end. So a row through a corner crosses one of the corner's two edges
+            // where the ring passes through the row, and none or both where it turns back.
             odd ^= edge.low[1] <= y && y < edge.high[1] && area > 0;
         }
         odd

@@ -79,6 +79,7 @@ impl PieceSource {
                 own: true,
             } => {
                 let domain = parameters.validate();
+                // Never 0: the parameters were validated when the entry was read.
                 domain.map_or(0.0, |domain| domain.area_radii() * MAXIMAL_DENSITY)
             }
             // A set that is made for the rectangle has no samples beside it, and that of a file is not made.

@@ -395,7 +395,7 @@ impl Clipper {
     }
 }
 
-/// Returns the point of the pattern at the lowest corner of `rect`, a part of a block.
+/// Returns the point of the pattern at the lowest corner of `rect`, a part of a block enlarged by r.
 fn start_of(block: &PlacedBlock, rect: &Rect) -> I64Vec2 {
     let corner = block.rect.min - i64::from(R);
     I64Vec2::from(block.start) + I64Vec2::from(rect.min) - corner

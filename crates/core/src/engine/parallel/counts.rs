@@ -57,6 +57,7 @@ impl WindowCounts {
         let inserted: u64 = self.inserted.iter().sum();
         Summary {
             blocks: self.blocks as usize,
+            // All samples that were not inserted were tiled, and so were all that were eliminated.
             tiled: (count - inserted + self.eliminated) as usize,
             dropped: self.dropped as usize,
             eliminated: self.eliminated as usize,

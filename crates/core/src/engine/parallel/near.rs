@@ -15,7 +15,8 @@ use super::stamp::PIXEL_SIDE;
 /// Samples are handled in groups of this many.
 const LANES: usize = 8;
 
-/// Groups that hold the samples of the widest search: 81 cells, three in each.
+/// Groups that hold the samples of the widest search: 81 cells, three in each. [`Near::gather`] writes up to one group
+/// beyond the last sample, and the last group itself may not be full.
 const GROUPS: usize = (81 * 3 + 2 * LANES) / LANES;
 
 /// A bound on the error in `f32` of squared distances of up to 4r, 2^34: three roundings of one part in 2^24.
@@ -275,7 +276,8 @@ impl Near {
 }
 
 /// Returns the squared distance up to which a sample may make a candidate in a pixel whose nearest
-/// sample is at `nearest`.
+/// sample is at `nearest` from its centre. A place of the pixel is up to half a diagonal farther from that sample, and
+/// may itself lie half a diagonal away from the centre on the other sample's side.
 #[inline(always)]
 fn site_limit(nearest: f32) -> f32 {
     let limit = nearest + 2.0 * HALF_DIAGONAL + SITE_SLACK;

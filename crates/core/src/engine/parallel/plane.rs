@@ -29,7 +29,7 @@ const HALO: i32 = 6;
 /// holes everywhere could need more.
 const MAX_REPAIRS: usize = 7;
 
-/// Unsure cells this near to each other are repaired together.
+/// Unsure cells at most this many cells from each other are repaired together (chosen, not measured).
 const NEIGHBOURS: i32 = 8;
 
 /// The plane of a run, from which any window can be computed alone.
@@ -126,8 +126,9 @@ impl Plane {
         dispatch!(self.instructions.level(), _simd => region.emit(out, tags, rows));
     }
 
-    /// Computes a window in the region number `depth` of `scratch`, and adds its counts to `counts`. The
-    /// window is not empty and lies in the domain.
+    /// Computes a window in the region number `depth` of `scratch`, and adds its counts to `counts`. Depth 0 is the
+    /// window that was asked for, each further one a repair of the one before, with twice its halo. The window is not
+    /// empty and lies in the domain.
     pub(super) fn compute<const TAGS: bool>(
         &self,
         scratch: &mut Scratch<TAGS>,
@@ -199,7 +200,7 @@ pub fn lost_reach(pattern: &Pattern, domain: &Domain, insertion: Insertion) -> i
         // 4r, or 5.5r near closed borders, and a few units.
         Insertion::Circumcentre if domain.is_periodic() => 5,
         Insertion::Circumcentre => 6,
-        // Or in a cell of the dart process that a lost sample's surroundings touch.
+        // Or in a cell of the dart process that a lost sample's surroundings touch: at most two cells away.
         Insertion::Uniform => 2,
     }
 }

@@ -126,6 +126,7 @@ impl<const TAGS: bool> Region<TAGS> {
         let cell = self.frame.cell_at(x, y);
         let index = push(&mut self.slots[cell], pack(x, y));
         if TAGS {
+            // The index is at most 2: the compiler sees it by this, and tests nothing.
             self.tags[cell][index.min(2)] = tag;
         }
     }

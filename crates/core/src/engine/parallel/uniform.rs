@@ -71,7 +71,7 @@ impl<const TAGS: bool> Region<TAGS> {
         self.gaps = gaps;
     }
 
-    /// Flags as reached the cells at most `reach` away from one.
+    /// Flags as reached the cells at most `reach` away from one, those of the padding too, which is wider.
     fn reach_around(&mut self, cell: usize, reach: i32) {
         let (column, row) = self.frame.column_row(cell);
         for row in row - reach..=row + reach {
@@ -233,7 +233,8 @@ impl<const TAGS: bool> Region<TAGS> {
         }
     }
 
-    /// Returns the quarters of the active cells that may hold uncovered points in which this region may insert.
+    /// Returns those quarters of the active cells, of `side` units, that may hold uncovered points and into which this
+    /// region may insert.
     fn quarters(&self, rules: &Rules, active: &[Active], side: i32) -> Vec<Active> {
         let half = side / 2;
         let max = rules.domain.rect().max;

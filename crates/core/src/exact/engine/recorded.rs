@@ -118,6 +118,7 @@ impl ExactTiling<'_> {
     /// Returns where the domain has a cell of the pattern. At the border of a block a part of it is missing.
     pub(super) fn square(&self, cell: PieceCell, side: i32) -> Cell {
         let placed = self.cells.placed(cell, side);
+        // Marked and open cells have a part in their piece, so that `cell.min` never stands in.
         let min = placed.map_or(cell.min, |placed| placed.min);
         Cell { min, side }
     }

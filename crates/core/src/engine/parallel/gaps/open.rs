@@ -1,5 +1,6 @@
 //! Finds the cells and pixels that may hold uncovered places: cells near lost samples, and pixels that the stamps of
-//! the samples around do not prove covered. `false` is a proof, `true` is not.
+//! the samples around do not prove covered. Cells and pixels that are left out are surely covered; those found may
+//! turn out to be.
 
 use crate::lattice::R;
 
