@@ -115,7 +115,9 @@ fn widen(
         let coarse = Grid::new(points, grid.domain, side);
         monitor.advance(0)?;
         // Conflicts are all counted: only the smallest distance is sought, and the work is not counted twice.
-        let found = scan(&coarse, 0..coarse.cells[1], 0.0, 0, &monitor.uncounted())?;
+        let (radius, witnesses) = (0.0, 0);
+        let rows = 0..coarse.cells[1];
+        let found = scan(&coarse, rows, radius, witnesses, &monitor.uncounted())?;
         pairs.min_distance = pairs.min_distance.min(found.min_distance);
         side = certain_distance(&coarse);
     }

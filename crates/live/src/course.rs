@@ -65,7 +65,8 @@ impl Course {
     pub fn of_order(domain: Domain, points: &[Point]) -> Self {
         let mut recorder = CourseRecorder::from(Stage::Finish);
         for sample in 0..points.len() as u32 {
-            recorder.change(sample, true);
+            let comes = true;
+            recorder.change(sample, comes);
             recorder.events += 1;
         }
         recorder.finish(domain, points)
@@ -214,6 +215,7 @@ impl CourseRecorder {
 
     /// Takes the next event; `None` for one that neither changes a sample nor begins a stage.
     fn take(&mut self, run_event: Option<RunEvent>) {
+        let (comes, goes) = (true, false);
         match run_event {
             Some(RunEvent::Begin(stage)) => self.begin(stage),
             Some(RunEvent::Iteration { number, .. }) => self.begin(Stage::Iterate(number)),
@@ -225,8 +227,9 @@ impl CourseRecorder {
                     ..
                 }
                 | RunEvent::Insert { sample, .. },
-            ) => self.change(sample, true),
-            Some(RunEvent::Eliminate { sample, .. }) => self.change(sample, false),
+            ) => self.change(sample, comes),
+            Some(RunEvent::Eliminate { sample, .. }) => self.change(sample, goes),
+            // Other events show what the run looks at. They count as moments, and change nothing.
             _ => {}
         }
         self.events += 1;

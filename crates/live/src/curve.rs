@@ -198,7 +198,7 @@ impl CurveMaker {
     }
 }
 
-/// Returns the cursors of a curve: both ends, and those after changes, of which at most `most` are taken.
+/// Returns the cursors of a curve: both ends, and those after changes. At most `most` are taken, which is two or more.
 fn spread_cursors(course: &Course, most: usize) -> Vec<usize> {
     let after = course
         .changes()

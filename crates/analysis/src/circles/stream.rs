@@ -294,7 +294,8 @@ fn seam_rows(cells: &Cells) -> usize {
     (first(cells) + KEPT).max(KEPT + 1) + KEPT
 }
 
-/// Returns the error for a stream that the judge declines.
+/// Returns the error for a stream that the judge declines. Neither the smallest distance nor the place of the hole is
+/// passed on: infinity and the corner of the region stand for them.
 fn refused(declined: Declined, question: &Question, samples: usize) -> VerifyError {
     let scale = question.domain.scale;
     match declined {

@@ -50,8 +50,8 @@ impl RadialProfile {
                 count + 1.0,
             ]
         });
-        // The variances of the annuli's ratios add up, as these are independent: `sum.sqrt() / count` is that of the
-        // mean.
+        // The variances of the annuli's ratios add up, as these are independent: `sum.sqrt() / count` is the standard
+        // deviation of their mean.
         10.0 * (1.0 + NORMAL[1] * sum.sqrt() / count).log10()
     }
 }

@@ -41,7 +41,8 @@ impl PairBins {
         // A little less than half the shorter side, beyond which g(r) is not defined.
         let half = 0.499 * region.shorter_side();
         if let Some(radius) = radius.filter(|radius| *radius > 0.0) {
-            // A radius that is not the set's may be longer than its domain.
+            // A radius that is not the set's may be longer than its domain: no bin fits then, and those of `r_max` are
+            // taken.
             let reach = half.min(PairCorrelation::MAX_DISTANCE * r_max) / radius;
             let count = (EACH * reach.min(MAX_UNITS)).floor();
             if count >= 1.0 {

@@ -177,8 +177,7 @@ impl PowerCurve {
 
     /// Returns the oscillation `10 sqrt(mean of (P - 1)^2)` over the ring of frequencies from the first at which the
     /// power is nearly 1 to one that is 5 higher, or to the end of the curve: compare only curves of one range. Zero
-    /// for
-    /// noise, but for its scatter. None where the power never comes near 1.
+    /// for noise, but for its scatter. None where the power never comes near 1, or does so only at the curve's end.
     #[must_use]
     pub fn oscillation(&self) -> Option<f64> {
         let first = self.powers.iter().position(|power| *power >= NEARLY_ONE)?;

@@ -302,7 +302,7 @@ impl MeasuredSet {
         self.spectrum.as_ref().or(self.rough.as_ref())
     }
 
-    /// Returns the pair correlation as pairs of a distance, divided by `unit`, and g.
+    /// Returns the pair correlation as pairs of a distance, divided by `unit`, and g; none before it is measured.
     #[must_use]
     pub fn correlation(&self, unit: f64) -> Vec<[f64; 2]> {
         let Some(pairs) = &self.pairs else {

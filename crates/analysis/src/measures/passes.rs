@@ -78,8 +78,8 @@ impl TransformPlan {
             let count = spread.spread_strip(strip, &mut grid);
             monitor.advance(count as u64)?;
             let lines = out.len() / rows;
-            for (pair, out) in out.chunks_mut(2 * rows).enumerate() {
-                let pair = strip * STRIP / 2 + pair;
+            for (pair_of_strip, out) in out.chunks_mut(2 * rows).enumerate() {
+                let pair = strip * STRIP / 2 + pair_of_strip;
                 transform(&grid, pair, &mut scratch, &fft, out);
             }
 

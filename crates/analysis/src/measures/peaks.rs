@@ -93,6 +93,7 @@ fn mean_at(means: &[FrequencyPower], length: f64) -> f64 {
             low.power + part * (high.power - low.power)
         }
         (Some(only), None) => only.power,
+        // No ring has a frequency.
         _ => f64::NAN,
     }
 }

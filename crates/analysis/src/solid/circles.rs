@@ -90,7 +90,8 @@ pub(super) fn search(
             neighbours.list(index, &mut near);
             let distances = near.iter().map(|other| other.distance);
             found.min_distance = distances.fold(found.min_distance, f64::min);
-            // What spheres that nearly coincide cover of each other is left to rounding.
+            // A set with conflicts is declined below: where spheres nearly coincide, rounding decides what they cover
+            // of each other.
             if found.min_distance < radius {
                 break;
             }

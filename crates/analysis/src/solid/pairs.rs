@@ -119,8 +119,9 @@ fn smallest_distance(
             continue;
         }
 
-        // No distance is below 0, so that nothing is counted.
-        let found = bins.scan(0.0, 0, &monitor)?.min_distance;
+        // No distance is below 0, so that no conflict is counted, and none needs to be listed.
+        let (radius, witnesses) = (0.0, 0);
+        let found = bins.scan(radius, witnesses, &monitor)?.min_distance;
         // All pairs within the reach were seen, and a bin as wide as the region sees all.
         if found <= reach || bins.is_one() {
             return Ok(found);

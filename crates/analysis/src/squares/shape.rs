@@ -153,7 +153,8 @@ impl EdgeRows {
             }
         }
 
-        // Low bands have few edges to look through. More bands than edges would take memory without need.
+        // Low bands have few edges to look through. More bands than edges would take memory without need. A band of
+        // 2^32 rows holds any region, as heights have 31 bits.
         let most_bands = (edges.len() as i64).clamp(1, MAX_BANDS);
         let bits = (0..32)
             .find(|bits| height >> bits < most_bands)

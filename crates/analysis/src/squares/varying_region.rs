@@ -199,7 +199,9 @@ impl VaryingRegion {
         // The search by squares made the whole of the progress.
         let monitor = Monitor::resumed(control, count, count).uncounted();
         let grid = Grid::new(points, domain, cell_side(&domain, points.len()));
-        let pairs = pairs::search(&grid, points, radius, 0, &monitor)?;
+        // Conflicts are those of the search by squares: none of these pairs is listed.
+        let witnesses = 0;
+        let pairs = pairs::search(&grid, points, radius, witnesses, &monitor)?;
         Ok(pairs.min_distance / domain.scale)
     }
 
