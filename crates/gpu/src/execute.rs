@@ -117,6 +117,7 @@ impl Device {
     fn empty(gpu: &Arc<Gpu>, recording: Recording) -> Result<Self, GpuError> {
         let jobs = gpu.buffer(
             "jobs",
+            // More than enough: a part of the commands has half as many passes (see `submit`).
             JOB_STRIDE * u64::from(MAX_TIMESTAMPS),
             wgpu::BufferUsages::UNIFORM | wgpu::BufferUsages::COPY_DST,
         )?;

@@ -101,7 +101,8 @@ pub(crate) fn plan(
         })
     };
 
-    // The first checks need no plan, whose memory grows with the window. The grid takes 16 bytes a cell.
+    // The first checks need no plan, whose memory grows with the window. The grid takes 16 bytes a cell, and numbers of
+    // cells are compared as bytes, since the error states bytes.
     let (cell_bytes, around) = (16, 2 * halo as u64);
     let binding = limits.max_storage_buffer_binding_size;
     check(

@@ -163,7 +163,8 @@ fn run_with(pass: &'static Pass, [a, b, c, d]: [u32; 4], size: Size) -> Command 
     Command::Dispatch { pass, job, size }
 }
 
-/// Returns the command that updates the workgroups of indirect dispatches.
+/// Returns the command that updates the workgroups of indirect dispatches. `flags` are those of `PREPARE_*`, and 0 asks
+/// for nothing else.
 fn prepare(flags: u32) -> Command {
     run_with(&PREPARE, [flags, 0, 0, 0], Size::Workgroups(1))
 }

@@ -161,6 +161,7 @@ impl LiveMoment {
         let r_max = largest_min_distance(count, region.area());
 
         Some(Report {
+            // No judge is asked: these are the numbers that measures keep.
             judges: Vec::new(),
             count,
             region,

@@ -68,6 +68,7 @@ pub(crate) fn level(level: u32, side_bits: u32, [a, b]: [u32; 2]) -> Vec<Command
         run_with(&THROW, [a, b, side_bits, 0], argument("ARGUMENT_ACTIVE")),
         prepare(0),
     ];
+    // Darts have their ranks already, so that no key is needed to draw them.
     commands.extend(insert(level, None));
     commands
 }
