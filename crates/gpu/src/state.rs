@@ -346,7 +346,8 @@ fn ids_of(samples: &Samples) -> HashMap<Point, u32> {
         .collect()
 }
 
-/// Returns the active cells of a level that lie in the window, in the sequence in which core visits them.
+/// Returns the active cells of level `k` that lie in the window, in the sequence in which core visits them. `before` is
+/// the iteration of the level before, if there is one.
 fn cells(work: &WindowRun, k: u32, active: &[u8], before: Option<&Iteration>) -> Vec<Cell> {
     let words: Vec<i32> = bytemuck::pod_collect_to_vec(active);
     let side = R >> k;

@@ -202,7 +202,8 @@ impl Stepper {
 /// Fails when a run with its halo and the recorded stages does not fit the device.
 fn check_size(gpu: &Gpu, setup: &Setup) -> Result<(), GpuError> {
     // Recorded stages take about as much memory as the buffers.
-    let memory = memory_of(gpu.report(), None) / 2;
+    let no_limit = None;
+    let memory = memory_of(gpu.report(), no_limit) / 2;
     let allowed = longest_side(setup, &gpu.report().limits, memory)?;
     let [columns, rows] = setup.cells();
     let needed = columns.max(rows);

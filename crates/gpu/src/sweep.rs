@@ -29,8 +29,8 @@ pub struct Options {
     pub sources: bool,
     /// Whether to report every pass, with times if the adapter measures them.
     pub timed: bool,
-    /// Initial width of the halo in cells, at least 1. Windows with a narrow halo are recomputed more often; the result
-    /// is the same. For experiments.
+    /// Initial width of the halo in cells, from 1 to 24, the usual width; another number is taken for the nearest
+    /// of these. Windows with a narrow halo are recomputed more often; the result is the same. For experiments.
     pub halo: Option<u32>,
 }
 

@@ -175,7 +175,7 @@ impl WindowRun {
         self.queue.is_empty() && self.stage_of(self.step) != self.stage
     }
 
-    /// Returns whether no pass has run yet.
+    /// Returns whether no pass has run yet; `false` where passes are not reported.
     fn is_at_beginning(&self) -> bool {
         self.device.reports.as_ref().is_some_and(Vec::is_empty)
     }
@@ -192,6 +192,7 @@ impl WindowRun {
             Stage::Iterate(k) => Some(Stage::Iterate(k - 1)),
             // Iterations that found nothing do not count as stages.
             Stage::Finish => Some(Stage::Iterate(self.inserted.len().max(1) as u32)),
+            // While blocks are in work, no stage is complete. A window has no other stages.
             _ => None,
         }
     }
@@ -507,6 +508,7 @@ impl WindowRun {
                     kept.entry(k).or_default().active = cells;
                 }
             }
+            // Any other step stays the next one, and nothing is kept before it.
             _ => {}
         }
 
@@ -516,6 +518,7 @@ impl WindowRun {
     async fn keep(&mut self, k: u32) -> Result<(), GpuError> {
         let count = u64::from(self.counter(counter::PROPOSALS));
         if let Some(kept) = &mut self.kept {
+            // A proposal has eight words.
             let proposals = self.device.bytes(Name::Proposals, 0..32 * count).await?;
             kept.entry(k).or_default().proposals = proposals;
         }

@@ -24,7 +24,7 @@ pub struct Rows<'a> {
 
 impl<'a> Rows<'a> {
     /// Returns the spots that are drawn for a row. For buffers with a row for every cell, only cells that changed or
-    /// that a filter selects are drawn.
+    /// that a filter selects are drawn; of the other cells only the samples are.
     #[must_use]
     pub fn marks(&self, row: u32) -> &'a [RowPlace] {
         let is_filtered = self.shown.is_filtered();

@@ -76,6 +76,7 @@ pub enum PassLine {
 /// Returns the lines of the list: every stage, and the passes that belong to it.
 #[must_use]
 pub fn lines(passes: &[PassEntry]) -> Vec<PassLine> {
+    // Room for a line for each pass and for eight stages; with more stages, the list grows.
     let mut lines = Vec::with_capacity(passes.len() + 8);
     let mut first = 0;
     for group in passes.chunk_by(|a, b| a.report.stage == b.report.stage) {

@@ -42,8 +42,8 @@ pub struct PlacedCounts {
     pub inside: usize,
 }
 
-/// Returns the spots that are drawn for a row. For buffers with a row for every cell, only cells that changed or that a filter
-/// selects are drawn.
+/// Returns the spots that are drawn for a row. For buffers with a row for every cell, only cells that changed or that a
+/// filter selects are drawn; of the other cells only the samples are.
 pub(super) fn marks<'a>(
     places: &'a RowPlaces,
     row: usize,

@@ -15,7 +15,8 @@ use super::search::Search;
 use crate::error::VerifyError;
 use crate::monitor::Monitor;
 
-/// Rows kept below a band, and complete above an exposed circle before it is judged: the halo for holes.
+/// Rows kept below a band, and complete above an exposed circle before it is judged: the halo for holes. Chosen, not
+/// measured.
 const KEPT: usize = 8;
 
 /// Widths, in cells, of the surroundings in which the rim of a hole is searched.

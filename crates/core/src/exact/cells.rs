@@ -118,8 +118,8 @@ impl NumberCells {
         }
     }
 
-    /// Calls `visit` with the numbers, and their places, in all cells that a rectangle touches, until it returns `true`; returns whether it
-    /// did.
+    /// Calls `visit` with the numbers, and their places, in all cells that a rectangle touches, until it returns
+    /// `true`; returns whether it did.
     #[inline]
     pub(crate) fn any_in(&self, rect: &Rect, mut visit: impl FnMut(u32, Point) -> bool) -> bool {
         let columns = (rect.min.x / R) as usize..=((rect.max.x - 1) / R) as usize;

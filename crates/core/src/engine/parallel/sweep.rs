@@ -23,7 +23,7 @@ use super::plane::Plane;
 use super::side_by_side::compute_each;
 use super::window_maker::{WindowMaker, WindowSamples};
 
-/// Windows for each thread that are computed before their samples are joined.
+/// Windows for each thread that are computed before their samples are joined. Chosen, not measured.
 const WINDOWS_A_THREAD: usize = 6;
 
 /// The shortest side of a window, in cells, so that halos do not outweigh windows.

@@ -23,7 +23,7 @@ use super::region::Region;
 /// longest domains that are narrow enough to need this are not larger.
 const MAX_AREA: f64 = 1_048_576.0;
 
-/// A frame that repeats the domain this often is not worth computing.
+/// A frame that repeats the domain this often is not worth computing. Chosen, not measured.
 const REPETITIONS: f64 = 9.0;
 
 /// The sequential run over a domain, made when it is first needed.

@@ -6,7 +6,7 @@ use glam::I64Vec2;
 use crate::error::SampleError;
 use crate::lattice::{Domain, Point, Window};
 
-/// Radii around a window that a [`WidenedWindow`] has, although 2 suffice to judge the window.
+/// Radii around a window that a [`WidenedWindow`] has, although 2 suffice to judge the window. Chosen, not measured.
 const MARGIN: i64 = 4;
 
 /// The samples of a window and around it, as far as the domain reaches. Positions are in user units, from the lowest corner
