@@ -188,6 +188,7 @@ fn bytes_of<T>(items: &[T]) -> u64 {
 pub(crate) fn lengths(frame: &Frame, sources: bool, by: bool) -> Vec<(Name, u64)> {
     let cells = u64::from(frame.cells);
     let tiled = u64::from(frame.tiled_capacity);
+    // Cells and points take two words each.
     let active = u64::from(frame.active_capacity) * 8;
     let result = u64::from(frame.result_capacity) * 8;
 
@@ -212,6 +213,7 @@ pub(crate) fn lengths(frame: &Frame, sources: bool, by: bool) -> Vec<(Name, u64)
         (Name::Counters, 4 * u64::from(counter::COUNT)),
         (
             Name::Arguments,
+            // Three words for each dispatch.
             12 * crate::constants::ARGUMENTS.len() as u64,
         ),
     ];
@@ -227,6 +229,7 @@ pub(crate) fn lengths(frame: &Frame, sources: bool, by: bool) -> Vec<(Name, u64)
     lengths
 }
 
+/// Returns the rectangle of a block with its margin of r.
 fn enlarged(block: &PlacedBlock) -> Rect64 {
     block.rect.grown(R.into(), R.into())
 }
@@ -340,7 +343,7 @@ fn expected(setup: &Setup, frame: &Frame, images: &[Image]) -> Room {
             * f64::from(image.clip_max_y - image.clip_min_y)
     };
     let clipped: f64 = images.iter().map(area).sum::<f64>() / (f64::from(R) * f64::from(R));
-    let uniform = setup.parameters.insertion == tilescope_core::Insertion::Uniform;
+    let is_uniform = setup.parameters.insertion == tilescope_core::Insertion::Uniform;
 
     // Gaps lie along the blocks' borders, so their share of the cells falls as the leaf grows: `per_leaf / leaf`, and `most`
     // for small leaves. Both numbers of each list were measured with every order and many leaves. 1,024 more cost little.
@@ -355,12 +358,12 @@ fn expected(setup: &Setup, frame: &Frame, images: &[Image]) -> Room {
         // There is room for a hundredth more than the density implies, and for a sample for each cell at the rim.
         tiled: (clipped * setup.density * 1.01) as u32 + rim + 1024,
         // Uniform insertion does not list open cells, and the other one no active ones: those lists have room for one.
-        open: if uniform { 1 } else { share(0.8, 7.0) },
+        open: if is_uniform { 1 } else { share(0.8, 7.0) },
         // The cells at the frame's edge are unsure from the beginning (survive.wgsl). There is as much room again, and room
         // for one of 64 cells inside.
         unsure: 2 * rim + frame.cells / 64 + 1024,
         proposals: share(0.15, 0.75),
-        active: if uniform { share(0.6, 3.2) } else { 1 },
+        active: if is_uniform { share(0.6, 3.2) } else { 1 },
         result: expected_result(setup, frame),
     }
 }

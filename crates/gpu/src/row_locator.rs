@@ -123,6 +123,7 @@ impl RowLocator {
         }
     }
 
+    /// Returns why the rows of a buffer have no places, or `None` if they have some.
     fn unplaced(&self, name: Name) -> Option<Unplaced> {
         match name {
             Name::Frame | Name::Job | Name::Counters | Name::Arguments | Name::Sums => {
@@ -134,6 +135,7 @@ impl RowLocator {
         }
     }
 
+    /// Returns whether a pass has written a buffer.
     fn is_written(&self, name: Name) -> bool {
         self.written.contains(&name)
     }
@@ -144,6 +146,7 @@ impl RowLocator {
         self.stage <= Stage::Eliminate
     }
 
+    /// Returns a counter as the device had it, or 0 if it was not read.
     fn counter(&self, counter: u32) -> u32 {
         self.counters.get(counter as usize).copied().unwrap_or(0)
     }
@@ -227,6 +230,7 @@ impl RowLocator {
         self.plane(at).map(RowPlace::Point)
     }
 
+    /// Returns a rectangle by its corners in the frame, or `None` if it is empty or its corners are no points.
     fn rect(&self, min: I64Vec2, max: I64Vec2) -> Option<RowPlace> {
         let is_empty = min.cmpge(max).any();
         let (min, max) = (self.plane(min)?, self.plane(max)?);
@@ -256,6 +260,7 @@ impl RowLocator {
         is_there.then(|| self.point(low + offset))?
     }
 
+    /// Returns a tiled sample by its row and its offset in its cell.
     fn tiled(&self, row: usize, offset: I64Vec2) -> Option<RowPlace> {
         self.sample(i64::from(*self.cells.get(row)?), offset)
     }

@@ -89,7 +89,7 @@ pub(super) struct Vertex {
     edge: HalfPlane,
     /// The slot of the sample beyond the edge, or [`BORDER`].
     neighbour: u32,
-    /// Whether no sample is nearer.
+    /// Whether it is certain that no other sample is nearer to the vertex than the cell's own.
     is_certain: bool,
 }
 
@@ -249,6 +249,7 @@ impl LiveCell {
                     is_certain,
                     ..*vertex
                 }),
+                // The vertex is cut off, with its whole edge.
                 (Ordering::Greater, Ordering::Greater | Ordering::Equal) => {}
                 (Ordering::Less | Ordering::Equal, Ordering::Less | Ordering::Equal) => {
                     kept.push(*vertex);
@@ -272,6 +273,7 @@ impl LiveCell {
         self.vertices.iter().position(|vertex| !vertex.is_certain)
     }
 
+    /// Takes a vertex as certain.
     pub fn confirm(&mut self, index: usize) {
         self.vertices[index].is_certain = true;
     }

@@ -269,17 +269,19 @@ impl LiveCover {
         self.count += 1;
         match self.slot_at(place) {
             Some(slot) => self.taken[slot as usize].copies += 1,
+            // The new slot is not needed here.
             None => drop(self.take(place)),
         }
     }
 
+    /// Returns the slot of a place, if a sample is there.
     fn slot_at(&self, place: [i32; 2]) -> Option<u32> {
         let mut beside = self.grid.beside(place).iter();
         let found = beside.find(|occupant| occupant.place == place)?;
         Some(found.slot)
     }
 
-    /// Gives a place a slot.
+    /// Gives a place a slot with one sample, and returns the slot.
     fn take(&mut self, place: [i32; 2]) -> u32 {
         let slot = self.free.pop().unwrap_or_else(|| {
             self.taken.push(Taken::default());
@@ -310,7 +312,7 @@ impl LiveCover {
         (steps, is_covered)
     }
 
-    /// Keeps the cells that have a vertex beyond the threshold.
+    /// Keeps the cells that have a vertex beyond the threshold. Returns the counted steps.
     fn examine_all(&mut self) -> u64 {
         let unproven = self.unproven();
         unproven.into_iter().map(|slot| self.examine(slot).0).sum()
@@ -438,7 +440,7 @@ impl LiveCover {
         (steps, found)
     }
 
-    /// Clips a cell, if it is kept, by a new neighbour.
+    /// Clips a cell, if it is kept, by a new neighbour. Returns the counted steps: its vertices.
     fn clip_kept(&mut self, slot: u32, offset: [i64; 2], neighbour: u32) -> u64 {
         let taken = &mut self.taken[slot as usize];
         // A new sample may be found around itself, and its own cell is complete.
@@ -491,6 +493,7 @@ impl LiveCover {
         self.taken[slot as usize].vertices.clear();
     }
 
+    /// Returns the distance of the farthest vertex of a cell, as bits, or 0 if the cell is not kept.
     fn reaches_of(&self, slot: u32) -> u64 {
         self.reaches.at(slot)
     }
@@ -505,8 +508,8 @@ impl LiveCover {
         }
     }
 
-    /// Lowers the threshold until a cell reaches beyond it. It is not raised until all is made anew, so this happens a few
-    /// times at most.
+    /// Lowers the threshold until a cell reaches beyond it; returns the counted steps. It is not raised until all is
+    /// made anew, so this happens a few times at most.
     fn lower_threshold(&mut self) -> u64 {
         let mut steps = 0;
         while self.count > 0 && self.reaches.largest() == 0 {
@@ -562,6 +565,7 @@ impl LiveCover {
         let slots = self.reaches.winners().into_iter();
         let circles = slots.flat_map(|slot| {
             let all = self.vertices_of(slot);
+            // The reach of a cell is computed as this length is, so that the two are equal bit for bit.
             let farthest = move |index: &usize| all.vertices[*index].at.length() == largest;
             (0..all.vertices.len())
                 .filter(farthest)

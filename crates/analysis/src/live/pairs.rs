@@ -364,7 +364,8 @@ impl LivePairs {
             candidates.extend(self.closest_of_sparse());
         }
 
-        // All pairs of the smallest distance, whose square is `!kept`, are listed: their order by ids decides below.
+        // All pairs of the smallest distance, whose square is `!kept`, are listed: their order by ids decides below. If
+        // `kept` is 0, there are no winners.
         for slot in self.nearest.winners() {
             self.each_nearer(slot, !kept + 1, |other| {
                 candidates.push((!kept, [slot, other]));

@@ -105,6 +105,7 @@ impl PlaceGrid {
         }
     }
 
+    /// Takes out all samples. The memory of the pool stays for others.
     pub fn clear(&mut self) {
         self.buckets.fill(Bucket::default());
         self.pool.clear();

@@ -116,8 +116,8 @@ impl LiveSpectrum {
         self.count
     }
 
-    /// Adds the sample at a place of the plane, and returns the steps that it took. On a bounded plane the places go
-    /// up to width and height, on a torus they repeat.
+    /// Adds the sample at a place of the plane, and returns the steps that it took. On a bounded plane the places go up
+    /// to width and height, on a torus they repeat. Powers do not depend on ids.
     pub fn insert(&mut self, _id: u32, place: [i32; 2]) -> u64 {
         self.change(place, 1);
         self.cost_of_change()
@@ -159,10 +159,12 @@ impl LiveSpectrum {
         (at, at.map(|x| self.taper.weight_along(x)))
     }
 
-    /// Replaces all samples, by changes or by a transform, whichever takes fewer steps, and returns them. By changes the
-    /// powers have the same bits as ever; by a transform they are right to [`crate::measures::NUFFT_ERROR`].
+    /// Replaces all samples, by changes or by a transform, whichever takes fewer steps, and returns these steps. By
+    /// changes the powers have the same bits as ever; by a transform they are right to
+    /// [`crate::measures::NUFFT_ERROR`].
     pub fn rebuild(&mut self, samples: &[LiveSample]) -> u64 {
         let by_changes = self.cost_of_change() * samples.len() as u64;
+        // If the transform fails, changes replace the samples.
         if self.is_quicker_transformed(samples.len())
             && let Ok(steps) = self.renew(samples, &|_| ControlFlow::Continue(()))
         {

@@ -16,15 +16,18 @@ impl Tournament {
         Self { nodes }
     }
 
+    /// Returns the number of leaves: the slots that have room for a number.
     fn leaves(&self) -> usize {
         self.nodes.len() / 2
     }
 
+    /// Returns the number of a slot; 0 if it has none, or no room for one yet.
     pub fn at(&self, slot: u32) -> u64 {
         let number = self.nodes.get(self.leaves() + slot as usize);
         number.copied().unwrap_or(0)
     }
 
+    /// Returns the largest number; 0 if no slot has one.
     pub fn largest(&self) -> u64 {
         self.nodes[1]
     }
@@ -48,6 +51,7 @@ impl Tournament {
         }
     }
 
+    /// Makes room for the numbers of that many slots.
     fn grow(&mut self, slots: usize) {
         let mut larger = Self::new(slots);
         let (leaves, more) = (self.leaves(), larger.leaves());

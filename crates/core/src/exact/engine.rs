@@ -322,6 +322,7 @@ impl<'a> ExactTiling<'a> {
         observer: &mut dyn Observer,
         recorder: &mut T,
     ) -> Result<(), SampleError> {
+        // The meter's total is the number of questions known when the level begins; decisions may add more.
         let known = self.agenda.begin(level);
         let mut meter = Meter::begin(observer, stage, known as u64)?;
 
@@ -458,7 +459,8 @@ impl<'a> ExactTiling<'a> {
     /// Cuts a cell of `side` units for a level, and opens the parts that no single sample of the levels before covers.
     fn cut_cell<T: Recorder>(&mut self, cell: PieceCell, side: i32, level: u32, recorder: &mut T) {
         let first = self.open.len();
-        let mut decided = self.present.before(Arrival::new(level, 0, 0));
+        let first_of_level = Arrival::new(level, 0, 0);
+        let mut decided = self.present.before(first_of_level);
         let open = &mut self.open;
         self.cells.cut(cell, side, R >> level, &mut decided, open);
 
@@ -522,7 +524,8 @@ impl<'a> ExactTiling<'a> {
 
             // A filter: samples of earlier levels are final, and a dart that one of them covers need not wait for its
             // turn.
-            let mut decided = self.present.before(Arrival::new(level, 0, 0));
+            let first_of_level = Arrival::new(level, 0, 0);
+            let mut decided = self.present.before(first_of_level);
             let is_covered = decided.covers(piece.tile, dart.place);
             if T::ENABLED {
                 recorder.record(RunEvent::Dart {
@@ -604,6 +607,7 @@ impl<'a> ExactTiling<'a> {
             if sample.is_lost {
                 counts.eliminated += 1;
             } else {
+                // Iterations are counted from 1.
                 counts.insert(self.iteration(sample) as usize - 1, 1);
             }
         }
