@@ -117,13 +117,13 @@ impl WindowRun {
 
     /// Begins with a stage whose input was uploaded. `inserted` has the counts of the iterations before it.
     pub(crate) fn begin_at(&mut self, stage: Stage, inserted: Vec<u64>, base: Run) {
-        let uniform = self.setup.parameters.insertion == Insertion::Uniform;
+        let is_uniform = self.setup.parameters.insertion == Insertion::Uniform;
         self.step = match stage {
             Stage::Tile => Step::Tile,
             Stage::Eliminate => Step::Eliminate,
             // What the upload lacks is the grid of survivors, which the end of elimination makes.
             Stage::Iterate(1) => Step::Survive,
-            Stage::Iterate(k) if uniform => Step::Level(k),
+            Stage::Iterate(k) if is_uniform => Step::Level(k),
             Stage::Iterate(k) => Step::Iterate(k),
             Stage::Finish => Step::Finish,
             // `upload` refuses all other stages.
@@ -157,6 +157,7 @@ impl WindowRun {
             Some((Stage::Iterate(k), _)) => k,
             _ => 1,
         };
+        // With each next level the two lists of active cells are swapped.
         first + self.device.swaps
     }
 
@@ -226,6 +227,7 @@ impl WindowRun {
             Stage::Iterate(1) => 0.5,
             Stage::Iterate(_) => 0.8,
             Stage::Finish => 0.95,
+            // Blocks and tiles.
             _ => 0.1,
         }
     }
@@ -301,6 +303,7 @@ impl WindowRun {
         counts
     }
 
+    /// Returns the stage of a step. At the end it is still the last one.
     fn stage_of(&self, step: Step) -> Stage {
         match step {
             Step::Blocks => Stage::Blocks,
@@ -317,7 +320,7 @@ impl WindowRun {
     /// Queues the commands of the next step. From then on `step` is the one that follows, unless counters say otherwise
     /// (`decide`).
     async fn record(&mut self) -> Result<(), GpuError> {
-        let uniform = self.setup.parameters.insertion == Insertion::Uniform;
+        let is_uniform = self.setup.parameters.insertion == Insertion::Uniform;
         let keeps_stages = self.kept.is_some();
         self.stage = self.stage_of(self.step);
 
@@ -341,7 +344,7 @@ impl WindowRun {
             Step::Eliminate => (passes::eliminate(), Step::EliminateMore),
             Step::EliminateMore => (passes::rounds(), Step::EliminateMore),
             Step::Survive => {
-                let next = if uniform {
+                let next = if is_uniform {
                     Step::Start
                 } else {
                     Step::Detectors

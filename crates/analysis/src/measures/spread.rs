@@ -36,7 +36,7 @@ pub(crate) struct Sample {
 /// A sample in grid points.
 #[derive(Clone, Copy)]
 struct SpreadSample<const C: usize> {
-    /// Of the slow axis x and of y.
+    /// The grid point of [`first_grid_point`], along the slow axis x and along y.
     first: [u32; 2],
     /// How far that point lies behind the kernel's lower end, in grid points.
     ahead: [f64; 2],
@@ -235,6 +235,7 @@ impl<const C: usize> Spread<C> {
         self.sizes[1] + MARGIN
     }
 
+    /// How many bands the samples are sorted by.
     pub fn bands(&self) -> usize {
         self.starts.len() - 1
     }
@@ -297,6 +298,7 @@ impl<const C: usize> Spread<C> {
                 for component in 0..C {
                     let weight = factor * sample.value[component];
                     let cells = &mut line[component * stride + start..];
+                    // The margin makes every line long enough.
                     if let Some(cells) = cells.first_chunk_mut::<WIDTH>() {
                         for (cell, value) in cells.iter_mut().zip(along_y) {
                             *cell += weight * value;

@@ -148,6 +148,7 @@ impl<const TAGS: bool> Region<TAGS> {
         self.gaps = gaps;
     }
 
+    /// Marks a cell as unsure, and flags it and the cells around it as hot.
     pub(crate) fn make_hot(&mut self, cell: usize) {
         self.make_unsure(cell);
         self.flag_around(cell, flag::HOT);

@@ -44,6 +44,7 @@ pub(crate) struct LostSample {
     pub x: i32,
     pub y: i32,
     pub loss: Loss,
+    /// The next lost sample of the same cell, or [`NONE`].
     next: u32,
 }
 
@@ -63,6 +64,7 @@ pub(crate) struct Region<const TAGS: bool> {
     pub unsure: Vec<u32>,
     pub spread: usize,
     pub lost: Vec<LostSample>,
+    /// The first lost sample of each cell, or [`NONE`].
     lost_first: Vec<u32>,
     pub blocks: Vec<PlacedBlock>,
     /// Samples of a block that are to be decided: position and tag.
@@ -218,7 +220,10 @@ impl<const TAGS: bool> Region<TAGS> {
                 max: Point::new(column + 1, row + 1),
             };
             // A rectangle that grew may now be near to others.
-            while let Some(k) = found.iter().position(|other| gap(&joined, other) <= near) {
+            while let Some(k) = found
+                .iter()
+                .position(|other| cells_between(&joined, other) <= near)
+            {
                 joined = hull(&joined, &found.swap_remove(k));
             }
             found.push(joined);
@@ -351,13 +356,14 @@ impl<const TAGS: bool> Region<TAGS> {
     }
 }
 
-/// Returns how many cells lie between two rectangles, on the axis on which they are farther apart; below 0
-/// if they overlap.
-fn gap(a: &Rect, b: &Rect) -> i32 {
+/// Returns how many cells lie between two rectangles, on the axis on which they are farther apart; below 0 if they
+/// overlap.
+fn cells_between(a: &Rect, b: &Rect) -> i32 {
     let across = (a.min.x - b.max.x).max(b.min.x - a.max.x);
     across.max(a.min.y - b.max.y).max(b.min.y - a.max.y)
 }
 
+/// Returns the smallest rectangle that holds two others.
 fn hull(a: &Rect, b: &Rect) -> Rect {
     Rect {
         min: Point::new(a.min.x.min(b.min.x), a.min.y.min(b.min.y)),

@@ -3,9 +3,8 @@
 //! them becomes a sample.
 //!
 //! Cells of the frame, of side R, have flags, as in [`super::gaps`]. Samples that depend on the plane beyond the frame
-//! are
-//! *unknown*. A cell is *unsure* if it may hold an unknown sample, *reached* if one may fill its open places, and *hot*
-//! if one may yet be inserted in it or beside it. *Lost* samples were tiled and are not among the survivors.
+//! are *unknown*. A cell is *unsure* if it may hold an unknown sample, *reached* if one may fill its open places, and
+//! *hot* if one may yet be inserted in it or beside it. *Lost* samples were tiled and are not among the survivors.
 
 use fearless_simd::Simd;
 
