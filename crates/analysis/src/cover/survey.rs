@@ -190,6 +190,7 @@ impl TileSide {
         1 - self.line.axis
     }
 
+    /// The coordinate of the side on the axis across it.
     fn level(self, tile: &Tile) -> f64 {
         let corner = if self.line.is_far {
             tile.high
@@ -209,6 +210,7 @@ impl TileSide {
         Site::at(self.place(seen.foot, across).into())
     }
 
+    /// The place at a coordinate along the side and one across it.
     fn place(self, at: f64, level: f64) -> [f64; 2] {
         if self.along() == 0 {
             [at, level]

@@ -110,6 +110,7 @@ impl RadiusTable {
     pub(super) fn greatest(&self) -> i64 {
         match self {
             Self::Constant(radius) => *radius,
+            // A table has at least four nodes: the 1 is never taken.
             Self::Nodes(table) => table.nodes.iter().copied().max().unwrap_or(1).into(),
         }
     }

@@ -9,8 +9,8 @@ pub(super) const fn reach(a: i64, b: i64) -> i64 {
 /// Returns whether two places of these radii, whose squared distance is given, are near each other.
 #[inline]
 pub(super) const fn is_near(distance_squared: i64, a: i64, b: i64) -> bool {
-    // A harmonic mean lies between the smaller number and the arithmetic mean. These two tests decide nearly always, and
-    // they need no division.
+    // A harmonic mean lies between the smaller number and the arithmetic mean, here rounded up as well. These two tests
+    // decide nearly always, and they need no division.
     let smaller = if a < b { a } else { b };
     if distance_squared <= smaller * smaller {
         return true;

@@ -291,6 +291,7 @@ impl<'a> TileSearch<'a> {
         }
     }
 
+    /// Searches the tile for uncovered places and conflicts.
     fn run(&mut self, tiles: &SampleTiles) {
         let tile = TileSquare {
             x: 0,
@@ -509,6 +510,7 @@ impl<'a> TileSearch<'a> {
         self.lists.truncate(own.start);
     }
 
+    /// Counts a conflict. From [`MAX_CONFLICTS`] on no more are counted.
     fn report_conflict(&mut self, first: u32, second: u32, squared: i64) {
         self.findings.conflicts += 1;
         self.counts_conflicts = self.findings.conflicts < MAX_CONFLICTS;
@@ -519,6 +521,7 @@ impl<'a> TileSearch<'a> {
         });
     }
 
+    /// Counts a square that no sample reaches, and lists its middle place unless there are enough places.
     fn report_uncovered(&mut self, PointSpan { min, max }: &PointSpan) {
         self.findings.uncovered += 1;
         if self.findings.places.len() < self.witnesses {

@@ -97,7 +97,7 @@ struct RingSide {
 }
 
 impl RingSide {
-    /// Returns on which side of the edge's line a place lies: 1 to the left, 0 on it.
+    /// Returns on which side of the edge's line a place lies: 1 to the left, 0 on it, -1 to the right.
     fn side_of(&self, x: i64, y: i64) -> i32 {
         let across = |axis: usize| i128::from(self.to[axis] - self.from[axis]);
         let offset = [x - self.from[0], y - self.from[1]].map(i128::from);
@@ -105,6 +105,7 @@ impl RingSide {
         cross.signum() as i32
     }
 
+    /// Returns the lower and the higher end on an axis.
     fn ends(&self, axis: usize) -> [i64; 2] {
         let (from, to) = (self.from[axis], self.to[axis]);
         [from.min(to), from.max(to)]
@@ -175,6 +176,7 @@ impl EdgeRows {
         Self { bits, edges, bands }
     }
 
+    /// Returns the edges that reach into a band.
     fn edges_of(&self, band: i64) -> impl Iterator<Item = &RingSide> {
         let band = &self.bands[band as usize];
         band.iter().map(|&index| &self.edges[index as usize])
@@ -204,6 +206,7 @@ impl EdgeRows {
         odd
     }
 
+    /// Returns how much of a span is inside, as [`ShapeIndex::share`].
     fn share(&self, span: PointSpan) -> Share {
         let PointSpan { min, max } = span;
         if min == max {
@@ -280,6 +283,7 @@ impl Pixels {
         self.levels[0].share(row, column) == Share::Everything
     }
 
+    /// Returns how much of a span is inside, as [`ShapeIndex::share`].
     fn share(&self, PointSpan { min, .. }: PointSpan, bits: u32) -> Share {
         let wanted = bits.saturating_sub(self.bits) as usize;
         // Squares wider than the last level's block: the one at the origin has all pixels and places beyond them, any

@@ -209,6 +209,7 @@ impl Bands {
         Ok(())
     }
 
+    /// Returns the error of a set for which more would have to be held than may be.
     fn too_large(&self, search: &StreamSearch) -> VerifyError {
         VerifyError::BandTooLarge {
             samples: self.held.len() + self.seam.len(),
@@ -267,6 +268,8 @@ impl Bands {
         Ok(())
     }
 
+    /// Judges tiles, and adds the places that are found to those so far. Returns the visits that need rows that are not
+    /// held.
     fn visit(
         &mut self,
         task: &CoverSearch<'_>,

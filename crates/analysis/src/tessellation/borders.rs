@@ -49,6 +49,7 @@ impl Drawn {
         loops
     }
 
+    /// Returns the mark of a piece: whether it is in a loop already.
     fn mark(&mut self, piece: Piece) -> &mut bool {
         match piece {
             Piece::Arc(run) => &mut self.arcs[run],
@@ -56,6 +57,8 @@ impl Drawn {
         }
     }
 
+    /// Returns the loop that begins with a piece, and marks its pieces. It ends before a marked piece, which is the
+    /// first one again.
     fn chain(&mut self, runs: &Runs<'_>, first: Piece, shift: IVec2) -> Vec<Edge> {
         let mut edges = Vec::new();
         let mut at = Some((first, shift));
@@ -73,10 +76,12 @@ impl Drawn {
 }
 
 impl Runs<'_> {
+    /// Returns whether a part lies on the border of the domain.
     fn is_border(&self, part: Part) -> bool {
         self.cells.sides[side_of(part)].beyond.is_none()
     }
 
+    /// Returns a piece as an edge, moved by periods.
     fn edge(&self, piece: Piece, shift: IVec2) -> Edge {
         match piece {
             Piece::Arc(run) => self.arc(run, shift),

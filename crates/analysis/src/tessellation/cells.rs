@@ -61,7 +61,8 @@ impl Cells {
         cells
     }
 
-    /// Returns the cells of a window's polygons, each for itself: without twins, and without what disks leave uncovered.
+    /// Returns the cells of a window's polygons, each for itself: without twins, and without what disks leave
+    /// uncovered. Sides of a length of at most `same` are left out.
     pub fn alone(window: &Window, domain: &Domain, radius: f64, same: f64) -> Self {
         let samples = window.samples.clone();
         // A cell has six sides on average.
@@ -95,6 +96,7 @@ impl Cells {
         self.starts[cell]..self.starts[cell + 1]
     }
 
+    /// The next side of the same cell, counter-clockwise.
     pub fn next(&self, side: usize) -> usize {
         let range = self.of(self.sides[side].cell);
         if side + 1 == range.end {
@@ -104,6 +106,7 @@ impl Cells {
         }
     }
 
+    /// The side before, of the same cell.
     pub fn before(&self, side: usize) -> usize {
         let range = self.of(self.sides[side].cell);
         if side == range.start {
@@ -138,6 +141,7 @@ impl Cells {
             .filter(
                 |&side| match (self.sides[side].twin, self.sides[side].beyond) {
                     (Some(twin), _) => side < twin,
+                    // The cell beyond may lack a short side, which then has no twin.
                     (None, beyond) => beyond.is_some(),
                 },
             )

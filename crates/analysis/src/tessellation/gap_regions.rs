@@ -202,6 +202,7 @@ impl<'a> Runs<'a> {
         }
     }
 
+    /// Adds a run, to which its parts belong from now on.
     fn push(&mut self, run: Run) {
         for &part in &run.parts {
             self.run_of[part] = self.list.len();
@@ -214,6 +215,7 @@ impl<'a> Runs<'a> {
         !is_head(part) || self.cells.sides[side_of(part)].head == Some(1.0)
     }
 
+    /// Returns the ends of a part. A part that its side does not have would have no length.
     pub fn places(&self, part: Part) -> [DVec2; 2] {
         let side = &self.cells.sides[side_of(part)];
         let [from, to] = if is_head(part) {
@@ -227,7 +229,8 @@ impl<'a> Runs<'a> {
         ]
     }
 
-    /// The same part in the cell beyond and how many periods on that is.
+    /// The same part in the cell beyond and how many periods on that is; none on the border, or if that cell has no
+    /// such part.
     pub fn across(&self, part: Part) -> Option<(Part, IVec2)> {
         let side = &self.cells.sides[side_of(part)];
         let (twin, beyond) = (side.twin?, side.beyond?);

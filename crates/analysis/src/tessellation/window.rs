@@ -175,6 +175,7 @@ fn guards(domain: &Domain) -> [Site; 4] {
     })
 }
 
+/// Returns the triangles of a triangulation that has no guards yet.
 fn triangles_of(found: &DelaunayTriangulation<Site>) -> Vec<Triangle> {
     (found.inner_faces())
         .map(|face| {

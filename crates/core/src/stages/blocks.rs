@@ -172,6 +172,7 @@ impl Node {
     }
 }
 
+/// Returns where a rectangle begins on an axis.
 const fn start(rect: &Rect, axis: Axis) -> i32 {
     match axis {
         Axis::X => rect.min.x,
@@ -179,6 +180,7 @@ const fn start(rect: &Rect, axis: Axis) -> i32 {
     }
 }
 
+/// Returns how long a rectangle is on an axis.
 const fn extent(rect: &Rect, axis: Axis) -> i32 {
     match axis {
         Axis::X => rect.width(),

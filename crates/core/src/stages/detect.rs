@@ -131,6 +131,7 @@ pub(crate) fn first_detectors<T: Recorder>(
                     }
                     is_detector[near.id as usize] = true;
                 }
+                // The search goes on to all samples.
                 false
             });
         }
@@ -237,6 +238,7 @@ impl<'a> Detection<'a> {
         let mut found = 0;
         self.survivors.any_near(at, radius, |near| {
             found += u32::from(near.offset.as_i64vec2().length_squared() <= limit);
+            // The search goes on to all samples.
             false
         });
 
@@ -276,6 +278,7 @@ impl<'a> Detection<'a> {
                     id: other.id,
                 });
             }
+            // The search goes on to all samples.
             false
         });
     }

@@ -146,6 +146,7 @@ impl DiskGrid {
                 // From here on offsets begin at the cell's lowest place.
                 near.push(offset + half);
             }
+            // The search goes on to all samples.
             false
         });
 

@@ -85,6 +85,7 @@ pub(crate) fn eliminate<T: Recorder>(
                         });
                     }
                 }
+                // The search goes on to all samples.
                 false
             });
         }

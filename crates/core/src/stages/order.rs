@@ -63,6 +63,7 @@ pub struct RankNumbers {
 /// The phase groups: cells at least 2r wide, an even number on each axis, in a 2 x 2 scheme. Cells
 /// of one group are at least 2r apart, so none of their samples conflict across cells.
 struct Phases {
+    // These are the numbers of the same names in `RankNumbers`.
     cell: [i32; 2],
     count: [i32; 2],
     sequence: [u32; 4],
@@ -89,6 +90,7 @@ impl Phases {
         }
     }
 
+    /// Returns the turn of the group to which the cell of a place belongs.
     fn group(&self, p: Point) -> u32 {
         // The last cell takes the remainder of the side.
         let phase = |x: i32, axis: usize| (x / self.cell[axis]).min(self.count[axis] - 1) & 1;
