@@ -299,6 +299,7 @@ impl StreamVerifier {
         }
     }
 
+    /// Returns the monitor of a call, which goes on from the work that is done.
     fn monitor<'a>(&self, control: Control<'a>) -> Monitor<'a> {
         let total = self.expected.max(self.count());
         let passes = if self.search.whole {

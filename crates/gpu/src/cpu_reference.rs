@@ -152,6 +152,7 @@ fn in_list<T: PartialEq + Debug>(
     })
 }
 
+/// Returns an element as text, of which the end is cut off if it is long.
 fn quote(element: &impl Debug) -> String {
     let text = format!("{element:?}");
     match text.char_indices().nth(MAX_QUOTED) {

@@ -166,7 +166,7 @@ impl Device {
         }
     }
 
-    /// Writes a word of a buffer.
+    /// Writes a word of a buffer. An index past the end is ignored, and so is a buffer that is not allocated.
     pub(crate) fn set_word(&self, name: Name, index: u64, word: u32) {
         if let Some((buffer, length)) = self.buffers.get(&name)
             && index < length / 4
@@ -195,7 +195,7 @@ impl Device {
         self.buffers.values().map(|(_, length)| length).sum()
     }
 
-    /// Returns bytes of a buffer.
+    /// Returns bytes of a buffer, up to its end; none if it is not allocated.
     pub(crate) async fn bytes(&self, name: Name, range: Range<u64>) -> Result<Vec<u8>, GpuError> {
         let Some((buffer, length)) = self.buffers.get(&name) else {
             return Ok(Vec::new());
@@ -205,7 +205,7 @@ impl Device {
             .await
     }
 
-    /// Returns words of a buffer.
+    /// Returns words of a buffer, as [`Self::bytes`].
     pub(crate) async fn words(&self, name: Name, range: Range<u64>) -> Result<Vec<u32>, GpuError> {
         let bytes = self.bytes(name, 4 * range.start..4 * range.end).await?;
         Ok(bytemuck::pod_collect_to_vec(&bytes))
@@ -229,6 +229,7 @@ impl Device {
         Ok(())
     }
 
+    /// Writes the jobs of passes, each at the place of its command.
     fn write_jobs(&self, commands: &[Command]) {
         let mut bytes = vec![0_u8; commands.len() * JOB_STRIDE as usize];
         for (command, to) in commands.iter().zip(bytes.chunks_mut(JOB_STRIDE as usize)) {
@@ -472,6 +473,7 @@ impl Times {
     }
 }
 
+/// Returns how many invocations some workgroups have.
 fn invocations(workgroups: [u32; 3]) -> u64 {
     workgroups.map(u64::from).iter().product::<u64>() * u64::from(WORKGROUP)
 }

@@ -154,10 +154,12 @@ impl Binding {
     }
 }
 
+/// Returns the command that runs a pass whose shader reads no numbers of a job.
 fn run(pass: &'static Pass, size: Size) -> Command {
     run_with(pass, [0; 4], size)
 }
 
+/// Returns the command that runs a pass with the numbers of its job.
 fn run_with(pass: &'static Pass, [a, b, c, d]: [u32; 4], size: Size) -> Command {
     let job = Job { a, b, c, d };
     Command::Dispatch { pass, job, size }

@@ -44,6 +44,7 @@ struct Tiled {
     point: Point,
     origin: Origin,
     lies_inside: bool,
+    /// Its word in the list, which has the fate in its highest bits.
     word: u32,
     /// Its index in the list.
     index: u32,
@@ -118,6 +119,7 @@ impl State {
             self.iterate(work, k, kept, &mut ids, run);
         }
         let id = |p: &[u32]| ids.get(&Point::new(p[0] as i32, p[1] as i32)).copied();
+        // A sample without an id is left out, so that a comparison with the CPU shows the fault.
         run.result = self.result.chunks_exact(2).filter_map(id).collect();
     }
 
@@ -153,6 +155,7 @@ impl State {
         run.tiles = tiles(&work.plan.placed, &tiled);
     }
 
+    /// Returns the fate of a tiled sample, as far as it is decided.
     fn fate(&self, sample: &Tiled) -> Fate {
         let decided = self.stage >= Some(Stage::Eliminate);
         match sample.word & FATE_MASK {
@@ -234,8 +237,8 @@ impl State {
             .map(|p| (work.plan.frame.point(p.x, p.y), p))
             .collect();
 
-        let uniform = run.parameters.insertion == Insertion::Uniform;
-        let candidates = if uniform {
+        let is_uniform = run.parameters.insertion == Insertion::Uniform;
+        let candidates = if is_uniform {
             Vec::new()
         } else {
             self.candidates(work, &proposals, ids)
@@ -251,7 +254,7 @@ impl State {
         }
 
         let detectors = match run.iterations.last() {
-            _ if uniform => Vec::new(),
+            _ if is_uniform => Vec::new(),
             // From iteration 2 on the samples inserted last are the detectors.
             Some(before) => before.inserted.clone().collect(),
             // In iteration 1 they are marked in the grid.

@@ -199,6 +199,7 @@ fn clip_of(work: &WindowRun, placed: &tilescope_core::windows::PlacedBlock) -> V
     offsets
 }
 
+/// Returns the place of a sample in its cell as the device stores it.
 fn pack(x: i32, y: i32) -> u32 {
     ((y & (R - 1)) << CELL_BITS | x & (R - 1)) as u32
 }

@@ -392,6 +392,7 @@ fn check_crowd(grid: &Grid) -> Result<(), VerifyError> {
     Ok(())
 }
 
+/// Returns the first visits to the tiles of some rows.
 fn new_visits(task: &CoverSearch<'_>, rows: Range<usize>, search: &StreamSearch) -> Vec<Visit> {
     if rows.is_empty() {
         return Vec::new();
@@ -401,6 +402,7 @@ fn new_visits(task: &CoverSearch<'_>, rows: Range<usize>, search: &StreamSearch)
     visits.collect()
 }
 
+/// Returns the error of a tile that needs rows which were dropped or cannot be held.
 fn too_wide(search: &StreamSearch, visit: &Visit) -> VerifyError {
     let scale = search.domain.scale;
     VerifyError::HoleTooWide {

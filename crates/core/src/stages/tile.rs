@@ -119,6 +119,7 @@ pub(crate) fn push_tiled(
     }
 }
 
+/// Returns the width and the height of a block that is enlarged by r.
 const fn enlarged(rect: &Rect) -> (i32, i32) {
     (rect.width() + 2 * R, rect.height() + 2 * R)
 }
