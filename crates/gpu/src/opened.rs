@@ -396,6 +396,7 @@ fn choose(adapters: Vec<wgpu::Adapter>, choice: &Choice) -> Result<wgpu::Adapter
         .into_iter()
         .nth(index)
         .ok_or_else(|| GpuError::NoAdapter {
+            // This does not occur: there are as many reports as adapters.
             reason: "the adapter is gone".to_owned(),
         })
 }

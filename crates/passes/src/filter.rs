@@ -64,6 +64,8 @@ impl Operator {
     }
 }
 
+/// A condition on a row: that it changed, or how its number or the value of a column, by its index, compares with a
+/// number.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 enum Condition {
     Changed,

@@ -130,11 +130,13 @@ impl ShownBuffer {
         }
     }
 
+    /// Shows a side of the pass, and lists its rows.
     pub(super) fn set_side(&mut self, visit: Option<&Visit>, side: PassSide) {
         self.side = side;
         self.refresh(visit);
     }
 
+    /// Sets the filter, and lists the rows that satisfy it.
     pub(super) fn set_filter(&mut self, visit: Option<&Visit>, text: String) {
         self.text = text;
         self.refresh(visit);

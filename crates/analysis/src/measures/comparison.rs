@@ -204,6 +204,7 @@ impl Between {
         })
     }
 
+    /// Returns the value between two, which are those at the ends.
     fn mean(&self, low: f64, high: f64) -> f64 {
         low + self.part * (high - low)
     }

@@ -97,6 +97,7 @@ struct CompensatedSum {
 }
 
 impl CompensatedSum {
+    /// Returns the sum with one more value, whose rounding goes to the rest.
     fn plus(self, value: DVec2) -> Self {
         let sum = self.sum + value;
         let added = sum - self.sum;
@@ -231,6 +232,7 @@ struct LeftSums {
 }
 
 impl LeftSums {
+    /// Adds a sample, or takes it away again with a sign of -1.
     fn add(&mut self, a: DVec2, sign: f64) {
         let (low, high) = (low(a), high(a));
         self.count += sign;

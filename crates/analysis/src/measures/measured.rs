@@ -198,6 +198,7 @@ impl MeasuredSet {
         self.note_measured(Part::Spectrum);
     }
 
+    /// Notes that a part is known.
     fn note_measured(&mut self, part: Part) {
         if !self.knows(part) {
             self.known.push(part);
@@ -323,6 +324,7 @@ fn fewer(whole: &FrequencyWindow) -> FrequencyWindow {
     }
 }
 
+/// Returns the spectrum of a set at the frequencies of a window.
 fn spectrum(
     points: &[[f64; 2]],
     region: Region,

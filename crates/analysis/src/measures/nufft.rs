@@ -54,11 +54,13 @@ impl GridAxis {
         Self::new(0, most, most)
     }
 
+    /// Centred at the middle of the frequencies.
     fn about_middle(first: i64, end: i64) -> Self {
         let middle = first + (end - first) / 2;
         Self::new(middle, middle - first, end - 1 - middle)
     }
 
+    /// With the grid points that the offsets need.
     fn new(middle: i64, below: i64, above: i64) -> Self {
         // Twice the width of the kernel keeps it from meeting itself around the torus, with room to spare.
         let least = (2 * OVERSAMPLING) as i64 * below.max(above);
@@ -70,6 +72,7 @@ impl GridAxis {
         }
     }
 
+    /// How many frequencies the axis has.
     pub fn count(&self) -> usize {
         (self.below + self.above + 1) as usize
     }
@@ -82,6 +85,7 @@ impl GridAxis {
         Complex::new(cos, sin) / transform(frequency)
     }
 
+    /// The factors of all offsets, the lowest first.
     pub fn factors(&self) -> Vec<Complex<f64>> {
         (-self.below..=self.above)
             .map(|offset| self.factor(offset))
@@ -108,6 +112,7 @@ fn smooth_size(least: usize) -> usize {
     (least.next_multiple_of(2)..)
         .step_by(2)
         .find(|&n| smooth(n))
+        // There is always one, a power of two at the latest.
         .unwrap_or(least)
 }
 
@@ -190,6 +195,7 @@ impl TransformPlan {
         if self.real { 0 } else { -self.axes[1].below }
     }
 
+    /// How many numbers a grid point has: one real, or a real and an imaginary part.
     pub fn components(&self) -> usize {
         if self.real { 1 } else { 2 }
     }
@@ -290,6 +296,7 @@ impl TransformPlan {
         }
     }
 
+    /// How many grid points the axes have.
     pub fn sizes(&self) -> [usize; 2] {
         self.axes.map(|axis| axis.size)
     }

@@ -68,6 +68,7 @@ pub(super) struct PairSums {
 }
 
 impl<'a> PairSearch<'a> {
+    /// Returns the search for pairs up to a distance, in bins of equal width.
     pub fn new(grid: &'a Grid, distance: f64, bins: usize) -> Self {
         let along = |axis: usize| {
             let values = grid.entries().iter().map(|entry| entry.position[axis]);
@@ -114,6 +115,7 @@ impl<'a> PairSearch<'a> {
         Ok(sum)
     }
 
+    /// Returns the sums over no pair.
     fn empty(&self) -> PairSums {
         PairSums {
             counts: vec![0; self.bins + LANES],
@@ -287,6 +289,7 @@ impl<'a> PairSearch<'a> {
 }
 
 impl PairSums {
+    /// Adds the sums over other pairs.
     fn add(&mut self, other: Self) {
         for (total, count) in self.counts.iter_mut().zip(other.counts) {
             *total += count;
