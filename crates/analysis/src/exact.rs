@@ -155,6 +155,7 @@ fn parts(value: f64) -> (i64, i32) {
     )
 }
 
+/// Returns a number in units of 2^`exponent`, which must be fine enough for it.
 fn integer(value: f64, exponent: i32) -> BigInt {
     let (whole, own) = parts(value);
     if whole == 0 {

@@ -29,6 +29,7 @@ pub(crate) fn check_judge(choice: JudgeChoice) -> Result<(), VerifyError> {
     }
 }
 
+/// Refuses sets without samples or with too many, and names the first sample that is not in the region.
 pub(crate) fn check_points(points: &[[f64; 2]], region: Region) -> Result<(), VerifyError> {
     check_count(points.len())?;
     for (chunk, points) in points.chunks(CHUNK).enumerate() {
@@ -74,6 +75,7 @@ pub(crate) fn check_point(
     })
 }
 
+/// Refuses sets without samples, and those of more than a grid holds.
 fn check_count(count: usize) -> Result<(), VerifyError> {
     let limit = Grid::MAX_SAMPLES;
     match count {

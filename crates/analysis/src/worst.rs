@@ -9,6 +9,7 @@ use crate::witness::{Conflict, Gap};
 
 /// A witness with a total order in which the worst comes first.
 pub(crate) trait Witness: Copy {
+    /// The order of witnesses: the worst comes first.
     fn rank(&self, other: &Self) -> Ordering;
 }
 
@@ -46,6 +47,7 @@ impl<T: Witness> Worst<T> {
         }
     }
 
+    /// Takes a witness, unless as many as are wanted are worse.
     pub fn push(&mut self, witness: T) {
         if (self.mildest.as_ref()).is_some_and(|mildest| witness.rank(mildest).is_ge()) {
             return;
@@ -73,6 +75,7 @@ impl<T: Witness> Worst<T> {
         self.kept
     }
 
+    /// Drops all but the worst witnesses, up to the limit.
     fn prune(&mut self) {
         self.kept.sort_unstable_by(T::rank);
         self.kept.truncate(self.limit);

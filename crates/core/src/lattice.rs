@@ -561,6 +561,7 @@ pub const fn covers_offset(offset: IVec2) -> bool {
     dx <= R as u32 && dy <= R as u32 && dx * dx + dy * dy <= R_SQUARED as u32
 }
 
+/// Returns a difference along an axis of a torus, the shorter way around.
 #[inline]
 const fn shortest(d: i32, side: i32) -> i32 {
     if d > side / 2 {

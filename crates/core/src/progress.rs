@@ -51,6 +51,7 @@ pub(crate) struct Meter<'a> {
 }
 
 impl<'a> Meter<'a> {
+    /// Begins to measure the progress of a stage, and calls the observer.
     pub(crate) fn begin(
         observer: &'a mut dyn Observer,
         stage: Stage,
@@ -111,6 +112,7 @@ impl<'a> Meter<'a> {
         self.ask()
     }
 
+    /// Calls the observer, with no more done than the total. Fails if it stops the work.
     pub(crate) fn ask(&mut self) -> Result<(), SampleError> {
         self.since = 0;
         self.progress.done = self.progress.done.min(self.progress.total);

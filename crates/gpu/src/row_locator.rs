@@ -308,6 +308,7 @@ impl RowLocator {
         self.rect(low(first), low(first + count))
     }
 
+    /// Returns a tile by its number.
     fn tile(&self, tile: usize) -> Option<RowPlace> {
         let columns = i64::from(self.frame.tile_columns);
         let tile = tile as i64;

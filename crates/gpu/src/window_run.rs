@@ -394,6 +394,7 @@ impl WindowRun {
         }
     }
 
+    /// Returns the commands of iteration `k`: detection, then insertion.
     fn iteration(&self, k: u32) -> Vec<Command> {
         let key = self.setup.key.derive(Stream::Iteration, k).words();
         let mut commands = if k == 1 {
@@ -518,6 +519,7 @@ impl WindowRun {
         Ok(())
     }
 
+    /// Copies the proposals of iteration `k`, if stages are recorded.
     async fn keep(&mut self, k: u32) -> Result<(), GpuError> {
         let count = u64::from(self.counter(counter::PROPOSALS));
         if let Some(kept) = &mut self.kept {
@@ -555,6 +557,7 @@ fn point(bytes: &[u8]) -> Point {
     Point::new(x, y)
 }
 
+/// Returns the source that the two words of a tag stand for.
 fn source(tag: &[u32]) -> Source {
     if tag[0] == u32::MAX {
         Source::Inserted { iteration: tag[1] }

@@ -240,6 +240,7 @@ impl CourseRecorder {
         self.starts.push(Start { cursor, stage });
     }
 
+    /// Adds the change of a sample that comes or goes.
     fn change(&mut self, sample: u32, comes: bool) {
         if comes {
             self.count += 1;

@@ -120,6 +120,7 @@ impl Passes {
         true
     }
 
+    /// Stops the work in the background. A visit that is stopped is not begun again.
     pub(super) fn cancel(&mut self) {
         match &self.work {
             PassWork::Idle => {}
@@ -133,6 +134,7 @@ impl Passes {
         }
     }
 
+    /// Returns the file name of the rows shown; a general one if there are none.
     pub(super) fn file_name(&self) -> String {
         let named = self.visit().and_then(|visit| {
             let table = self.shown.table(Some(visit))?;

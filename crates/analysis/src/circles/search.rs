@@ -178,6 +178,7 @@ impl<'a> Search<'a> {
         Err(Declined::Crowded)
     }
 
+    /// Fills a tile. Rows that are needed but not held stand for a hole that is too wide.
     fn fill(
         &self,
         tile: &mut Tile,

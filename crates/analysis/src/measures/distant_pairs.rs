@@ -187,6 +187,7 @@ impl RangeSearch<'_> {
         Ok(())
     }
 
+    /// Returns two samples as a pair, by their nearest images.
     fn pair(&self, a: &Entry, b: &Entry) -> DistantPair {
         let (one, two) = if a.id < b.id { (a, b) } else { (b, a) };
         let domain = &self.neighbors.grid.domain;

@@ -193,6 +193,7 @@ impl AnnulusSums {
         self.count = count;
     }
 
+    /// Returns the annulus; none without a frequency. Of a single one the anisotropy is NaN.
     fn annulus(&self) -> Option<Annulus> {
         let variance = self.squares / (self.count.checked_sub(1)?) as f64;
         let ratio = variance / (self.mean * self.mean);

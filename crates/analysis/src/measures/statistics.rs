@@ -119,6 +119,7 @@ impl Average {
         Ok(())
     }
 
+    /// Adds a curve of the right length.
     fn push(&mut self, curve: impl IntoIterator<Item = f64>) {
         self.sets += 1;
         let sets = self.sets as f64;

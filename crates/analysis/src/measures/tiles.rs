@@ -221,6 +221,7 @@ impl<'a> CellTile<'a> {
     }
 }
 
+/// Takes a cell from the unit of the domain to that of the caller.
 fn to_unit_of_caller(cell: &mut VoronoiCell, scale: f64) {
     cell.area /= scale * scale;
     for offset in &mut cell.neighbors {

@@ -187,6 +187,7 @@ impl<'a> Neighbours<'a> {
         Some(found)
     }
 
+    /// Returns the cell of a place, by its index along each axis.
     fn cell(&self, point: [f64; 3]) -> [usize; 3] {
         let size = self.region.size();
         [0, 1, 2].map(|axis| {
@@ -319,6 +320,7 @@ impl Circle {
         Share::above(least + MARGIN * limit, reach, angle)
     }
 
+    /// Returns the place of the circle at an angle.
     fn place(&self, angle: f64) -> [f64; 3] {
         let (sine, cosine) = angle.sin_cos();
         [0, 1, 2].map(|axis| {

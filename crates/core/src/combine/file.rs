@@ -153,6 +153,8 @@ impl Layout {
         })
     }
 
+    /// Returns the domain and the rectangles of the pieces. Fails unless the layout has either columns and rows or a
+    /// width and a height.
     fn rects(&self) -> Result<(Domain, Vec<Rect>), LayoutError> {
         let (count, maximum) = (self.pieces.len(), MAX_PIECES);
         if count > maximum {

@@ -340,6 +340,7 @@ impl AsPrinted {
         members
     }
 
+    /// Marks the detectors around samples that were dropped outside of the domain.
     fn mark_around_dropped<T: Recorder>(&mut self, samples: &Samples, recorder: &mut T) {
         for ((&point, &fate), because) in samples.points.iter().zip(&samples.fates).zip(0..) {
             if fate == Fate::Dropped {
@@ -351,6 +352,7 @@ impl AsPrinted {
     }
 }
 
+/// Records a search around a sample.
 fn record_search<T: Recorder>(centre: u32, radius: i32, found: &[NearSample], recorder: &mut T) {
     recorder.record(RunEvent::Search {
         centre,

@@ -125,6 +125,7 @@ impl Sequential {
         Ok(self.run)
     }
 
+    /// Makes the blocks.
     fn split<T: Recorder>(
         &mut self,
         observer: &mut dyn Observer,

@@ -34,6 +34,7 @@ struct Refused {
 }
 
 impl Refused {
+    /// Returns a dart of level 0 or 1 in the form in which it is kept.
     fn new(arrival: Arrival, offset: IVec2) -> Self {
         // Level 0 has four throws, level 1 one.
         let throw = 4 * arrival.level() + arrival.throw();

@@ -219,6 +219,7 @@ impl Polygon {
         bands.iter().flatten()
     }
 
+    /// Returns whether a place is inside by the even-odd rule, or on an edge.
     fn inside(&self, x: i64, y: i64) -> bool {
         let mut odd = false;
         for edge in self.edges(y, y) {
@@ -312,6 +313,7 @@ impl Mask {
         self.levels[0].class(row as usize, column as usize) == Class::Inside
     }
 
+    /// Returns what is known of the places of a cell. Of a cell wider than all pixels, some may be inside.
     fn class(&self, Cell { min, side }: Cell) -> Class {
         let size = side.ilog2().saturating_sub(self.bits);
         let shift = self.bits + size;

@@ -114,6 +114,7 @@ pub(super) fn open(plan: &WindowPlan) -> Command {
     run(&OPEN, Size::Invocations(plan.inner_cells()))
 }
 
+/// Finds the candidates of an iteration. The workgroups are computed anew from the counters before each pass.
 fn candidates(plan: &WindowPlan, iteration: u32) -> Vec<Command> {
     vec![
         prepare(0),

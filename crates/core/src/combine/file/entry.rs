@@ -201,6 +201,7 @@ fn parameters(
     Ok(merged)
 }
 
+/// Returns the boundary that parameters give, if they do.
 fn given_boundary(given: &Map<String, Value>) -> Result<Option<Boundary>, LayoutError> {
     let boundary = given.get("boundary").cloned();
     let read = boundary.map(serde_json::from_value).transpose();

@@ -145,6 +145,7 @@ impl Set {
         })
     }
 
+    /// Returns a piece of this set.
     fn placed(&self, piece: &PlacedPiece) -> Result<Piece, LayoutError> {
         Ok(Piece {
             set: Arc::clone(&self.pattern),

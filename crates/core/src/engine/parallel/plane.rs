@@ -247,6 +247,7 @@ impl WindowMaker for Plane {
 }
 
 impl Plane {
+    /// Computes a window with buffers of `pool`, and puts its samples into `out`.
     fn fill_from<const TAGS: bool>(
         &self,
         pool: &Pool<Scratch<TAGS>>,

@@ -47,10 +47,12 @@ pub(super) fn centre(number: u8) -> (f32, f32) {
     ((x + PIXEL_SIDE / 2) as f32, (y + PIXEL_SIDE / 2) as f32)
 }
 
+/// Returns the numbers of the bits that are set, the lowest first.
 #[inline(always)]
 pub(crate) fn each_bit(mut bits: u64) -> impl Iterator<Item = u8> {
     std::iter::from_fn(move || {
         let bit = bits.trailing_zeros() as u8;
+        // The bit is taken away from those that are left; without any, the iterator ends.
         (bits != 0).then(|| bits &= bits - 1)?;
         Some(bit)
     })
