@@ -168,6 +168,7 @@ impl AsPrinted {
         }
     }
 
+    /// Marks a sample as a detector. The record names the sample because of which it was marked first.
     fn mark<T: Recorder>(&mut self, sample: u32, because: u32, recorder: &mut T) {
         if T::ENABLED && !self.is_detector[sample as usize] {
             recorder.record(RunEvent::Mark { sample, because });
@@ -361,6 +362,7 @@ fn record_search<T: Recorder>(centre: u32, radius: i32, found: &[NearSample], re
     });
 }
 
+/// Returns whether a sample is neither eliminated nor dropped.
 const fn is_valid(fate: Fate) -> bool {
     matches!(fate, Fate::Undecided | Fate::Kept)
 }

@@ -100,6 +100,7 @@ struct RadiusBlocks {
 }
 
 impl RadiusRange {
+    /// The range of no radii: joined with another one it gives that.
     const NOTHING: Self = Self {
         least: i32::MAX,
         greatest: i32::MIN,

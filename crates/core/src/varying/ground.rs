@@ -132,6 +132,7 @@ impl DartGround for VaryingGround<'_> {
                     let offset = offset + half;
                     near.push(NearDisk { offset, radius });
                 }
+                // The search goes on to all samples.
                 false
             });
 

@@ -141,7 +141,8 @@ impl Octaves {
         let near = |offset: IVec2, other: i32| {
             is_near(offset.as_i64vec2().length_squared(), other, radius)
         };
+        let slack = 0;
         disks.any(|disk| near(disk.at - place, disk.radius))
-            || self.any_near(place, radius, 0, sight, near)
+            || self.any_near(place, radius, slack, sight, near)
     }
 }

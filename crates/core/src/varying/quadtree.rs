@@ -34,7 +34,8 @@ pub(super) fn base_cells(field: &RadiusField, shape: &Shape) -> Vec<VaryingCell>
     let mut base = Vec::new();
     let mut stack = Vec::new();
 
-    // Base cells have the side of the octave of the largest radius, which is at most that radius.
+    // The search begins with cells of the side of the octave of the largest radius. That is at most this radius, and
+    // base cells are no wider than the least radius in them.
     let top = octave_of(field.whole().greatest);
 
     let rect = field.domain().rect();
