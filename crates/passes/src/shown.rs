@@ -156,7 +156,7 @@ impl ShownBuffer {
     /// a visit there are none.
     fn refresh(&mut self, visit: Option<&Visit>) {
         (self.rows, self.widths, self.error) = (Vec::new(), Vec::new(), None);
-        self.counts = PlacedCounts::default();
+        (self.counts, self.is_filtered) = (PlacedCounts::default(), false);
 
         let Some(table) = self.table(visit) else {
             return;
