@@ -84,7 +84,7 @@ pub fn samples(still: &Still) -> Samples {
     }
 }
 
-/// Returns the name of a moment.
+/// Returns the name of a moment: its stage, and the number of its event if the run has events.
 #[must_use]
 pub fn name_of(shown: &ShownMoment<'_>) -> String {
     let stage = match shown.stage {

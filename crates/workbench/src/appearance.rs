@@ -29,7 +29,7 @@ pub struct Appearance {
 }
 
 impl Appearance {
-    /// Returns the layers that are shown at a stage.
+    /// Returns the layers that are shown at a stage; without a session, those of the last stage.
     #[must_use]
     pub fn layers(&self, stage: Option<Stage>) -> Layers {
         let of_stage = || Layers::of_stage(stage.unwrap_or(Stage::Finish));
@@ -85,7 +85,7 @@ impl Appearance {
         self.motion_chosen
     }
 
-    /// Restores the user's earlier choice of reduced motion.
+    /// Restores the user's earlier choice of reduced motion; `None`, as of a user who never chose, changes nothing.
     pub(crate) fn choose_motion(&mut self, chosen: Option<bool>) {
         self.motion_chosen = chosen.or(self.motion_chosen);
         self.reduced_motion = chosen.unwrap_or(self.reduced_motion);

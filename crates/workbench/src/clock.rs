@@ -35,7 +35,7 @@ impl Clock {
         }
     }
 
-    /// Returns the duration of a tick at speed 1, in seconds.
+    /// Returns the duration of a tick at speed 1, in seconds. All are chosen, not measured.
     pub(crate) const fn tick_secs(self) -> f32 {
         match self {
             Self::Event => 0.25,
@@ -147,6 +147,7 @@ impl Playback {
         if *left > 0.0 {
             return 0;
         }
+        // One tick was awaited, and `-left` is the time since it was due: further ticks have become due in that time.
         let due = (1 + (-*left / tick) as u32).min(MAX_TICKS);
         // Ticks beyond the limit are dropped: the next one is due at once, and playback falls behind.
         *left = (*left + due as f32 * tick).max(0.0);
@@ -181,7 +182,7 @@ impl Course {
         Self { ends }
     }
 
-    /// Returns the share of the time that has passed at a cursor, from 0 to 1.
+    /// Returns the share of the time that has passed at a cursor, from 0 to 1; beyond the last stage it is 1.
     #[must_use]
     pub fn share(&self, cursor: usize) -> f64 {
         let index = self.ends.partition_point(|&(end, _)| end < cursor);
@@ -193,7 +194,7 @@ impl Course {
         before + part * (after - before)
     }
 
-    /// Returns the cursor at a share of the time.
+    /// Returns the cursor at a share of the time: that of the end from share 1 on, 0 for a run without stages.
     #[must_use]
     pub fn cursor(&self, share: f64) -> usize {
         let index = self.ends.partition_point(|&(_, after)| after <= share);

@@ -213,6 +213,7 @@ impl Comparison {
         self.take(outcome);
         let wanted = [a.generation, b.generation];
         let searched = self.search.as_ref().map(|(pair, _)| *pair);
+        // A running search counts, or otherwise the last result, also where it is a failure: it would fail again.
         if searched.or(self.found.as_ref().map(|(pair, _)| *pair)) != Some(wanted) {
             let pair = [a, b].map(|session| SessionRef(Arc::clone(session)));
             let job = task::start(wake, DivergenceTask(pair));

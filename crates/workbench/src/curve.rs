@@ -160,13 +160,15 @@ impl CurvePoints {
         }))
     }
 
-    /// Returns the cursor of the next moment, or the one before `cursor`, at which the value is above that of the moment before.
+    /// Returns the cursor of the next moment behind `cursor`, or of the last one before it, at which the value has risen since the
+    /// moment before; `None` if there is none.
     #[must_use]
     pub fn rise(&self, cursor: usize, direction: Direction) -> Option<usize> {
         let is_rise = |index: &usize| self.values[*index] > self.values[*index - 1];
         let index = match direction {
             Direction::Forwards => {
                 let next = self.events.partition_point(|event| *event <= cursor);
+                // The first moment has none before it, above which its value could be.
                 (next.max(1)..self.events.len()).find(is_rise)
             }
             Direction::Backwards => {

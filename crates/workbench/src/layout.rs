@@ -188,7 +188,8 @@ impl LayoutTile {
         }
     }
 
-    /// Opens another tab wherever the open one is hidden: the next one to the left, or else to the right.
+    /// Opens another tab wherever the open one is hidden: the next one to the left, or else to the right. Where all tabs are hidden,
+    /// the open one stays.
     fn leave(&mut self, hidden: PanelSet) {
         if let Self::Tabs { tiles, open } = self
             && tiles.get(*open).is_some_and(|tile| tile.is_hidden(hidden))
@@ -228,7 +229,7 @@ impl LayoutTile {
         }
     }
 
-    /// Returns the tabs that directly contain a panel.
+    /// Returns the tabs that directly contain a panel, to be changed.
     fn tabs_around(&mut self, panel: Panel) -> Option<&mut Vec<Self>> {
         let is_here = self.children().any(|tile| *tile == Self::Panel(panel));
         match self {
@@ -288,6 +289,7 @@ impl LayoutTile {
     fn is_sound(&self) -> bool {
         let of_itself = match self {
             Self::Panel(_) => true,
+            // Tabs may be empty, with 0 as the open one; `pruned` removes them.
             Self::Tabs { tiles, open } => *open < tiles.len().max(1),
             Self::Linear { tiles, .. } => {
                 let sound = |share: f32| share.is_finite() && share >= 0.0;
@@ -468,7 +470,8 @@ impl Layout {
         let there = self.root.add_panels(0)?;
 
         for panel in Panel::all().filter(|panel| there & panel.bit() == 0) {
-            // The neighbour may stand in no tabs. Then the first visible ones take the panel, if there are any.
+            // The neighbour may stand in no tabs. Then the first visible ones take the panel. A layout without tabs has no place for it,
+            // and is not valid.
             let tabs = if self.root.tabs_with(NEIGHBOUR).is_some() {
                 self.root.tabs_around(NEIGHBOUR)
             } else {

@@ -19,7 +19,8 @@ pub const WATCH_STEPS: u64 = FRAME_STEPS;
 /// The time of the frame that has [`FRAME_STEPS`]: on a screen of 60 frames a second.
 const FRAME_SECS: f32 = 1.0 / 60.0;
 
-/// The most times [`FRAME_STEPS`] in a frame: of a frame of a quarter of a second they take about 40 ms.
+/// The most times [`FRAME_STEPS`] in a frame. Frames of more than about a quarter of a second have so many steps, which take about
+/// 40 ms.
 const MAX_LONGER: f32 = 8.0;
 
 /// Returns the counted steps of a frame after one of `dt_secs`. Where drawing takes long, a frame of play brings more changes, and

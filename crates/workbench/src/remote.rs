@@ -256,7 +256,7 @@ fn load(fields: &Map<String, Value>) -> Result<Request, RequestError> {
     }
 }
 
-/// Reads a request to step.
+/// Reads a request to step; without fields it is one event forwards.
 fn step(fields: &Map<String, Value>) -> Result<Request, RequestError> {
     // Numbers of JavaScript are floats, so that 1.0 is a step, too.
     let forwards = match fields.get("by") {
@@ -384,7 +384,8 @@ fn lesson(fields: &Map<String, Value>) -> Result<LessonRequest, RequestError> {
     }))
 }
 
-/// Reads a request to answer a question, or to change the answer that is being put together.
+/// Reads a request to answer a question with a value, to change the answer that is being put together, or without fields to
+/// give that answer.
 fn answer(fields: &Map<String, Value>) -> Result<LessonRequest, RequestError> {
     let command = match (fields.get("value"), fields.get("draft")) {
         (Some(value), None) => return Ok(LessonRequest::Answer(value.clone())),
@@ -430,7 +431,7 @@ fn view(fields: &Map<String, Value>) -> Result<Request, RequestError> {
     Ok(Request::View(wanted))
 }
 
-/// Returns one of several choices by its name in links.
+/// Returns one of several choices by its name in links; `None` if the request does not have the field.
 fn choice<T: Serialize + Copy>(
     fields: &Map<String, Value>,
     field: &str,

@@ -88,7 +88,8 @@ pub fn lesson_of_session(text: &str) -> Result<String, String> {
     lesson_of(&saved.scenes, &saved.parameters, saved.pattern.is_some())
 }
 
-/// Returns the first sentence of a caption without its full stop, and the rest.
+/// Returns the first sentence of a caption without its full stop, and the rest. If the sentence is longer than [`TITLE`], returns no
+/// title, and the whole caption as the rest.
 fn titled(caption: &str) -> (String, String) {
     let caption = plain(caption);
     let ends = caption.match_indices(['.', '!', '?', '\n']);
@@ -133,7 +134,7 @@ fn run(text: &mut String, parameters: &Parameters) {
 fn moment(text: &mut String, scene: &SavedScene) {
     let ended_stage = &scene.ends;
     let moment = match (ended_stage, &scene.anchor) {
-        // The pattern is made before the first event.
+        // The pattern is made before the first event, and a scene without an anchor is at the start of its run.
         (Some(Stage::Pattern), _) | (None, None) => "start".to_owned(),
         // Only the parallel engine has a stage of regions. A lesson's run is made by the sequential engine, which records events,
         // so that no lesson can name the end of the regions.

@@ -120,7 +120,7 @@ fn refusal_before(state: &State, command: &Command) -> Option<String> {
     }
 }
 
-/// Applies a command and waits for its work. Returns why it was refused or failed, if it was.
+/// Applies a command and waits for its work. Returns why it was refused or failed, if it was. `next` is the command after it, if any.
 fn apply(state: &mut State, command: &Command, next: Option<&Command>) -> Option<String> {
     // An older notice must not be taken for one about this command.
     let before = state.messages().notice.clone();

@@ -273,7 +273,7 @@ pub fn cause(
     }
 }
 
-/// Returns the distance from the mean that all but a few shares keep within.
+/// Returns the distance from the mean that all shares but those beyond [`TINTED`] keep within, never 0; 1 without shares.
 fn strongest(shares: &[f32], mean: f32) -> f32 {
     let finite = shares.iter().filter(|share| share.is_finite());
     let mut sizes: Vec<f32> = finite.map(|share| (share - mean).abs()).collect();

@@ -38,9 +38,10 @@ impl Samples {
 /// Returns the part to measure next; `None` when all are known.
 #[must_use]
 pub fn missing(set: &MeasuredSet) -> Option<Part> {
-    // A spectrum of low frequencies is worth while only where the whole one takes long.
+    // A spectrum of low frequencies is worth while only where the whole one takes long, and only before that one is known.
     let is_rough = set.samples >= ROUGH_FROM && !set.knows(Part::Spectrum);
     let is_wanted = |part: Part| is_shown(part) || (part == Part::Rough && is_rough);
+    // The sequence of all parts puts the quick ones first, and the low frequencies before the whole spectrum.
     let mut parts = Part::ALL.into_iter();
     parts.find(|part| is_wanted(*part) && !set.knows(*part))
 }

@@ -123,7 +123,7 @@ impl Measuring {
         if self.at != Some(key) {
             self.at = Some(key);
             self.work = None;
-            self.look_at(key);
+            self.show_last(key);
             wake();
             return;
         }
@@ -139,8 +139,8 @@ impl Measuring {
         (self.at, self.work, self.growing) = (None, None, None);
     }
 
-    /// Moves a moment's measures to the end of the list, and drops incomplete measures of other moments.
-    fn look_at(&mut self, key: Key) {
+    /// Moves a moment's measures to the end of the list, as those shown last, and drops incomplete measures of other moments.
+    fn show_last(&mut self, key: Key) {
         if let Some(index) = self.kept.iter().position(|known| known.key == key) {
             let known = self.kept.remove(index);
             self.kept.push(known);

@@ -48,6 +48,7 @@ pub(crate) fn domain_text(region: Region) -> String {
 /// Returns why a set from a file is not compared with the run, or `None` if it is.
 fn refusal(name: &str, region: Region, guessed: bool, run: Region) -> Option<String> {
     // A side may differ by rounding: the run's is computed from its radius, the file's was written by any program.
+    // The relative difference of 1e-9 is chosen, not measured.
     let same = |a: f64, b: f64| (a - b).abs() <= 1e-9 * a.abs().max(b.abs());
     let fits = region.boundary == run.boundary
         && same(region.width, run.width)

@@ -6,7 +6,8 @@ use tilescope_session::moment::Moment;
 use tilescope_session::session::Session;
 
 /// Returns the cursors up to which two runs are equal, event by event, given where they diverge. `None` if events were
-/// left out of a tape, as single events then cannot be matched.
+/// left out of a tape, as single events then cannot be matched, or if the runs do not diverge at an event: they were not compared
+/// yet, or differ in their domains or stages.
 #[must_use]
 pub fn common(
     first: &Session,
@@ -27,7 +28,7 @@ pub fn common(
         Some(&Divergence::Same) => Some([usize::MAX; 2]),
         Some(&Divergence::Events { a, b, .. }) => Some([a, b]),
         Some(&Divergence::Ends { event, .. }) => Some([event; 2]),
-        // The runs are not compared yet, or differ in a domain or a stage, not in an event.
+        // Where the runs are not compared yet, or differ in a domain or a stage, no event is the first that differs.
         _ => None,
     }
 }

@@ -387,7 +387,7 @@ fn add_analysis(
     picture: &mut Scene,
     monitor: &Monitor,
 ) -> Result<(), FigureError> {
-    // The fraction done is that of all pictures, not of one measure.
+    // The fraction done is that of all pictures, not of one measure. Only a cancellation is an error here.
     let found =
         beside(&job.session.0, moment, &|_| flow(monitor)).map_err(|_| FigureError::Cancelled)?;
     Ok(found.draw(view, picture)?)

@@ -12,6 +12,7 @@ const PORTAL: &str = "dbus-1/services/org.freedesktop.portal.Desktop.service";
 /// Returns why no file dialog can open, as a sentence; `None` if one can, as far as that is known before.
 #[must_use]
 pub(crate) fn refusal() -> Option<String> {
+    // Windows and macOS always have a dialog.
     let is_linux = cfg!(all(unix, not(target_os = "macos")));
     let has_dialog =
         !is_linux || Desktop::of_environment(|name| std::env::var_os(name)).has_dialog();

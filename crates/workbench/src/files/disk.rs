@@ -47,7 +47,8 @@ pub(super) fn gather_paths(
     };
 
     let (opened, left) = pick(&names, holds).ok_or("there is no file")?;
-    // A longer document would be refused anyway, but a point set may be longer.
+    // A longer document would be refused anyway. Dropped files and those for any other purpose may be point sets, which may be
+    // longer.
     let limit = match purpose {
         Some(Purpose::Open | Purpose::Combination) => MAX_BYTES as u64,
         _ => MAX_PATTERN_BYTES,

@@ -135,6 +135,7 @@ impl Task for ReadTask {
         match outcome.done {
             Ok(Done::Opened(opened)) => SessionRef::keep::<()>(Ok(opened.session)),
             Ok(Done::Levels(session)) => SessionRef::keep::<()>(Ok(*session)),
+            // Nothing else has a session.
             _ => {}
         }
     }
@@ -239,7 +240,7 @@ fn holds_polygon(value: &Value) -> bool {
 }
 
 /// Reads a session and computes its run again, or reads a combination, from a session or a layout, and makes
-/// it.
+/// it. Also opens a point set of nested levels; any other point set is refused.
 fn open(incoming: &Incoming, generation: u64, monitor: &Monitor) -> Made {
     let set = (!incoming.is_document()).then(|| incoming.point_set());
     if let Some(Ok(set)) = set {
@@ -249,6 +250,7 @@ fn open(incoming: &Incoming, generation: u64, monitor: &Monitor) -> Made {
         let hint = "is a point set, not a saved session; drop it on the window to use it";
         return Err(format!("{} {hint}", incoming.name));
     }
+    // A file that is neither a point set nor JSON is refused as a session that cannot be read.
     match serde_json::from_str(incoming.text()?) {
         Ok(value) if holds_combination(&value) => combination(incoming, generation, monitor),
         _ => session(incoming, generation, monitor),

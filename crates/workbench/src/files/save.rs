@@ -23,6 +23,7 @@ pub struct SaveTask {
 /// Returns the name of a session's file, with `.json` added if it has no extension.
 pub(crate) fn with_json(path: String) -> String {
     let last = last_part(&path);
+    // A dot at the beginning marks a hidden file, and no extension.
     let has_ending = last.trim_start_matches('.').contains('.');
     let is_folder = last.is_empty() || last.chars().all(|c| c == '.');
     if has_ending || is_folder {

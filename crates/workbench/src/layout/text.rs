@@ -4,7 +4,7 @@ use super::{Direction, Layout, LayoutTile, MAX_DEPTH, MAX_TILES, Panel};
 
 /// The unit of written shares is one over this.
 const PART: f32 = 10_000.0;
-/// The largest share that is written or read.
+/// The largest share that is written or read. Chosen, not measured.
 const MAX_SHARE: f32 = 100.0;
 /// The end of a container.
 const END: char = '-';

@@ -112,15 +112,15 @@ pub fn read<'a>(
 
         let new = changed(&parameters, parameter, text);
         if new.is_none() {
-            let (text, used, name) = (quoted(text), value(base, parameter), name_of(parameter));
+            let (shown, used, name) = (quoted(text), value(base, parameter), name_of(parameter));
             // Some names are methods of the command line that are no tiling, and the warning says so.
             let refusal = match parameter {
-                Parameter::Method => method_refusal(&text.to_lowercase()),
+                Parameter::Method => method_refusal(&shown.to_lowercase()),
                 _ => None,
             };
             let why = refusal.map_or_else(String::new, |why| format!(": {why}"));
             warnings.add(format!(
-                "The link asked for {name}{run} {text}; {used} is used instead{why}."
+                "The link asked for {name}{run} {shown}; {used} is used instead{why}."
             ));
         }
         parameters = new.unwrap_or(parameters);
@@ -189,6 +189,7 @@ fn fit(p: &mut Parameters, run: &str, warnings: &mut LinkWarnings) {
 /// Returns the parameters that a link to a run cannot reproduce, because they exceed the limits of links.
 pub(crate) fn excess(p: &Parameters) -> Vec<String> {
     let domain = p.validate_sequential();
+    // Parameters that are not valid make no samples, and so exceed no limit.
     let samples = domain.map_or(0.0, |domain| domain.area_radii() * MAXIMAL_DENSITY);
 
     let mut excess = Vec::new();

@@ -199,6 +199,7 @@ impl LinkReader {
 
         let at = self.take("at", |text| text.parse().ok());
         let stage = self.take("stage", name);
+        // An event is more exact than a stage, and counts where a link has both.
         content.moment = match (at, stage) {
             (Some(cursor), _) => NamedMoment::Event(cursor),
             (None, Some(stage)) => NamedMoment::Stage(stage),
@@ -475,6 +476,7 @@ fn parted((key, value): (String, String)) -> Vec<(String, String)> {
     }
     let mut parts = value.split('&');
     let first = parts.next().unwrap_or_default().to_owned();
+    // A part without `=` is no key and value, and is left out.
     let others = parts
         .filter_map(|part| part.split_once('='))
         .map(|(key, value)| (key.to_owned(), value.to_owned()));

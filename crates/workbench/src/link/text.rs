@@ -41,6 +41,7 @@ pub fn items(list: &str) -> Vec<String> {
     let mut rest = list.chars().peekable();
     while let Some(character) = rest.next() {
         match character {
+            // A backslash before any other character escapes nothing, and stands for itself.
             '\\' => item.push(rest.next_if(|next| r"\;".contains(*next)).unwrap_or('\\')),
             ';' => items.push(std::mem::take(&mut item)),
             character => item.push(character),
@@ -85,6 +86,7 @@ pub fn exact(number: f64) -> String {
 
 /// Returns a number for display positions, to a millionth and at least six digits.
 pub fn rounded(number: f64) -> String {
+    // Below 1e-9 the limit of 12 decimals counts anyway, and 0 has no logarithm.
     let digits = DECIMALS - 1 - number.abs().max(1e-9).log10().floor() as i32;
     let decimals = digits.clamp(DECIMALS, 12) as usize;
     let text = format!("{number:.decimals$}");

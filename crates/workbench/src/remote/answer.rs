@@ -103,7 +103,7 @@ fn load(state: &mut State, parameters: Parameters) {
     );
 }
 
-/// Carries out a request about lessons; returns the lesson.
+/// Carries out a request about lessons; returns the lesson, or null once it is presented.
 fn answer_of_lesson(state: &mut State, request: LessonRequest) -> Result<Value, RequestError> {
     let lessons = &state.lessons();
     let has_lesson = lessons.open.is_some();
@@ -254,6 +254,7 @@ fn seek_target(
 fn look_as_wanted(state: &mut State, wanted: &Wanted) {
     let mut effects = Vec::new();
     if wanted.whole || wanted.camera.is_some() {
+        // No camera shows the whole domain.
         effects.push(Effect::Camera(wanted.camera));
     }
     let mut appearance = state.appearance().clone();

@@ -68,11 +68,11 @@ impl SaveTask {
 }
 
 /// Returns the session as the text of a file, from which [`FileCommand::Last`] reopens it: run, moment, view, breakpoints
-/// and scenes. `None` if it is as the program starts, if a lesson or the tour has replaced it, or if it has images or files
-/// that neither a session nor a link holds.
+/// and scenes. `None` if it is as the program starts, if a lesson or the tour has replaced it, if the window is embedded in another
+/// page, or if it has images or files that neither a session nor a link holds.
 #[must_use]
 pub fn session_to_keep(state: &State) -> Option<String> {
-    // The run of a lesson or the tour is not the user's own.
+    // The run of a lesson, of the tour or of a page around the window is not the user's own.
     if state.past.borrowed.is_some() || state.window.embedding.is_some() {
         return None;
     }
@@ -157,6 +157,7 @@ impl FileState {
                 let names = paths.iter().map(PathBuf::from).collect();
                 self.take_dropped(&paths, FileSource::Paths(names), &[], run, context);
             }
+            // A page gets dropped files as bytes, without paths.
             #[cfg(target_arch = "wasm32")]
             FileCommand::Dropped(_) => {}
             FileCommand::DroppedBytes(files, refused) => {

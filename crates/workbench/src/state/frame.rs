@@ -164,7 +164,7 @@ impl State {
     }
 
     /// Starts on a page: opens and tests the GPU, which samples from then on if it passes. One that computes on
-    /// the CPU is tested only if it was requested.
+    /// the CPU is tested only if it was requested. A notice says why the window is drawn as it is, if the page gives a reason.
     pub fn begin_on_page(&mut self, start: &PageStart) {
         self.restore(Settings {
             embedding: Some(start.embedding),

@@ -41,6 +41,7 @@ impl GpuState {
             GpuCommand::Engine(engine) => self.choose_engine(engine, context),
             GpuCommand::NameAdapter(name) => {
                 self.adapter = name;
+                // The adapter of this name is opened and tested when the GPU is chosen again.
                 self.device = Device::Unknown;
                 if self.engine == EngineChoice::Gpu {
                     self.engine = EngineChoice::Auto;
@@ -64,7 +65,10 @@ impl GpuState {
         if engine == EngineChoice::Gpu {
             match self.device {
                 Device::Refused(_) => return,
-                Device::Unknown => self.test(true, context),
+                Device::Unknown => {
+                    let even_software = true;
+                    self.test(even_software, context);
+                }
                 Device::Testing(_) | Device::Ready(_) => {}
             }
         }

@@ -193,6 +193,8 @@ impl LinkSource<'_> {
         }
     }
 
+    /// Returns the name of the moment that is shown: its event, or without events its stage. At the end of the run it is the end, as
+    /// without a session.
     fn linked_moment(&self) -> NamedMoment {
         let Some(session) = &self.runs.first.session else {
             return NamedMoment::End;

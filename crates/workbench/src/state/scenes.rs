@@ -179,6 +179,7 @@ impl Scenes {
         if let Some(shown) = &mut self.shown
             && shown.list == SceneList::Own
         {
+            // The new scene is of the moment that is shown, and so is the shown one from now on.
             shown.index += 1;
         }
 
@@ -211,6 +212,7 @@ impl Scenes {
             Some(index) if index < len => self.show(list, index, run, source, context),
             // After its last scene the tour is over.
             Some(_) if list == SceneList::Tour => self.leave(context),
+            // Before the first scene and after the user's last one, the shown scene stays.
             _ => {}
         }
     }
@@ -262,7 +264,7 @@ fn change_scenes(run: &mut RunView, change: impl FnOnce(&mut Debugger)) {
 
 /// Returns the current view for a scene.
 fn scene_view(run: &RunView, view: &SavedView) -> Value {
-    // A fitted view has no camera: it fits any canvas.
+    // A fitted view has no camera: it fits any canvas. Without a canvas there is no positive size, and 1 stands for it.
     let camera = (!run.is_fitted()).then(|| SceneCamera {
         radii: f64::from(run.viewport.size().min_elem().max(1.0)) / run.camera.scale,
         center: Some(run.camera.center),

@@ -128,6 +128,7 @@ impl Time {
         run.jump(view.cursor);
         run.moved(before);
         run.pick(Selection::Nothing, context);
+        // With a zoom the frame's width does not count: the zoom has the scale. Without either the whole domain is shown.
         match (view.framed, view.zoom) {
             (Some((center, _)), Some(zoom)) => run.look_from(zoom, center.into(), context),
             (None, Some(zoom)) => run.look_from(zoom, zoom.center, context),

@@ -499,7 +499,7 @@ fn asked_of(state: &State, which: Which, dt_secs: f32) -> Asked {
     let is_first = which == Which::First;
     // Two runs share the time of a frame.
     let runs = if state.runs.second.is_some() { 2 } else { 1 };
-    // Layers follow the stage of the run itself, as its canvas does.
+    // Layers follow the stage of the run itself, as its canvas does. Without this run nothing is measured of it, so that any will do.
     let run = state.runs.get(which).unwrap_or(&state.runs.first);
     Asked {
         layers: state.appearance.layers(run.current_stage()),

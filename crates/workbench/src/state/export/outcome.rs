@@ -161,7 +161,8 @@ impl Exports {
         }
     }
 
-    /// Closes the sheet of an export that has succeeded, and shows a notice of it.
+    /// Closes the sheet of an export that has succeeded, and shows a notice of it; `download` is the name of the file that is
+    /// downloaded instead of written.
     fn exported(&mut self, written: &Written, download: Option<&str>, context: &mut Context) {
         // The sheet may have been opened for another file since.
         let this = |form: &ExportForm| form.file() == written.path;

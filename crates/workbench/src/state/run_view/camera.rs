@@ -245,6 +245,7 @@ impl RunView {
 
     /// Returns the camera that shows the given number of r around a place.
     fn framing(&self, center: DVec2, radii: f64) -> Camera {
+        // Without a canvas there is no positive size, and 1 stands for it.
         let room = f64::from(self.viewport.size().min_elem().max(1.0));
         Camera {
             center,
@@ -324,6 +325,7 @@ impl RunView {
 
         // While the camera flies, its destination counts.
         let camera = self.destination();
+        // Without a canvas there is no positive size, and 1 stands for it.
         let room = f64::from(self.viewport.size().min_elem().max(1.0));
         let is_wide = room / camera.scale > FOLLOWED;
         let at = camera.screen_from_domain(self.viewport, place);

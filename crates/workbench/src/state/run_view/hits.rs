@@ -139,7 +139,7 @@ fn hits(
     while found.len() < MAX_HITS && unclear < MAX_UNCLEAR && go_on() {
         match debugger.run_while(Direction::Forwards, &go_on) {
             Stop::Breakpoint(_) | Stop::Target => found.push(debugger.state().cursor()),
-            // A condition that cannot be evaluated breakpoints a run, but is not counted as a hit.
+            // A condition that cannot be evaluated stops a run, but is not counted as a hit.
             Stop::BadCondition(..) => unclear += 1,
             Stop::End => break,
         }

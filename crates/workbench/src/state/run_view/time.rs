@@ -224,8 +224,8 @@ impl RunView {
         }
     }
 
-    /// Removes the pointer's mark from a sample that does not exist yet. The selection stays, as its history is still to
-    /// come.
+    /// Removes the pointer's mark from a sample that does not exist yet, and before the last stage the mark of a verdict's witness,
+    /// as the verdict is about the end. The selection stays, as its history is still to come.
     pub(in crate::state) fn forget_unseen(&mut self) {
         let Some(shown) = self.shown() else {
             return;

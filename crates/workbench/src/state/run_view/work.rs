@@ -118,6 +118,7 @@ impl RunView {
         *self = run;
         // The window may have another size now.
         self.follow_viewport(viewport);
+        // The breakpoints, watches and scenes that were set aside with the run give way to the present ones.
         drop(self.take_stops());
         self.put_stops(stops, context);
     }
