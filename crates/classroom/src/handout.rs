@@ -23,7 +23,7 @@ const PLOT: [f64; 2] = [320.0, 90.0];
 /// The height of the numbers below a plot, and where their baseline lies in it.
 const TICK_ROOM: f64 = 16.0;
 const TICK_BASELINE: f64 = 13.0;
-/// The highest frequency, in 1/r, and the highest power of a plot. White noise has the power 1.
+/// The highest frequency, in 1/r, and the highest power of a plot. White noise has the power 1. Chosen, not measured.
 const REACH: [f64; 2] = [3.0, 3.0];
 
 /// The task of making a handout. Its outcome is the file, or a sentence with the reason why there is none.
@@ -98,7 +98,8 @@ pub fn lesson_sheet(task: &HandoutTask, size: [f64; 2]) -> Result<LessonSheet, S
             .map_err(|fault| format!("Step {}: {fault}.", index + 1))?;
         let step = open.learner.step();
 
-        // Apart, as a page may set the question off. Nothing is revealed, so that the controls show no answer.
+        // Apart, as a page may set the question off. Nothing is revealed, so that the controls show no answer. Of a trace the first
+        // event is asked for.
         let (mut texts, mut question) = (String::new(), String::new());
         for paragraph in &step.text {
             put(&mut texts, &open.learner.words(paragraph));

@@ -262,7 +262,8 @@ impl TalkRecord {
         self.strokes.get(key).map_or(&[], Vec::as_slice)
     }
 
-    /// Draws to a place; `begins` a line of this colour or goes on with the last one. Beyond [`MAX_POINTS`] nothing is drawn.
+    /// Draws to a place; `begins` a line of this colour or goes on with the last one. Beyond [`MAX_POINTS`] nothing is drawn, nor
+    /// at a place that is not finite.
     pub(crate) fn draw(&mut self, key: &str, at: [f64; 2], color: usize, begins: bool) {
         let strokes = self.strokes.entry(key.to_owned()).or_default();
         let points: usize = strokes.iter().map(|stroke| stroke.points.len()).sum();

@@ -311,6 +311,7 @@ impl Debugger {
         let cursor = match (scene.ends, &scene.anchor) {
             (Some(stage), _) => self.recording.end_of(stage),
             (None, Some(anchor)) => self.recording.anchored(anchor).map(|event| event + 1),
+            // Only the start of a run has no event before it by which it could be found.
             (None, None) => (scene.event == 0).then_some(0),
         };
 
@@ -380,6 +381,7 @@ impl Debugger {
     #[must_use]
     pub fn session(&self) -> Session {
         Session {
+            // The lowest version that holds such a run, so that older programs open the session where they can.
             version: if self.recording.run().locality.is_some() {
                 VERSION
             } else if self.recording.is_exact() {

@@ -61,6 +61,7 @@ impl Event {
     #[must_use]
     pub const fn is_detail(&self) -> bool {
         match self.kind {
+            // The tag of a test says whether one sample covers the other.
             EventKind::Test => self.tags == 0,
             // The lowest three bits are the verdict: 0 is that of an accepted place.
             EventKind::Candidate | EventKind::Dart => self.tags & 7 != 0,

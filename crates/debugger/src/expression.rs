@@ -67,7 +67,7 @@ pub enum ExpressionError {
     /// It is too long.
     #[error("the expression has {length} bytes, more than {maximum}")]
     TooLong {
-        /// How many bytes it has.
+        /// How many characters it has.
         length: usize,
         /// The most it may have, [`MAX_LENGTH`].
         maximum: usize,
@@ -133,7 +133,7 @@ impl Evaluator {
         BasicMathPackage::new().register_into_engine(&mut engine);
         engine.disable_symbol("eval");
 
-        // Whatever is written, an evaluation ends soon and takes little memory.
+        // Whatever is written, an evaluation ends soon and takes little memory. The bare numbers are chosen, not measured.
         engine.set_max_operations(MAX_OPERATIONS);
         engine.set_max_expr_depths(MAX_DEPTH, MAX_DEPTH);
         engine.set_max_string_size(MAX_LENGTH);

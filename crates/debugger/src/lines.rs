@@ -37,6 +37,7 @@ impl Lines {
         let (name, number) = self.listing_line(run_event);
         let mut listings = Listings::shipped().listings.iter();
         let listing = listings.find(|listing| listing.name == name);
+        // Each name below is that of a listing, so that the 0 is never used.
         LineId(listing.map_or(0, |listing| listing.lines.start + number - 1))
     }
 
@@ -79,6 +80,7 @@ impl Lines {
             (Stage::Tile, _) => ("tile", 1),
             (Stage::Eliminate, Self::Printed) => ("printed", 1),
             (Stage::Eliminate, _) => ("eliminate", 1),
+            // The end of the run: iterations begin with an event of another kind, and regions have no events.
             _ => ("finish", 1),
         }
     }
@@ -89,6 +91,7 @@ impl Lines {
             (Sites::Three(_), Verdict::Accepted) if printed => ("gaps", 4),
             (Sites::Three(_), Verdict::Covered { .. }) if printed => ("gaps", 3),
             (Sites::Three(_), _) if printed => ("gaps", 2),
+            // Fewer sites than three are those of a place on the border of the domain.
             _ if printed => ("gaps", 6),
 
             (Sites::Three(_), Verdict::Accepted) => ("detect", 6),

@@ -293,6 +293,7 @@ impl Words<'_> {
         let gone = match self.0.status(because, index) {
             crate::life::Status::Dropped => "was dropped",
             crate::life::Status::Eliminated => "was eliminated",
+            // No engine of today marks a sample because of one that is still there.
             _ => "opened a place",
         };
 
@@ -344,6 +345,7 @@ pub fn significant(number: f64) -> String {
         return "0".to_owned();
     }
     // Three significant digits: the last one is two places behind the first, whose place the logarithm gives.
+    // From 100 on there are no decimals; the most, 12, are chosen, not measured.
     let decimals = (2.0 - number.abs().log10().floor()).clamp(0.0, 12.0) as usize;
     format!("{number:.decimals$}")
 }

@@ -83,7 +83,8 @@ impl Combination {
     }
 }
 
-/// Returns the seams as they are drawn, with those on a border of a periodic domain on both of its sides.
+/// Returns the seams as they are drawn, with those on a border of a periodic domain on both of its sides. A bounded domain has no
+/// seams on its border.
 fn lines(domain: &Domain, seams: &[Seam]) -> Vec<[DVec2; 2]> {
     let size = [domain.width(), domain.height()].map(radii);
     let mut lines = Vec::with_capacity(seams.len());

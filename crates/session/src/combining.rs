@@ -40,7 +40,8 @@ impl Task for CombineTask {
     const NAME: &'static str = "combine";
 
     fn run(self, monitor: &Monitor) -> Self::Outcome {
-        Ok(make(self.layout, None, self.generation, monitor)?)
+        let without_files = None;
+        Ok(make(self.layout, without_files, self.generation, monitor)?)
     }
 
     fn cancelled(monitor: &Monitor) -> Option<Self::Outcome> {

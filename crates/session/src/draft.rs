@@ -174,7 +174,7 @@ impl Draft {
     pub fn count_text(&self) -> String {
         let expected = || {
             let samples = self.expected_samples()?;
-            // Two digits, as the number is an expectation.
+            // Two digits, as the number is an expectation, but whole samples.
             let step = 10_f64.powf((samples.log10().floor() - 1.0).max(0.0));
             Some(format!("{}", (samples / step).round() * step))
         };
@@ -245,6 +245,7 @@ impl Draft {
         // A pattern that the user changed stays as it is, and the change itself must not be undone here.
         if is_usual && usual != self.parameters.pattern && !of_pattern.contains(&changed) {
             self.parameters.pattern = usual;
+            // The boundary is chosen, and has no text.
             for parameter in [Parameter::PatternSide, Parameter::PatternSeed] {
                 let text = parameter.text(&self.parameters);
                 self.texts.insert(parameter, text);
@@ -270,7 +271,7 @@ impl Draft {
         differing.map(|parameter| parameter.row().label).collect()
     }
 
-    /// Returns the expected number of samples of a run.
+    /// Returns the expected number of samples of a run; `None` if a text cannot be read or the parameters are refused.
     #[must_use]
     pub fn expected_samples(&self) -> Option<f64> {
         if self.ground.is_asked() {

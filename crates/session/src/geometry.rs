@@ -144,6 +144,7 @@ fn bare_border(session: &Session, moment: Moment) -> Vec<[DVec2; 2]> {
 /// Returns the parts of the line from 0 to `length` that lie in none of these intervals.
 fn between(mut covered: Vec<[f64; 2]>, length: f64) -> Vec<[f64; 2]> {
     covered.sort_unstable_by(|a, b| a[0].total_cmp(&b[0]));
+    // An empty interval at the end closes the last open part.
     covered.push([length, length]);
 
     let (mut open, mut end) = (Vec::new(), 0.0);

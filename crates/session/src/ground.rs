@@ -115,6 +115,7 @@ impl PortableGround {
             Some(RadiusSource::Expression { expression, scale }) => {
                 Some(scaled_text(expression, *scale))
             }
+            // An image or a grid; a constant radius is among the parameters instead.
             Some(_) => return None,
         };
 

@@ -286,7 +286,7 @@ pub fn holds_document(bytes: &[u8]) -> Option<bool> {
 
 /// Returns which of several files is to be opened, and which files belong neither to it nor to another one. A
 /// certificate goes with its set. A session or layout (`holds_document` tests the file at an index) is opened before
-/// the sets that it may name.
+/// the sets that it may name. `None` without files.
 pub fn pick(
     names: &[&str],
     mut holds_document: impl FnMut(usize) -> bool,

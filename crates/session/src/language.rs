@@ -190,7 +190,7 @@ impl Language {
                 let text = pieces.map(|piece| match piece {
                     Piece::Words(words) => *words,
                     Piece::Slot(slot) => {
-                        // The translation may have the slots in another order.
+                        // The translation may have the slots in another order, but has the same ones.
                         let part = parts.iter().find(|(other, _)| other == slot);
                         part.map_or("", |(_, text)| text.as_str())
                     }
@@ -219,6 +219,7 @@ impl Language {
 
         let mut ends: Vec<usize> = match after {
             [Piece::Words(words), ..] => english.match_indices(words).map(|(at, _)| at).collect(),
+            // Slots have words between them, so that this one is the last, and takes the rest of the text.
             _ => vec![english.len()],
         };
         // A slot is never empty.

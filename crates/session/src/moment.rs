@@ -118,7 +118,8 @@ impl Moment {
         self.stage >= Stage::Tile && ids.into_iter().any(|id| self.covers(session, id))
     }
 
-    /// Returns whether a stage ends at this moment.
+    /// Returns whether a stage ends at this moment. Without events a session has only such moments, and nested levels, whose moments
+    /// are prefixes, have no others either.
     #[must_use]
     pub fn ends_stage(&self, session: &Session) -> bool {
         session.nested.is_some()

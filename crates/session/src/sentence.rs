@@ -24,7 +24,8 @@ pub fn name_in(session: &Session, stage: Stage) -> String {
     }
 }
 
-/// Returns the last step at a moment, in words: the stage, if the moment is its end, otherwise the event.
+/// Returns the last step at a moment, in words: the stage, if the moment is its end, otherwise the event; of nested levels the claims
+/// on the samples shown. Without a moment there is no session yet.
 #[must_use]
 pub fn happened(shown: Option<&ShownMoment<'_>>) -> String {
     let Some(shown) = shown else {

@@ -550,13 +550,14 @@ impl Session {
     }
 }
 
-/// Returns how many samples are lost by the end of each stage but the last, and there.
+/// Returns how many samples are lost by the end of each stage; `starts` has the first event of each stage but the first.
 fn losses_by_stage(recording: &Recording, starts: &[usize]) -> Vec<usize> {
     let ids = 0..recording.run().samples.len() as u32;
     let lives = ids.filter_map(|id| recording.life(id));
     let mut losses: Vec<usize> = lives.map(|life| life.lost as usize).collect();
     // Samples that are never lost have the largest number, and so are in no count.
     losses.sort_unstable();
+    // A stage ends where the next one starts, and the last one with the recording.
     let ends = starts.iter().copied().chain([recording.len()]);
     ends.map(|end| losses.partition_point(|&lost| lost < end))
         .collect()

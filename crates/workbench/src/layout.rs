@@ -537,6 +537,7 @@ impl<L: Fn(Panel) -> Vec2> Room<L> {
         let (axis, tiles) = match tile {
             LayoutTile::Panel(_) => return,
             LayoutTile::Tabs { tiles, .. } => {
+                // A tile may be lower than its bar of tabs, and then has no room below it.
                 let below_bar = (size - vec2(0.0, self.bar)).max(Vec2::ZERO);
                 for tile in tiles {
                     self.enlarge(tile, below_bar);
@@ -552,6 +553,7 @@ impl<L: Fn(Panel) -> Vec2> Room<L> {
             .filter(|(tile, _)| !tile.is_hidden(self.hidden))
             .collect();
 
+        // A tile that is shorter than the gaps in it has no room for the tiles.
         let room = (size[axis] - self.gaps(seen.len())).max(0.0);
         let total: f32 = seen.iter().map(|(_, share)| share).sum();
         // A layout from a link or a file may have shares of 0 only, and the sum is a divisor.

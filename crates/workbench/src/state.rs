@@ -352,7 +352,8 @@ impl State {
         let before = Memento::of(self);
         self.window.layout = layout;
         if is_moved {
-            self.remember(before, UndoPart::Layout, None);
+            let no_command = None;
+            self.remember(before, UndoPart::Layout, no_command);
         }
     }
 

@@ -63,6 +63,7 @@ pub fn time_measures(radius: f64, seconds: &dyn Fn() -> f64) -> Result<String, S
     timed_rows(radius, seconds).map_err(|error| error.to_string())
 }
 
+/// Returns the array of [`time_measures`], or the error itself.
 fn timed_rows(radius: f64, seconds: &dyn Fn() -> f64) -> Result<String, Box<dyn Error>> {
     let parameters = Parameters {
         radius,

@@ -164,7 +164,8 @@ impl Lessons {
                 | L::KeepResults,
                 _,
             ) => None,
-            // The commands above need no lesson; all others are about the one that is open.
+            // The commands above need no lesson. The others that a page issues are about the one that is open: it opens lessons by a
+            // request of its own.
             (_, None) => Some(NO_LESSON.to_owned()),
 
             (L::Step(Direction::Forwards), Some(learner)) if !learner.may_go_on() => {

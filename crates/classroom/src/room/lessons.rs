@@ -401,6 +401,7 @@ impl Classroom {
                 open.lacking =
                     Some("Answer the question first; or ask for a hint, or give up.".to_owned());
             }
+            // Before the first step and after the last one there is no other.
             _ => {}
         }
     }
@@ -467,6 +468,7 @@ impl Classroom {
                 open.learner.practise(draw);
                 self.show_step(context);
             }
+            // The run has no such moment, or the lesson has a fault.
             arrived => {
                 let line = open.learner.step().scene.line;
                 let missing = || LessonError::new(line, "the run has no such moment");
@@ -577,7 +579,8 @@ impl Classroom {
         });
     }
 
-    /// Shows the moment after an answer: that of the deciding event, or the next one of a trace.
+    /// Takes the results of an answer, and shows the moment after it: that of the deciding event, or the next one of a trace. A form
+    /// reveals nothing, and goes to its next step instead.
     fn reveal(&mut self, context: &mut Context) {
         if let Some(open) = &mut self.lessons.open {
             let entries = open.learner.take_entries();

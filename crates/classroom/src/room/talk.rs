@@ -203,7 +203,8 @@ impl Classroom {
             }
 
             // The first press at a question asks for votes, the second one reveals the answer.
-            if !std::mem::replace(&mut talk.is_voting, true) {
+            if !talk.is_voting {
+                talk.is_voting = true;
                 return;
             }
 
@@ -236,7 +237,7 @@ impl Classroom {
             return;
         };
 
-        // Each press takes one thing back: a cover, the vote, then a step.
+        // Each press takes one thing back: a cover, the vote, then a step. The code for phones has a command of its own that hides it.
         if matches!(talk.cover, Some(Cover::Blank | Cover::Over)) {
             talk.cover = None;
             return;
@@ -578,8 +579,9 @@ impl Classroom {
         }
     }
 
-    /// Returns the address that leads a phone to the step, or to the voting card for a step with a question; empty if the
-    /// page's address is not known. `page` is that address, and `fragment` the link to the moment that is shown.
+    /// Returns the address that leads a phone to the step, or to the voting card for a step with a question; empty if no address is
+    /// known. `page` is that of the page, if the window is on one, and gives way to one that the lecturer has set; `fragment` is the
+    /// link to the moment that is shown.
     #[must_use]
     pub fn talk_address(&self, page: Option<&str>, fragment: &str) -> String {
         let address = match (page, self.talks.address.as_str()) {

@@ -112,6 +112,7 @@ impl Node {
         })
     }
 
+    /// Returns the row of an event below this node, from 0; `None` if a collapsed node hides it, or it is not below this one.
     fn row_of(&self, event: usize) -> Option<usize> {
         let index = self.child_of(event)?;
         let at = self.open_at(index);

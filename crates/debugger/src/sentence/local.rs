@@ -133,7 +133,7 @@ impl Words<'_> {
     fn place(&self, place: Point) -> String {
         let unit = self.0.domain().unit();
         let (x, y) = (f64::from(place.x) * unit.x, f64::from(place.y) * unit.y);
-        // Digits down to a thousandth of r, by which no two samples can be taken for each other.
+        // Digits down to a thousandth of r, by which no two samples can be taken for each other. The most, 9, are chosen, not measured.
         let decimals = (3.0 - self.0.domain().radius().log10().floor()).clamp(0.0, 9.0) as usize;
         format!("({x:.decimals$}, {y:.decimals$})")
     }

@@ -79,6 +79,7 @@ impl<'a> Files<'a> {
     pub fn stated(&self, layout: &Layout, placed: &PlacedLayout) -> Value {
         let named = |path: &str| -> Result<Stated, Infallible> {
             let Some(around) = self.around else {
+                // A layout that may use no files has none that could be stated.
                 return Ok(Stated::new());
             };
             let mut named = Stated::from([("file".to_owned(), json!(last_part(path)))]);

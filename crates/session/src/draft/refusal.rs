@@ -104,7 +104,7 @@ impl Draft {
         refusals
     }
 
-    /// Returns whether the next run uses a parameter: in a field or a shape there is no tiling.
+    /// Returns whether the next run uses a parameter: in a field or a shape there is no tiling, and a formula gives the radius itself.
     #[must_use]
     pub fn uses(&self, parameter: Parameter) -> bool {
         let has_number = self.ground.by != RadiusBy::Expression;

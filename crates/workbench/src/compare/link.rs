@@ -70,6 +70,7 @@ pub fn corresponding(
     // Moments up to the divergence have been dealt with, so that only the part of the stage behind it is mapped, by proportion.
     // Returns where this part begins and ends; `least` is the cursor behind the divergence.
     let bounds = |session: &Session, stage: usize, least: usize| {
+        // Both runs have events here, so that each stage has an end; the first stage begins at 0.
         let start = stage
             .checked_sub(1)
             .and_then(|before| session.stage_end(before));

@@ -40,6 +40,7 @@ pub fn frames(
     let frames = count(session, range, clock, every)?;
     let mut cursors = Vec::with_capacity(frames);
     cursors.push(range.start);
+    // The first frame after the start is that of tick number `every`, and the others follow at the same distance.
     let ticks = ticks(session, range, clock).skip(every - 1);
     cursors.extend(ticks.step_by(every));
     cursors.push(range.end);
@@ -54,6 +55,7 @@ pub fn count(
     every: usize,
 ) -> Result<usize, ExportRefusal> {
     let recording = session.recording().ok_or(ExportRefusal::NoEvents)?;
+    // A range that begins at the end of the run or behind it is empty, too.
     let (start, end) = (range.start, range.end.min(recording.len()));
 
     if start >= end {

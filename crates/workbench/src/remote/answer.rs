@@ -251,6 +251,7 @@ fn seek_target(
     Ok(())
 }
 
+/// Changes the wanted parts of the view; the others stay.
 fn look_as_wanted(state: &mut State, wanted: &Wanted) {
     let mut effects = Vec::new();
     if wanted.whole || wanted.camera.is_some() {

@@ -328,7 +328,7 @@ impl Runs {
         asked: Asked,
         context: &mut Context,
     ) -> bool {
-        let flies = self.second.as_mut().is_some_and(|(run, _)| {
+        let moves = self.second.as_mut().is_some_and(|(run, _)| {
             run.fly_on(dt_secs);
             run.follow_prefix(dt_secs, context);
             run.follow_moment(asked, context);
@@ -336,7 +336,7 @@ impl Runs {
         });
         self.follow_first();
         self.compare(&context.wake);
-        flies
+        moves
     }
 
     /// Starts computing the differences.

@@ -252,7 +252,8 @@ impl State {
                 Effect::Pattern(own) => {
                     let before = Memento::of(self);
                     self.form.own_pattern = Some(*own);
-                    self.remember(before, UndoPart::Form, None);
+                    let no_command = None;
+                    self.remember(before, UndoPart::Form, no_command);
                 }
                 Effect::Sample(which, recipe, engine) => {
                     self.start_sampling(which, *recipe, engine);

@@ -243,6 +243,7 @@ impl FileState {
         };
         #[cfg(not(target_arch = "wasm32"))]
         match files::dialog::refusal() {
+            // Files without paths are not chosen in the system's dialog.
             _ if self.in_browser() => {}
             Some(why) => context.tell_error(why),
             None => self.finding = Some((form.purpose, files::browse(form, &context.wake))),
@@ -537,6 +538,7 @@ impl FileState {
 #[cfg(target_arch = "wasm32")]
 fn write_new(_: &Path, _: &[u8], _: &mut Context) {}
 
+/// Writes a file, and tells its path or why it was not written.
 #[cfg(not(target_arch = "wasm32"))]
 fn write_new(path: &Path, bytes: &[u8], context: &mut Context) {
     match tilescope_formats::write_whole(path, bytes) {

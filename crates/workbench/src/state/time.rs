@@ -197,6 +197,7 @@ impl Time {
         }
 
         if run.prefix().is_some() {
+            // Nested levels have samples in the place of events, and levels in the place of stages.
             let by_sample = self.playback.clock == Clock::Event;
             return run.step_prefix(by_sample, direction);
         }

@@ -112,7 +112,7 @@ impl State {
         self.finish_sampling(Which::Second, made);
         self.on(Which::Second, |run, _| run.poll());
         let asked = asked_of(self, Which::Second, dt_secs);
-        let flies = self.with_of(Which::Second, |state, context| {
+        let second_moves = self.with_of(Which::Second, |state, context| {
             state.runs.advance_second(dt_secs, asked, context)
         });
 
@@ -126,7 +126,11 @@ impl State {
 
         let may_fade = !is_fast && !self.appearance.reduced_motion;
         let fades = self.runs.first.advance_transition(dt_secs, may_fade);
-        self.runs.first.flight.is_some() || plays || flies || fades || awaits_rest == Some(true)
+        self.runs.first.flight.is_some()
+            || plays
+            || second_moves
+            || fades
+            || awaits_rest == Some(true)
     }
 
     fn poll(&mut self) {
@@ -430,7 +434,8 @@ impl State {
         self.runs.arriving = Some(Box::new(Arriving { content, warnings }));
         if is_made {
             self.arrive();
-            self.remember(before, UndoPart::Everything, None);
+            let no_command = None;
+            self.remember(before, UndoPart::Everything, no_command);
         } else {
             self.carry_out(Which::First, vec![Effect::Make(Box::new(made))]);
         }

@@ -17,7 +17,7 @@ use tilescope_session::jobs::{Job, Monitor};
 use tilescope_session::session::Session;
 use tilescope_session::task::{self, SessionRef, Task};
 
-/// The most events that a query or a history shows. Chosen, not measured.
+/// The most events that a query finds. Chosen, not measured.
 pub const MAX_FOUND: usize = 100_000;
 
 /// Events found by a search in the background.

@@ -4,7 +4,7 @@ use tilescope_core::RunEvent;
 
 use super::RunView;
 
-/// The duration of a transition, in seconds.
+/// The duration of a transition, in seconds. Chosen, not measured.
 pub(in crate::state) const TRANSITION_SECS: f32 = 0.35;
 /// The duration where a clip flies from the pattern to its block. Chosen, not measured.
 const CLIP_SECS: f32 = 1.0;
