@@ -230,7 +230,7 @@ pub fn too_long(name: &str, length: u64, limit: u64) -> Option<String> {
 }
 
 /// Returns why each of several files, given by name and length, is not read, or `None` if it is. One file may be as
-/// long as a point set, all together twice as long.
+/// long as a point set, all together twice as long; the factor is chosen, not measured.
 #[must_use]
 pub fn refusals(files: &[(&str, u64)]) -> Vec<Option<String>> {
     let mut left = 2 * MAX_PATTERN_BYTES;

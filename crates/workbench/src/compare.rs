@@ -280,6 +280,7 @@ fn walk(
 ) {
     use serde_json::Value;
     if let (Value::Object(a), Value::Object(b)) = (a, b) {
+        // Both objects are parts of parameters, which always have the same names.
         for (key, value) in a {
             let name = format!("{name} {key}");
             walk(&name, value, b.get(key).unwrap_or(&Value::Null), found);

@@ -115,7 +115,8 @@ impl Classroom {
         let Some(open) = &self.lessons.open else {
             return context.tell("Open a lesson first.".to_owned());
         };
-        let part = TalkPart::of(open.learner.lesson(), None);
+        let as_the_lesson_says = None;
+        let part = TalkPart::of(open.learner.lesson(), as_the_lesson_says);
         self.begin_talk(vec![part], context);
         if from_start {
             self.enter_step(0, context);
@@ -158,7 +159,9 @@ impl Classroom {
                 if let Some(open) = &mut self.lessons.open {
                     open.is_of_scenes = true;
                 }
-                self.begin_talk(vec![TalkPart::of(&lesson, None)], context);
+                let as_the_lesson_says = None;
+                let part = TalkPart::of(&lesson, as_the_lesson_says);
+                self.begin_talk(vec![part], context);
             }
             Err(why) => context.tell_error(format!("The scenes cannot be presented. {why}")),
         }
@@ -298,6 +301,7 @@ impl Classroom {
             .lessons
             .learner()
             .and_then(|learner| learner.question());
+        // Without a question no letter is a vote.
         let options = question.map_or(0, |question| question.interaction.letters());
 
         let vote = Vote::read(text, options);
@@ -523,9 +527,9 @@ impl Classroom {
             return context.tell("Open a lesson first.".to_owned());
         };
 
-        // Only lessons that come with the program have a translation at hand.
         let name = open.learner.lesson().name.clone();
         let shipped = self.lessons.shipped(&name);
+        // Only lessons that come with the program have a translation at hand.
         let translation = shipped
             .filter(|_| open.source == LessonSource::Shipped)
             .and_then(|shipped| shipped.translation(&self.lessons.language))

@@ -139,7 +139,7 @@ fn pack_candidate(detector: u32, sites: Sites, IVec2 { x, y }: IVec2, verdict: V
         Sites::Dart | Sites::Unrecorded => (2, [detector, NONE, NONE]),
     };
 
-    // The detector is one of the sites. Two bits say which, so that its id is kept once.
+    // The detector is one of the sites, so that the 0 is never used. Two bits say which, so that its id is kept once.
     let index = ids.iter().position(|&id| id == detector).unwrap_or(0) as u8;
     let (tags, by) = verdict_tags(verdict);
 
@@ -147,7 +147,7 @@ fn pack_candidate(detector: u32, sites: Sites, IVec2 { x, y }: IVec2, verdict: V
         None => ([ids[0], ids[1], ids[2], x as u32, y as u32], 0),
         Some(by) => {
             // The verdict's sample takes a word from the offset. Only a place within reach has such a verdict, at most
-            // 3.5r = 7 * 2^14 away, so that a coordinate has 20 signed bits: 16 in the last word and 4 in the extra byte.
+            // 3.5r = 7 * 2^14 away, so that 20 signed bits hold a coordinate: 16 in the last word and 4 in the extra byte.
             let low = (x as u32 & 0xffff) | (y as u32) << 16;
             let high = (x >> 16 & 15) | (y >> 16 & 15) << 4;
             ([ids[0], ids[1], ids[2], by, low], high as u8)

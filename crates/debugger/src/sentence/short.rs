@@ -33,7 +33,7 @@ fn number(id: u32) -> String {
 }
 
 impl Words<'_> {
-    /// Returns the short text of a run event. Events of single samples have functions of their own.
+    /// Returns the short text of a run event. Events of single samples are passed on to functions of their own.
     fn short(&self, run_event: RunEvent) -> String {
         match run_event {
             RunEvent::Begin(stage) => format!("begin: {stage}"),
@@ -87,7 +87,7 @@ impl Words<'_> {
         }
     }
 
-    /// Returns the short text of an event of tiling or elimination.
+    /// Returns the short text of an event of tiling or elimination; events of other kinds are passed on.
     fn short_of_sample(&self, run_event: RunEvent) -> String {
         match run_event {
             RunEvent::Tiled { sample, inside, .. } => {

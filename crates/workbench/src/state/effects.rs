@@ -228,6 +228,7 @@ impl State {
                         (layers, colouring);
                 }
                 Effect::Camera(camera) => {
+                    // Until there is a canvas to fit the domain into, the camera stays as it is.
                     let without_canvas = self.runs.first.camera;
                     self.runs.first.take_camera(camera, without_canvas);
                 }

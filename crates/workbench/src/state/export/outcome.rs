@@ -138,7 +138,10 @@ impl Exports {
         self.work = None;
         match outcome {
             #[cfg(not(target_arch = "wasm32"))]
-            Ok(Ok(Ended::Written(written))) => self.exported(&written, None, context),
+            Ok(Ok(Ended::Written(written))) => {
+                let no_download = None;
+                self.exported(&written, no_download, context);
+            }
             Ok(Ok(Ended::Download(written, file))) => {
                 self.exported(&written, Some(&file.name), context);
                 context.ask(Effect::Download(file));
