@@ -98,6 +98,7 @@ impl Lessons {
             return None;
         }
 
+        // Without a translation the title stays in English.
         let translated = next.translation(&self.language);
         let translation = translated.and_then(|text| Translation::read(text).ok());
         let title = translation.unwrap_or_default().of(&lesson.title).to_owned();

@@ -155,7 +155,7 @@ impl HandoutTask {
         ))
     }
 
-    /// Returns what divides a number from its decimals in its language.
+    /// Returns what divides a number from its decimals in its language; a point in English and in languages without a table.
     fn decimal_sign(&self) -> char {
         Language::of(&self.language).map_or('.', Language::decimal_sign)
     }
@@ -239,6 +239,7 @@ impl HandoutTask {
             if self.answers {
                 open.learner.reveal();
 
+                // There is a question, so that there is an answer.
                 let answer = open.right_answer(&self.language).unwrap_or_default();
                 let _ = write!(
                     html,

@@ -133,6 +133,7 @@ pub fn picture(open: &OpenLesson, style: PictureStyle, strokes: &[PenStroke]) ->
 
     let mut drawn = Group::new("pen");
     for stroke in strokes {
+        // In points, as the widths of the lines above; all are chosen, not measured.
         let ink = Stroke::new(color(stroke.color(style.dark)), 3.0);
         let pairs = stroke.points.windows(2);
         let line =
@@ -327,7 +328,9 @@ impl StepPictureTask {
             return Err(format!("the lesson has {count} steps"));
         }
 
-        let open = step_at(&Arc::new(lesson), &Arc::default(), self.index, &mut None)?;
+        // A picture has no texts of the lesson to translate, and only one run is made for it.
+        let (translation, mut last) = (Arc::default(), None);
+        let open = step_at(&Arc::new(lesson), &translation, self.index, &mut last)?;
         let scene = picture(&open, self.style, &[]);
 
         // Pages draw SVG themselves, windows show pixels.

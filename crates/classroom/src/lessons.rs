@@ -384,6 +384,7 @@ impl OpenLesson {
             return Vec::new();
         };
 
+        // A question names samples of its run, so that each has a place.
         let position = |sample: u32| run.point(sample).map(position).unwrap_or_default();
         let mark = |at: DVec2, label: String, kind| Mark { at, label, kind };
 

@@ -255,6 +255,7 @@ fn of_block(recording: &Recording, run_event: RunEvent) -> Points {
             return [tile.map(|tile| tile.start), symmetry, None, None, None];
         }
 
+        // All other events say all about themselves.
         _ => return [None; 5],
     };
 

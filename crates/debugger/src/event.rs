@@ -66,6 +66,7 @@ impl Event {
             // The lowest three bits are the verdict: 0 is that of an accepted place.
             EventKind::Candidate | EventKind::Dart => self.tags & 7 != 0,
             EventKind::Cut => true,
+            // Events of all other kinds are kept.
             _ => false,
         }
     }

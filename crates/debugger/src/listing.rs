@@ -134,6 +134,7 @@ const TEXTS: [(&str, &str); 10] = [
 
 const REFERENCE: (&str, &str) = listing!("reference");
 
+// Tests parse both, so that the defaults are never used.
 static COMPARISON: LazyLock<Listings> =
     LazyLock::new(|| Listings::parse(&[REFERENCE]).unwrap_or_default());
 

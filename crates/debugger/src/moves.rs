@@ -53,6 +53,7 @@ pub enum Target {
 /// at the returned cursor is about to happen.
 #[must_use]
 pub fn step(recording: &Recording, cursor: usize, step: Step, direction: Direction) -> usize {
+    // At the end no event is about to happen, and the least depth stands for its depth.
     let depth = recording.event(cursor).map_or(0, Event::depth);
     let stops = |event: &Event| match step {
         Step::Into => true,

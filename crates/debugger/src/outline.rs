@@ -40,6 +40,7 @@ impl Outline {
         let mut next = [len as u32; LEVELS];
         // From the last event to the first, so that the end of each event's descendants is known when it is met.
         for (index, depth) in (0..len).rev().zip(depths.rev()) {
+            // No depth is greater: the bound only keeps it within `next`.
             let depth = usize::from(depth).min(LEVELS - 1);
             ends[index] = next[depth];
             // An event ends all that are at least as deep as it is.

@@ -241,6 +241,7 @@ impl Recording {
                     ranked: true,
                     ..
                 }) => arrived.push((point, index)),
+                // All other events neither announce a dart nor are its arrival.
                 _ => {}
             }
         }
@@ -398,6 +399,7 @@ impl Recording {
         // A tape of whole strides has no context stored at its end: that before its last stride serves.
         let key = (cursor.min(self.len()) / STRIDE).min(self.contexts.len().saturating_sub(1));
 
+        // An empty tape has no context stored.
         let mut context = self.contexts.get(key).copied().unwrap_or_default();
         // From the last stored context on, fewer than a stride of events is applied.
         let count = cursor.saturating_sub(key * STRIDE);

@@ -25,6 +25,7 @@ pub fn sentence(recording: &Recording, index: usize) -> String {
     let words = Words(recording);
     let mut text = match event.run_event() {
         Some(run_event) => words.run_event(run_event, index),
+        // Only a notice of tests that were left out is no run event, and it has their number.
         None => left_out(event.left_out().unwrap_or(0)),
     };
 

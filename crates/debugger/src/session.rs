@@ -234,7 +234,8 @@ struct Head {
 }
 
 impl Session {
-    /// Parses a session. Fails if the version is newer, a line is unknown, or a limit is exceeded.
+    /// Parses a session. Fails if the version is newer, the steps of the method are not shown, a line is unknown, or a limit
+    /// is exceeded.
     pub fn from_json(text: &str) -> Result<Self, SessionError> {
         within("bytes", text.len(), MAX_BYTES)?;
         // The size, the version and the method come first: what follows may be unreadable for reasons that they explain.

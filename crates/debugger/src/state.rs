@@ -143,7 +143,7 @@ impl StatusCounts {
     }
 }
 
-/// Returns the id of the first inserted sample: tiled ones come before.
+/// Returns the id of the first inserted sample: tiled ones come before. Without clips it is 0.
 fn first_inserted(recording: &Recording) -> u32 {
     recording
         .run()

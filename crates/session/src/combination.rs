@@ -163,6 +163,7 @@ impl CombinationError {
             Self::Sample(SampleError::Cancelled { stage })
             | Self::Combine(CombineError::Sample(SampleError::Cancelled { stage })) => Some(*stage),
             Self::Piece(piece) => piece.error.cancelled(),
+            // All other errors are faults of the layout or of its sets.
             _ => None,
         }
     }

@@ -125,7 +125,7 @@ impl Draft {
         self.texts.get(&parameter).map_or("", String::as_str)
     }
 
-    /// Replaces the text of a number. A text that cannot be read leaves the value.
+    /// Replaces the text of a number. A text that cannot be read leaves the value. A parameter that is chosen stays as it is.
     pub fn set_text(&mut self, parameter: Parameter, text: String) {
         let Some(read) = value_of(parameter, &text) else {
             return;
@@ -158,7 +158,8 @@ impl Draft {
             ParameterKind::Real { place, .. } => {
                 // By a factor, as lengths go over several orders of magnitude.
                 let scaled = *place(&mut self.parameters) * 1.02_f64.powi(steps);
-                // Four digits, so that the field does not fill with the digits of a product.
+                // Four digits, so that the field does not fill with the digits of a product. A written number can always be
+                // read again.
                 let short = format!("{scaled:.3e}").parse::<f64>();
                 short.unwrap_or(scaled).to_string()
             }
@@ -169,7 +170,7 @@ impl Draft {
         self.set_text(parameter, text);
     }
 
-    /// Returns the number of samples as typed, or otherwise the expected one with two significant digits, if it is known.
+    /// Returns the number of samples as typed, or otherwise the expected one with two significant digits; empty if that is not known.
     #[must_use]
     pub fn count_text(&self) -> String {
         let expected = || {
@@ -199,6 +200,7 @@ impl Draft {
     fn radius_of(&self, text: &str) -> Result<f64, String> {
         let estimate = radius_estimate(&self.parameters, count_of(text.trim())?);
         let radius = estimate.map_err(|error| sentence(&error.to_string()))?;
+        // A written number can always be read again.
         Ok(format!("{radius:.4e}").parse().unwrap_or(radius))
     }
 

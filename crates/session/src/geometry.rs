@@ -185,7 +185,7 @@ impl Task for TriangulateTask {
     }
 }
 
-/// Returns the triangulation of a moment; `None` if its samples have none.
+/// Returns the triangulation of a moment; `None` if its samples have none, as when they are too few.
 fn triangulated(session: &Session, moment: Moment) -> Option<Tessellation> {
     let (_, points) = covering(session, moment);
     Tessellation::of(&points, region_in_radii(&session.run().domain), 1.0).ok()

@@ -111,7 +111,8 @@ impl Incoming {
         self.beside.iter().find(of_this)
     }
 
-    /// Returns the point set in it, in domain units, if its certificate states a field or a shape; `None` for other files.
+    /// Returns the point set in it, in domain units, if its certificate states a field or a shape; `None` for other files,
+    /// and for one that cannot be read, whose reading as another kind says why.
     #[must_use]
     pub fn varying_set(&self) -> Option<ReadSet> {
         self.within(MAX_PATTERN_BYTES).ok()?;
@@ -201,6 +202,7 @@ impl Incoming {
     #[must_use]
     pub fn without_named(&self, mut others: Vec<String>) -> Vec<String> {
         if !others.is_empty() && self.is_document() {
+            // A document that is broken names no files.
             let text = std::str::from_utf8(&self.bytes).unwrap_or_default();
             others.retain(|name| !text.contains(last_part(name)));
         }

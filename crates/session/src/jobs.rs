@@ -65,6 +65,7 @@ impl Monitor {
     /// Returns the current step of the job.
     #[must_use]
     pub fn activity(&self) -> String {
+        // A panic while the lock was held leaves a text that may be shown.
         let current = self.activity.lock();
         current.unwrap_or_else(PoisonError::into_inner).clone()
     }

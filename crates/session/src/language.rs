@@ -54,6 +54,7 @@ static LANGUAGES: LazyLock<RwLock<Vec<(String, &'static Language)>>> = LazyLock:
 ///
 /// A fault of the table, as of [`Language::read`].
 pub fn add(tag: &str, table: &str) -> Result<(), String> {
+    // A panic elsewhere leaves the tables whole.
     let mut languages = LANGUAGES.write().unwrap_or_else(PoisonError::into_inner);
     if languages.iter().any(|(other, _)| other == tag) {
         return Ok(());
@@ -102,6 +103,7 @@ impl Language {
     /// Returns the language of a tag such as `de`; `None` for English, and for languages without a table.
     #[must_use]
     pub fn of(tag: &str) -> Option<&'static Self> {
+        // A panic elsewhere leaves the tables whole.
         let languages = LANGUAGES.read().unwrap_or_else(PoisonError::into_inner);
         let found = languages.iter().find(|(other, _)| other == tag);
         found.map(|(_, language)| *language)
@@ -291,6 +293,7 @@ impl Language {
         }
 
         // One text of the table is a number: its translation has the separators and the percent sign of the language.
+        // A table without it writes numbers as English does.
         let sample = texts.remove(SAMPLE_NUMBER).unwrap_or(SAMPLE_NUMBER);
         let last_digit = sample.rfind(|c: char| c.is_ascii_digit());
         let (number, percent) = sample.split_at(last_digit.map_or(0, |at| at + 1));
@@ -314,6 +317,7 @@ impl Language {
     /// Returns the English texts of the table, each as its words between slots.
     pub fn english(&self) -> impl Iterator<Item = Vec<&'static str>> {
         let words = |text: &&'static str| {
+            // The texts were read with the table, so that each has its pieces.
             let pieces = pieces(text).unwrap_or_default().into_iter();
             let words = pieces.filter_map(|piece| match piece {
                 Piece::Words(words) => Some(words),

@@ -145,6 +145,7 @@ impl Layer {
             ),
             (Self::Seams, _) => matches!(kind, SessionKind::Combination),
             (Self::Tree, _) => kind.is_run(),
+            // Runs and combinations have all other layers.
             _ => true,
         }
     }
@@ -268,6 +269,7 @@ impl Layers {
         match stage {
             Stage::Blocks => layers.toggle(Layer::Tree),
             Stage::Tile => layers.toggle(Layer::Pattern),
+            // The default layers suit all other stages.
             _ => {}
         }
         layers

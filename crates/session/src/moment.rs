@@ -192,6 +192,7 @@ impl<'a> ShownMoment<'a> {
         match (self.debugger, self.prefix) {
             (Some(debugger), _) => debugger.state().cursor(),
             (None, Some(count)) => count,
+            // The stage is one of the session's, so that it has a position.
             (None, None) => stages.position(|&stage| stage == self.stage).unwrap_or(0),
         }
     }

@@ -256,7 +256,7 @@ impl Session {
         }
     }
 
-    /// Returns the index of a stage; if the run lacks it, of the last stage before it.
+    /// Returns the index of a stage; if the run lacks it, of the last stage before it, or of the first if there is none.
     #[must_use]
     pub fn stage_index(&self, stage: Stage) -> usize {
         let index = self.stages.iter().rposition(|&other| other <= stage);
@@ -544,6 +544,7 @@ impl Session {
     #[must_use]
     pub fn inserted_at_once(&self) -> usize {
         match self.run().parameters.variant {
+            // Without iterations nothing was inserted.
             Variant::AsPrinted => self.summary.inserted.first().copied().unwrap_or(0),
             Variant::Staged => 0,
         }

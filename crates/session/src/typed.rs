@@ -19,6 +19,7 @@ const fn separates(c: char) -> bool {
 /// groups of three.
 fn are_thousands<'a>(mut parts: impl Iterator<Item = &'a str>) -> bool {
     let is_digits = |part: &str| !part.is_empty() && part.bytes().all(|byte| byte.is_ascii_digit());
+    // A number has at least one part, even if that is empty.
     let first = parts.next().unwrap_or_default();
     // "0,125" has a decimal comma: no number of thousands begins with 0.
     let leads = is_digits(first) && first.len() <= 3 && !first.starts_with('0');

@@ -43,6 +43,7 @@ pub fn sample(
     let Locality { field, shape } = &*locality;
     let points = varying_sample(field, shape, parameters.seed, observer)?;
     let domain = *field.domain();
+    // A run's own parameters have the radius that is r in its lattice.
     let own = Parameters {
         radius: domain.radius(),
         ..*parameters
@@ -156,6 +157,7 @@ fn certified(
     let request = GroundRequest {
         radius: (!is_constant).then_some(recipe.radius),
         shape: recipe.shape,
+        // `of_certificate` gives the corner, so that the default is never used.
         origin: recipe.origin.unwrap_or_default(),
     };
     let session = Session::from_run(run, generation);

@@ -15,7 +15,7 @@ pub fn sentence(text: &str) -> String {
     ended(&capital(text))
 }
 
-/// Returns `text` with a capital letter.
+/// Returns `text` with a capital letter; an empty text stays empty.
 #[must_use]
 pub fn capital(text: &str) -> String {
     let mut characters = text.chars();
@@ -39,6 +39,7 @@ pub fn ended(text: &str) -> String {
 /// Returns a text without " (os error 2)" and the like, which say no more than the words before them.
 fn without_numbers(text: &str) -> String {
     let mut parts = text.split(" (os error ");
+    // Even an empty text has a first part.
     let mut kept = parts.next().unwrap_or_default().to_owned();
     for part in parts {
         let (number, rest) = part.split_once(')').unwrap_or((part, ""));

@@ -266,6 +266,7 @@ pub fn contrast_of(a: &Session, b: &Session) -> Option<Vec<(String, String, Stri
 #[must_use]
 pub fn contrast(a: &Parameters, b: &Parameters) -> Vec<(String, String, String)> {
     let mut found = Vec::new();
+    // Parameters can always be written as a value.
     let values = [a, b].map(|parameters| serde_json::to_value(parameters).unwrap_or_default());
     walk("", &values[0], &values[1], &mut found);
     found

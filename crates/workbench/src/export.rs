@@ -125,6 +125,7 @@ pub fn extension(path: &Path) -> Option<String> {
 /// Returns the path of the picture of a scene, counted from 0, of `count` scenes: `talk.png` becomes `talk-07.png`.
 pub(crate) fn scene_path(path: &Path, index: usize, count: usize) -> PathBuf {
     let digits = count.to_string().len();
+    // The sheet refuses a path without a name, and adds an extension where there is none.
     let stem = path.file_stem().unwrap_or_default().to_string_lossy();
     let extension = extension(path).unwrap_or_default();
     path.with_file_name(format!("{stem}-{:0digits$}.{extension}", index + 1))

@@ -513,6 +513,7 @@ fn parameters(value: &Value) -> Result<Parameters, RequestError> {
     }
 
     let laid_over = |base: Parameters| {
+        // Parameters can always be written as a value.
         let mut all = serde_json::to_value(base).unwrap_or_default();
         lay_over(&mut all, given, "parameters")?;
         Parameters::deserialize(&all)

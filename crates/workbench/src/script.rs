@@ -109,6 +109,7 @@ fn carry_out<E>(
 
 /// Returns why a command would do nothing now and show no notice: the window has no button for it in this state.
 fn refusal_before(state: &State, command: &Command) -> Option<String> {
+    // All other commands do something, or say why not.
     match command {
         Command::Run => state.form().refusal(state.gpu()),
         Command::File(FileCommand::Go) => match &state.files().sheet {

@@ -202,6 +202,7 @@ impl State {
         let before = match command {
             Command::Time(_) | Command::Debug(_) => Some(self.runs.first.cursor()),
             Command::Appearance(AppearanceCommand::ToggleFollow) => Some(None),
+            // No other command has the camera follow the event.
             _ => None,
         };
         let looks_for_place = matches!(&command, Command::Time(TimeCommand::RunTo(target, _)) if is_at_a_place(*target));

@@ -67,6 +67,7 @@ impl Thumbnails {
     pub(crate) fn wait(&mut self) -> bool {
         for (_, drawn) in &mut self.0 {
             if let Drawn::Pending(job) = drawn {
+                // A picture that could not be drawn is done, too.
                 *drawn = Drawn::Done(job.wait().unwrap_or_default().map(Arc::new));
                 return true;
             }

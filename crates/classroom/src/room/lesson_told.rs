@@ -93,7 +93,8 @@ impl Lessons {
     /// Returns the list of lessons, the learner's results in numbers, and the words around them.
     fn list_json(&self) -> Value {
         let entries = self.shelf.iter().filter_map(|shipped| {
-            // A lesson that cannot be read would be left out; tests read all that come with the program.
+            // A lesson that cannot be read would be left out, and one whose translation cannot would be in English; tests read
+            // all that come with the program.
             let lesson = Lesson::read(&shipped.name, &shipped.text).ok()?;
             let translated = shipped.translation(&self.language);
             let translation = translated
@@ -174,6 +175,7 @@ impl Lessons {
             (L::Go(name), Some(learner)) if learner.lesson().step_named(name).is_none() => {
                 Some(format!("the lesson has no step \"{}\"", quoted(name)))
             }
+            // All others are carried out, or refused with a notice.
             _ => None,
         }
     }

@@ -33,6 +33,7 @@ const MAX_MISSED: u64 = 50;
 
 /// Reads a lesson or a translation, if it is not longer than those may be.
 fn read_short(path: &Path) -> Result<String, String> {
+    // Where the length cannot be found, reading the file says why.
     let length = std::fs::metadata(path).map_or(0, |data| data.len());
     if length > MAX_BYTES as u64 {
         return Err(format!(
@@ -229,6 +230,7 @@ impl Classroom {
         let step = match &self.lessons.open {
             // A file that has changed opens at the step that was shown.
             Some(open) if open.source == source && open.learner.lesson().name == name => {
+                // If that step is gone, the first one is shown.
                 let before = open.learner.step().name.clone();
                 lesson.step_named(&before).unwrap_or(0)
             }
@@ -263,6 +265,7 @@ impl Classroom {
             Ok(text) => {
                 context.ask(Effect::RememberFile(path.to_string_lossy().into_owned()));
                 let source = LessonSource::File(path.to_owned());
+                // A file that was read has a name.
                 self.open_lesson(&name.unwrap_or_default(), &text, source, context);
             }
             Err(error) => context.tell_error(format!("{}: {error}.", path.display())),
@@ -312,7 +315,8 @@ impl Classroom {
     fn save_results(&mut self, wanted: &str, context: &mut Context) {
         let results = &self.lessons.results;
 
-        // `csv` alone and a path that ends in `.csv` ask for the same format.
+        // `csv` alone and a path that ends in `.csv` ask for the same format. Writing to memory does not fail, so that no text is
+        // left empty.
         let (text, extension) = match wanted {
             name if name.ends_with("csv") => (
                 results::csv(std::slice::from_ref(results)).unwrap_or_default(),
@@ -357,6 +361,7 @@ impl Classroom {
             LessonSource::File(_) | LessonSource::Text => None,
         };
 
+        // Texts of any other language are in English, whose decimals follow a point.
         let sign = language.map_or('.', Language::decimal_sign);
         let (read, fault) = match read.transpose() {
             Ok(read) => (read.unwrap_or_default(), None),

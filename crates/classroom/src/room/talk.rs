@@ -37,7 +37,7 @@ fn take_handout(file: HandoutFile, made: Result<String, String>, context: &mut C
 }
 
 impl Classroom {
-    /// Returns the key of the step that is shown, for votes and drawings.
+    /// Returns the key of the step that is shown, for votes and drawings; empty without a lesson.
     #[must_use]
     pub fn talk_key(&self) -> String {
         let learner = self.lessons.learner();
@@ -506,7 +506,7 @@ impl Classroom {
         })
     }
 
-    /// Returns the text of a lesson of the talk.
+    /// Returns the text of a lesson of the talk; empty if neither the program nor the talk has it.
     fn text_of(&self, name: &str) -> String {
         match (&self.lessons.open, self.lessons.shipped(name)) {
             (Some(open), _) if open.learner.lesson().name == name => open.text.clone(),

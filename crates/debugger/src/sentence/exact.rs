@@ -65,6 +65,7 @@ impl Words<'_> {
                 }
             }
             RunEvent::Cut { cell, side, kept } => cut(cell, side, kept),
+            // All other events mean the same as in any run.
             _ => return None,
         })
     }

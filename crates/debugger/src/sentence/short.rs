@@ -18,6 +18,7 @@ pub fn short(recording: &Recording, index: usize) -> String {
     let words = Words(recording);
     match event.run_event() {
         Some(run_event) => words.short(run_event),
+        // Only a notice of tests that were left out is no run event, and it has their number.
         None => format!(
             "{} left out",
             count(event.left_out().unwrap_or(0).into(), "test")

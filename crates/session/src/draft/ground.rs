@@ -120,6 +120,7 @@ impl From<Option<&GroundRequest>> for GroundDraft {
             }
             Some(RadiusSource::Image { image, radii }) => {
                 (draft.by, draft.image) = (RadiusBy::Image, Some(image.clone()));
+                // The radius of black is that of the parameters.
                 let [_black, white] = radii;
                 draft.white = white.to_string();
             }
@@ -307,6 +308,7 @@ fn samples_in_polygon(recipe: &VaryingRecipe, rings: &[Vec<[f64; 2]>]) -> Option
             let y = bottom + (row as f64 + 0.5) * step[1];
             // Holes and the area beyond the outline ask for no samples.
             if is_inside(rings, [x, y]) {
+                // The samples per area go with the inverse square of the radius.
                 sum += radius_at(x, y)?.powi(-2);
             }
         }
@@ -331,6 +333,7 @@ fn is_inside(rings: &[Vec<[f64; 2]>], [x, y]: [f64; 2]) -> bool {
 
 /// Returns a number with three significant digits.
 fn short(number: f64) -> String {
+    // A written number can always be read again.
     let rounded = format!("{number:.2e}").parse::<f64>();
     rounded.unwrap_or(number).to_string()
 }

@@ -135,7 +135,7 @@ impl Preset {
             Self::Million => p.radius = 0.000_835,
             // So short a search leaves gaps with this seed, and none with the default one.
             Self::BreakIt => (p.seed, p.search) = (3, Search::TwoRadii),
-            // Blocks are 60 r long at least, and the pattern is half of that.
+            // Blocks are 60 r long at least, and the pattern is half of that. The domain, of 250 r, has several blocks.
             Self::LargeBlocks => (p.leaf, p.pattern.side, p.radius) = (60.0, 30.0, 0.004),
             Self::Uniform => p.insertion = Insertion::Uniform,
             Self::Exact => {
@@ -152,6 +152,7 @@ impl Preset {
         let (text, rings) = match self {
             Self::Ramp => (RAMP, Vec::new()),
             Self::Star => (STAR, star()),
+            // All others have one radius in a rectangle.
             _ => return None,
         };
         let ground = PortableGround {
@@ -183,7 +184,7 @@ fn star() -> Vec<Vec<[f64; 2]>> {
             .map(|value| (value * 1e4).round() / 1e4)
     };
     // The corners of the star lie by turns on a large and on a small circle, and those of the hole on a still smaller
-    // one.
+    // one. The three radii are chosen, not measured.
     let corner = |k: u32| {
         let radius = if k.is_multiple_of(2) { 0.5 } else { 0.23 };
         at(radius, f64::from(k) / 10.0)

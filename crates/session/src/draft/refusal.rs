@@ -152,6 +152,7 @@ pub(super) fn part_of(error: &ParameterError, parameters: &Parameters) -> FormPa
         },
         ParameterError::Leaf { .. } => Parameter::Leaf,
         ParameterError::PatternSide { .. } => Parameter::PatternSide,
+        // The other errors are about choices, or about several fields at once.
         _ => return FormPart::Choices,
     })
 }

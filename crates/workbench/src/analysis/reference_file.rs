@@ -112,6 +112,7 @@ pub fn of(
     let measured = set
         .measured(&|progress| monitor.follow(progress))
         .map_err(|error| {
+            // Only a cancelled measurement has no reason.
             let why = measured::refusal(&error);
             named(why.as_deref().unwrap_or("cancelled"))
         })?;

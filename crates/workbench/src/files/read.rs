@@ -430,8 +430,8 @@ fn against(incoming: &Incoming, run: Option<(Region, f64)>, monitor: &Monitor) -
     })
 }
 
-/// Reads dropped files: a session or a combination if it is one; a point set as a pattern if it can be one,
-/// otherwise to compare the run with it.
+/// Reads dropped files: a session or a combination if it is one; a point set with its levels if its certificate states
+/// some, as a pattern if it can be one, otherwise to compare the run with it.
 fn dropped(
     incoming: &Incoming,
     generation: u64,

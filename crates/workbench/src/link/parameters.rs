@@ -280,7 +280,7 @@ fn three_digits(number: f64, toward: f64) -> f64 {
     } else {
         scaled.floor()
     };
-    // Parse the text, so that the number is exactly the one shown.
+    // Parse the text, so that the number is exactly the one shown. A written number can always be read again.
     format!("{digits}e{exponent}").parse().unwrap_or(number)
 }
 

@@ -122,6 +122,7 @@ pub fn rings_of(text: &str) -> Option<Vec<Vec<[f64; 2]>>> {
 pub fn name<T: Serialize>(choice: &T) -> String {
     match serde_json::to_value(choice) {
         Ok(Value::String(name)) => slug(&name),
+        // A choice has only names, so that this does not occur.
         _ => String::new(),
     }
 }

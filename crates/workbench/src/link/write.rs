@@ -115,6 +115,7 @@ impl Writer {
             self.ground(ground);
         }
         match &content.moment {
+            // A link without a moment shows the end.
             NamedMoment::End => {}
             NamedMoment::Event(cursor) => self.put("at", cursor.to_string()),
             NamedMoment::Stage(stage) => self.put("stage", escaped(stage)),
@@ -159,6 +160,7 @@ impl Writer {
 
     /// Writes the layout of a combination, unless it is too long.
     fn combination(&mut self, layout: &tilescope_core::combine::file::Layout) {
+        // Writing to memory does not fail.
         let json = serde_json::to_string(layout).unwrap_or_default();
         let nine = tilescope_core::combine::file::Layout::from_json(NINE.as_bytes());
         let value = if nine.is_ok_and(|nine| nine == *layout) {

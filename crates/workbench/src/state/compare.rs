@@ -251,7 +251,7 @@ impl Runs {
         }
     }
 
-    /// Applies a command to the view of the second run, and to the first, too, if the cameras are linked.
+    /// Applies a command to the view of the second run. If the cameras or the playback are linked, the first run follows.
     pub(super) fn apply_to_second_view(&mut self, command: ViewCommand, context: &mut Context) {
         let before = self.second_at();
         let moves = Command::View(Which::Second, command).rules().moves_camera;

@@ -128,6 +128,7 @@ impl Exports {
                 }
             }
 
+            // All other commands change a field of the sheet.
             command => {
                 if let Some(form) = &mut self.sheet {
                     fill_in(form, command);
@@ -187,6 +188,7 @@ impl Exports {
                     0 => String::new(),
                     count => format!("; {count} of other runs are left out"),
                 };
+                // There is a first picture: without one, `checked_scenes` has refused.
                 let size = shown.first().map(|first| size_text(&first.view, scale));
                 Ok(format!("{pictures}, {}{remark}", size.unwrap_or_default()))
             }
@@ -323,6 +325,7 @@ impl ExportSource<'_> {
             ExportKind::Animation if session.recording().is_none() => Some(ExportRefusal::NoEvents),
             ExportKind::Samples if !moment.has_samples(session) => Some(ExportRefusal::NoSamples),
             ExportKind::Scenes if self.scenes().is_empty() => Some(ExportRefusal::NoScenes),
+            // A picture can be made of any session.
             _ => None,
         }
     }

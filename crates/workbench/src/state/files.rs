@@ -181,8 +181,9 @@ impl FileState {
             context.ask(Effect::OpenLink(link.to_owned()));
         } else {
             let file = NamedBytes::new(LAST_SESSION.to_owned(), text);
+            let no_messages = Vec::new();
             self.apply(
-                FileCommand::DroppedBytes(vec![file], Vec::new()),
+                FileCommand::DroppedBytes(vec![file], no_messages),
                 run,
                 None,
                 context,
@@ -248,6 +249,7 @@ impl FileState {
             Some(why) => context.tell_error(why),
             None => self.finding = Some((form.purpose, files::browse(form, &context.wake))),
         }
+        // A page saves by a download, without a dialog.
         #[cfg(target_arch = "wasm32")]
         if form.purpose != Purpose::Save {
             self.finding = Some((form.purpose, files::web::choose(&context.wake)));
@@ -543,6 +545,7 @@ fn write_new(_: &Path, _: &[u8], _: &mut Context) {}
 fn write_new(path: &Path, bytes: &[u8], context: &mut Context) {
     match tilescope_formats::write_whole(path, bytes) {
         Ok(()) => {
+            // Without a current folder the path is shown as it is.
             let path = std::path::absolute(path).unwrap_or_else(|_| path.to_owned());
             let text = format!("Saved as {}.", path.display());
             context.ask(Effect::Tell(Notice {

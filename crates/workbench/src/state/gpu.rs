@@ -254,6 +254,7 @@ impl GpuState {
             Device::Unknown if is_automatic_on_page && self.failure.is_some() => {
                 "CPU: the GPU failed."
             }
+            // In all other states the name of the choice says it already.
             _ => return None,
         };
 

@@ -242,6 +242,7 @@ impl Link {
         if !left_out.is_empty() {
             text = format!("{text} It leaves out {}.", left_out.join("; "));
         }
+        // Without an address the fragment is copied alone.
         let link = format!("{}#{fragment}", address.unwrap_or_default());
         context.ask(Effect::Copy(link));
         context.tell(text);
@@ -271,6 +272,7 @@ impl RunView {
                 session.has_recipe() && link::normal(session.recipe()) == asked
             }
             (Some(made), Some(asked)) => made.layout == *asked,
+            // A run is no combination.
             _ => false,
         }
     }

@@ -270,6 +270,7 @@ impl Time {
                     self.playback.stop();
                     break;
                 }
+                // Within the run, and within the loop if there is one, the play goes on.
                 _ => {}
             }
         }

@@ -173,6 +173,7 @@ impl RunView {
     }
 
     pub(in crate::state) fn fitting(&self) -> Camera {
+        // Without a session nothing is drawn, so that any size will do.
         let size = self.shown_size().unwrap_or(DVec2::ONE);
         Camera::fitting(size, self.viewport)
     }
@@ -212,6 +213,7 @@ impl RunView {
                 self.fitted = fitted;
                 self.camera = self.within_scales(if fitted { self.fitting() } else { camera });
             }
+            // The stage of the pattern is neither entered nor left.
             _ => {}
         }
     }
@@ -313,6 +315,7 @@ impl RunView {
                 let from = session.position(a);
                 from.midpoint(session.image_near(b, from))
             }
+            // All other events are at one place.
             _ => place,
         })
     }

@@ -138,6 +138,7 @@ fn hits(
     let (mut found, mut unclear) = (Vec::new(), 0);
     while found.len() < MAX_HITS && unclear < MAX_UNCLEAR && go_on() {
         match debugger.run_while(Direction::Forwards, &go_on) {
+            // Only a run to a target ends at one, and this is none.
             Stop::Breakpoint(_) | Stop::Target => found.push(debugger.state().cursor()),
             // A condition that cannot be evaluated stops a run, but is not counted as a hit.
             Stop::BadCondition(..) => unclear += 1,

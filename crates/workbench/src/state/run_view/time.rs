@@ -113,6 +113,7 @@ impl RunView {
         };
         if session.nested.is_some() {
             let end = session.ends().get(index).copied();
+            // A stage beyond the last one is all of the set.
             return self.show_prefix(end.unwrap_or(usize::MAX));
         }
         let index = index.min(session.stages.len() - 1);
