@@ -18,7 +18,7 @@ use crate::talk::TalkRecord;
 
 /// Width and height of a picture, in points. On paper it is scaled to the column that [`CSS`] leaves for it.
 const PICTURE: [f64; 2] = [420.0, 330.0];
-/// Width and height of a plot.
+/// Width and height of a plot. Chosen, not measured, like the sizes around it.
 const PLOT: [f64; 2] = [320.0, 90.0];
 /// The height of the numbers below a plot, and where their baseline lies in it.
 const TICK_ROOM: f64 = 16.0;
@@ -365,6 +365,7 @@ fn plot(curves: &[&Curve], sign: char) -> String {
         svg.push_str(&line(&ends, "#999"));
     }
 
+    // Round numbers within the plot: one at either end would be cut off.
     for tick in [0.5, 1.0, 1.5, 2.0, 2.5] {
         let at = tick / REACH[0] * width;
         let number = tick.to_string().replace('.', &sign.to_string());

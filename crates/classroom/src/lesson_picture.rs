@@ -26,9 +26,9 @@ use tilescope_session::task::Task;
 use crate::lessons::{LessonSource, OpenLesson};
 use crate::pen::PenStroke;
 
-/// The radius of the circle around a marked place.
+/// The radius of the circle around a marked place. Chosen, not measured.
 const MARK_RADIUS: f32 = 7.0;
-/// The size of the em of a mark's label.
+/// The size of the em of a mark's label. Chosen, not measured.
 const LABEL_SIZE: f32 = 12.0;
 
 /// How a picture of a step is drawn.
@@ -296,7 +296,7 @@ impl NextPicture {
     }
 }
 
-/// Pixels in a point of a picture for windows.
+/// Pixels in a point of a picture for windows, so that it is sharp on dense screens.
 const SHARPNESS: f64 = 2.0;
 
 impl Task for StepPictureTask {

@@ -11,7 +11,7 @@ const COLORS: [[u32; 2]; 4] = [
     [0x00fa_430d, 0x003d_060b],
     [0x005c_8fb8, 0x000e_2496],
 ];
-/// The most points of all lines of a step.
+/// The most points of all lines of a step. Chosen, not measured.
 pub const MAX_POINTS: usize = 20_000;
 
 /// A line that was drawn.

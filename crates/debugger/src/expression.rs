@@ -12,7 +12,7 @@ use crate::query::{block, distance, verdict_name};
 use crate::recording::{NumberAt, NumberName, NumberValue, Recording};
 use crate::state::State;
 
-/// The most operations of an evaluation.
+/// The most operations of an evaluation. Chosen, not measured, like the limits below.
 pub const MAX_OPERATIONS: u64 = 10_000;
 /// The most characters of an expression.
 pub const MAX_LENGTH: usize = 1_000;

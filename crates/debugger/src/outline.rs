@@ -8,7 +8,7 @@ pub use rows::{OutlineRow, OutlineRows};
 use crate::event::{Event, NONE};
 use crate::recording::Recording;
 
-/// Events between two stored rows of ancestors.
+/// Events between two stored rows of ancestors. Chosen, not measured.
 const STRIDE: usize = 1024;
 
 /// The depth of the deepest events, plus one.

@@ -19,7 +19,7 @@ use crate::life::{Life, Status, UNBORN, note_change};
 use crate::tally::Density;
 use crate::tape::Tape;
 
-/// Events between two stored contexts.
+/// Events between two stored contexts. Chosen, not measured.
 pub(crate) const STRIDE: usize = 1024;
 
 /// A number of the moment that expressions can name, such as `gaps`. This crate measures nothing: the crate `live` gives a

@@ -46,7 +46,7 @@ pub const MAX_SCENES: usize = 10_000;
 /// The most bytes of a condition, a watch, a caption or a path: more than people type.
 pub const MAX_TEXT: usize = 10_000;
 
-/// The most bytes of a saved session.
+/// The most bytes of a saved session. Chosen, not measured.
 pub const MAX_BYTES: usize = 16_000_000;
 
 /// A breakpoint on a line of pseudocode.

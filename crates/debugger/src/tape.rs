@@ -10,6 +10,7 @@ use crate::lines::Lines;
 /// The default number of events that a tape holds: 120 MB.
 pub const DEFAULT_BUDGET: usize = 5_000_000;
 
+/// The events of a chunk. A power of two, so that an event is found by a shift; its size is chosen, not measured.
 const CHUNK: usize = 1 << 16;
 
 /// Events in sequence, in chunks of equal length.

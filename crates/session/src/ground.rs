@@ -13,7 +13,7 @@ use crate::words::counted;
 /// cells: a tape holds the events of this number of samples without leaving any out.
 pub const MAX_RECORDED: f64 = 50_000.0;
 
-/// The most corners of a polygon in a saved session or a link.
+/// The most corners of a polygon in a saved session or a link. Chosen, not measured.
 const MAX_PORTABLE_CORNERS: usize = 10_000;
 
 /// The field and the shape that are asked for, beside the parameters of a run.

@@ -45,11 +45,11 @@ impl Clock {
     }
 }
 
-/// Speeds to choose from.
+/// Speeds to choose from. Chosen, not measured, like the durations below.
 pub const SPEEDS: [f32; 7] = [0.25, 0.5, 1.0, 2.0, 8.0, 64.0, 512.0];
 /// Durations of a whole run to choose from, in seconds.
 pub const WHOLE_RUNS_SECS: [f32; 3] = [10.0, 30.0, 60.0];
-/// The most ticks in one frame, so that a frame stays short.
+/// The most ticks in one frame, so that a frame stays short. Chosen, not measured.
 const MAX_TICKS: u32 = 2_000;
 
 /// The state of playback.

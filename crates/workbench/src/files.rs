@@ -203,7 +203,7 @@ impl LastSession {
 
 /// The name of the last session, where files are named.
 pub const LAST_SESSION: &str = "last-session.json";
-/// The most files that are listed as recent.
+/// The most files that are listed as recent. Chosen, not measured.
 pub const MAX_RECENT: usize = 8;
 /// The default name of a session's file.
 pub const SESSION_NAME: &str = "tilescope-session.json";

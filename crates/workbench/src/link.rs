@@ -25,7 +25,7 @@ pub use write::{Link, write};
 /// The version of links that this program writes, and the newest that it reads.
 pub const VERSION: u32 = 1;
 
-/// The most characters of a fragment that this program writes.
+/// The most characters of a fragment that this program writes. Chosen, not measured, like the limits below.
 pub const MAX_CHARACTERS: usize = 8_000;
 
 /// The most bytes of a fragment that are read.

@@ -44,6 +44,7 @@ fn units(point: Point) -> String {
     format!("({}, {}) units", point.x, point.y)
 }
 
+/// Returns the difference of a stage, at a point if it has one; `a` and `b` describe what the runs have there.
 fn differ(stage: Stage, point: Option<Point>, a: String, b: String) -> Divergence {
     Divergence::Stage { stage, point, a, b }
 }
@@ -87,7 +88,8 @@ impl Pair<'_> {
             )
         };
         let differs = self.a.pattern != self.b.pattern;
-        differs.then(|| differ(Stage::Pattern, None, text(self.a), text(self.b)))
+        let nowhere = None;
+        differs.then(|| differ(Stage::Pattern, nowhere, text(self.a), text(self.b)))
     }
 
     /// Returns the first difference of the blocks.
@@ -110,7 +112,8 @@ impl Pair<'_> {
         // Lists that agree as far as the shorter one reaches differ by their lengths alone.
         let text = |blocks: usize| count(blocks as u64, "block");
         let (m, n) = (a.leaves.len(), b.leaves.len());
-        (m != n).then(|| differ(Stage::Blocks, None, text(m), text(n)))
+        let nowhere = None;
+        (m != n).then(|| differ(Stage::Blocks, nowhere, text(m), text(n)))
     }
 
     /// Returns the first difference of the stages after the blocks.

@@ -70,7 +70,7 @@ impl<'a> Files<'a> {
     }
 
     fn slot(&self, path: &Path) -> Slot {
-        // The lock is held only here, and a panic leaves the list of slots whole.
+        // A panic while the lock was held leaves the list of slots whole.
         let mut read = self.read.lock().unwrap_or_else(PoisonError::into_inner);
         Arc::clone(read.entry(path.to_owned()).or_default())
     }

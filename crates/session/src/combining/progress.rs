@@ -10,11 +10,11 @@ use tilescope_core::{Observer, Progress, SampleError, Stage};
 use crate::jobs::Monitor;
 use crate::session::{StageShare, part_done, share_of};
 
-/// The shares of making the sets and of gluing them; the rest is for the band and the session.
+/// The shares of making the sets and of gluing them; the rest is for the band and the session. They are estimates.
 const SETS: f32 = 0.75;
 const GLUING: f32 = 0.2;
 
-/// The steps in which the progress of a set is counted.
+/// The steps in which the progress of a set is counted: finer than a bar of progress shows.
 const PARTS: u64 = 1000;
 
 /// The progress of all sets, which are made in parallel.
@@ -129,6 +129,7 @@ impl Gluing<'_> {
 
 impl Observer for Gluing<'_> {
     fn observe(&mut self, progress: Progress) -> ControlFlow<()> {
+        // The shares are estimates: only a bar of progress depends on them.
         let share = match progress.stage {
             Stage::Tile => StageShare::new(0.0, 0.2),
             Stage::Eliminate => StageShare::new(0.2, 0.3),

@@ -15,10 +15,10 @@ use crate::words::sentence;
 /// The expression that the field begins with: from a fifth of the largest radius on the left to all of it on the right.
 const FIRST_EXPRESSION: &str = "0.006 + 0.024*x";
 
-/// How many samples an image begins with, about.
+/// How many samples an image begins with, about. Chosen, not measured.
 const SAMPLES_OF_IMAGE: f64 = 6_000.0;
 
-/// How many samples a shape begins with, about, if the radius of the form does not suit it.
+/// How many samples a shape begins with, about, if the radius of the form does not suit it. Chosen, not measured.
 const SAMPLES_OF_SHAPE: f64 = 3_000.0;
 
 /// How the radius is given.

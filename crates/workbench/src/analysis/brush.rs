@@ -18,7 +18,8 @@ use tilescope_drawing::brushed::{BrushedCause, Cause, MAX_PAIRS, Pair};
 
 use super::measured::{Samples, refusal};
 
-/// The share of samples whose colour shows their value; those beyond all have the strongest colour.
+/// The share of samples whose colour shows their value; those beyond all have the strongest colour. Chosen,
+/// not measured.
 const TINTED: f64 = 0.95;
 
 /// The frequencies around the first peak of maximal sets, as nu.

@@ -4,7 +4,7 @@ use tilescope_analysis::measures::{CATALOGUE, MeasureError, MeasuredSet, Part};
 use tilescope_analysis::{Control, Region};
 use tilescope_session::words::{counted, sentence};
 
-/// The size of a set from which the spectrum of its low frequencies is measured first.
+/// The size of a set from which the spectrum of its low frequencies is measured first. Chosen, not measured.
 const ROUGH_FROM: usize = 20_000;
 
 /// A set to be measured.

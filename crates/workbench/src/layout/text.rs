@@ -2,7 +2,7 @@
 
 use super::{Direction, Layout, LayoutTile, MAX_DEPTH, MAX_TILES, Panel};
 
-/// The unit of written shares is one over this.
+/// The unit of written shares is one over this: less than a point of a screen.
 const PART: f32 = 10_000.0;
 /// The largest share that is written or read. Chosen, not measured.
 const MAX_SHARE: f32 = 100.0;

@@ -442,7 +442,8 @@ impl State {
     pub(super) fn end_tour(&mut self) {
         if self.scenes.is_touring() {
             self.scenes.shown = None;
-            self.give_back_of(None);
+            let no_lesson = None;
+            self.give_back_of(no_lesson);
         }
     }
 

@@ -181,11 +181,11 @@ impl FileState {
             context.ask(Effect::OpenLink(link.to_owned()));
         } else {
             let file = NamedBytes::new(LAST_SESSION.to_owned(), text);
-            let no_messages = Vec::new();
+            let (no_messages, nothing_to_save) = (Vec::new(), None);
             self.apply(
                 FileCommand::DroppedBytes(vec![file], no_messages),
                 run,
-                None,
+                nothing_to_save,
                 context,
             );
         }

@@ -26,7 +26,9 @@ impl FileState {
                 #[cfg(not(target_arch = "wasm32"))]
                 Ok(Some(path)) if is_same_purpose => {
                     let path = path.to_string_lossy().into_owned();
-                    self.apply(FileCommand::Path(path), &runs.first, None, context);
+                    let nothing_to_save = None;
+                    let chosen = FileCommand::Path(path);
+                    self.apply(chosen, &runs.first, nothing_to_save, context);
                 }
                 #[cfg(target_arch = "wasm32")]
                 Ok(found) if is_same_purpose => {
@@ -34,10 +36,12 @@ impl FileState {
                         context.tell_error(ended(why));
                     }
                     if !found.files.is_empty() {
+                        let nothing_to_save = None;
                         let chosen = FileCommand::Chosen(found.files);
-                        self.apply(chosen, &runs.first, None, context);
+                        self.apply(chosen, &runs.first, nothing_to_save, context);
                     }
                 }
+                // Nothing was chosen, or the choice was for another purpose.
                 Ok(_) => {}
                 Err(failure) => context.tell_error(sentence(&failure)),
             }
