@@ -131,6 +131,7 @@ fn events(recording: &Recording, whole: bool) -> impl Iterator<Item = (usize, &E
         .filter(move |(_, event)| stays(event))
 }
 
+/// Returns whether the event `x` of `a` and `y` of `b` are on one line and name the same points.
 fn equal(a: &Recording, x: &Event, b: &Recording, y: &Event) -> bool {
     if x.line() != y.line() {
         return false;

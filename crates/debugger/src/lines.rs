@@ -85,6 +85,7 @@ impl Lines {
         }
     }
 
+    /// Returns the line of a candidate, by its sites and by how its test ends.
     fn candidate(self, sites: Sites, verdict: Verdict) -> (&'static str, u8) {
         let printed = self == Self::Printed;
         match (sites, verdict) {

@@ -448,6 +448,7 @@ impl Word<'_> {
         })
     }
 
+    /// Returns the term of a distance. Its bits are kept, so that terms can be compared.
     fn distance(&self) -> Result<Term, QueryError> {
         let length = self
             .value

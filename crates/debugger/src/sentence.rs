@@ -260,6 +260,8 @@ impl Words<'_> {
         }
     }
 
+    /// Returns the sentence of a sample whose turn comes. One that is not valid any more is passed over, with the sample that
+    /// eliminated it if that is recorded.
     fn take(&self, sample: u32, valid: bool) -> String {
         let name = self.sample(sample);
 
@@ -275,6 +277,7 @@ impl Words<'_> {
         }
     }
 
+    /// Returns the sentence of a tiled sample; `inside` says whether it lies in the domain.
     fn tiled(&self, sample: u32, inside: bool) -> String {
         let name = self.sample(sample);
         let own = match self.0.run().samples.origins.get(sample as usize) {
@@ -288,6 +291,7 @@ impl Words<'_> {
         }
     }
 
+    /// Returns the sentence of a sample that is marked because of the loss of another one.
     fn mark(&self, sample: u32, because: u32, index: usize) -> String {
         let (name, lost) = (self.sample(sample), self.sample(because));
 

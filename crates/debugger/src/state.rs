@@ -90,6 +90,7 @@ impl State {
         self.cursor = cursor;
     }
 
+    /// Moves to a cursor by counting all samples anew.
     fn jump(&mut self, recording: &Recording, cursor: usize) {
         self.counts = StatusCounts::default();
         let first_inserted = first_inserted(recording);
@@ -132,6 +133,7 @@ impl State {
 }
 
 impl StatusCounts {
+    /// Returns the count of a status; absent samples are not counted.
     fn of(&mut self, status: Status) -> Option<&mut usize> {
         match status {
             Status::Absent => None,

@@ -127,6 +127,7 @@ impl Tape {
         self.thinned = self.chunks.len();
     }
 
+    /// Appends an event. Where that needs another chunk, earlier ones are thinned first if the budget is used up.
     fn push(&mut self, event: Event) {
         match self.chunks.last_mut() {
             Some(last) if last.len() < CHUNK => last.push(event),

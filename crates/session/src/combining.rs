@@ -120,6 +120,7 @@ fn pieces(
     pieces.map_err(|error| CombinationError::Piece(Box::new(error)))
 }
 
+/// Returns the set of a piece, which is made or read. Fails for a piece with a file if the layout may use none.
 fn set(
     source: &PieceSource,
     files: &Files<'_>,

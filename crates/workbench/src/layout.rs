@@ -286,6 +286,7 @@ impl LayoutTile {
         }
     }
 
+    /// Returns whether a tile and all tiles in it have an open tab that is there, and shares that are numbers from 0 on.
     fn is_sound(&self) -> bool {
         let of_itself = match self {
             Self::Panel(_) => true,

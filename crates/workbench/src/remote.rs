@@ -220,6 +220,7 @@ fn wrong(field: &str, value: &Value, wanted: impl Into<String>) -> RequestError 
     }
 }
 
+/// Refuses a request that has a field beside `do` and those that its action has.
 fn refuse_unknown(
     action: &'static str,
     fields: &Map<String, Value>,
@@ -242,6 +243,7 @@ fn speed(value: &Value) -> Result<f32, RequestError> {
         .ok_or_else(|| wrong("speed", value, format!("from {slowest} to {fastest}")))
 }
 
+/// Reads a request to load a run, by either a link or parameters.
 fn load(fields: &Map<String, Value>) -> Result<Request, RequestError> {
     match (fields.get("link"), fields.get("parameters")) {
         (Some(value), None) => match value.as_str() {

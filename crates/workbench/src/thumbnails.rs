@@ -34,6 +34,7 @@ struct ThumbnailKey {
 }
 
 impl ThumbnailKey {
+    /// Returns whether the picture is that of a scene; its caption is not drawn, and so is not compared.
     fn is_of(&self, session: &Session, scene: &SavedScene, dark: bool) -> bool {
         let other = &self.scene;
         (self.generation, self.dark) == (session.generation, dark)

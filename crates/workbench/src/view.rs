@@ -197,6 +197,8 @@ struct Parts<'a> {
 }
 
 impl Parts<'_> {
+    /// Returns a part if it is there and `check` accepts it. One that is invalid is added to `dropped`; one that is missing or
+    /// null is not.
     fn take<S: DeserializeOwned, T>(
         &mut self,
         name: &'static str,

@@ -188,6 +188,7 @@ impl Classroom {
         }
     }
 
+    /// Gives up the question. The learner may first be asked whether to, and then the next command does it.
     fn give_up(&mut self, context: &mut Context) {
         let now = self.lessons.now;
         if let Some(open) = &mut self.lessons.open
@@ -411,6 +412,7 @@ impl Classroom {
         }
     }
 
+    /// Goes to the step at an index, and shows it with the step's own camera.
     pub(crate) fn enter_step(&mut self, index: usize, context: &mut Context) {
         if let Some(open) = &mut self.lessons.open {
             open.learner.go(index);

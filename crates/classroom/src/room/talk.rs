@@ -265,6 +265,7 @@ impl Classroom {
         self.begin_step();
     }
 
+    /// Begins the time of the step that is shown, without the votes, the cover and the pointer of the one before.
     fn begin_step(&mut self) {
         let now = self.lessons.now;
         if let Some(open) = &mut self.lessons.open {

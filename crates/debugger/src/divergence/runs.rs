@@ -77,6 +77,7 @@ fn lists(stage: Stage, noun: &str, a: &[Key], b: &[Key]) -> Option<Divergence> {
 }
 
 impl Pair<'_> {
+    /// Returns the difference of the patterns, which is at no place.
     fn patterns(&self) -> Option<Divergence> {
         let text = |run: &Run| {
             let samples = count(run.pattern.samples().len() as u64, "sample");
@@ -259,6 +260,8 @@ impl Pair<'_> {
         })
     }
 
+    /// Returns the first difference of the results: a sample that only one has, or the first place in their order that
+    /// differs.
     fn results(&self) -> Option<Divergence> {
         let (a, b) = (self.a.points(), self.b.points());
         let keys = |points: &[Point]| sorted(points.iter().map(|&point| keyed(point, 0)).collect());
@@ -308,6 +311,7 @@ fn inserted(run: &Run, k: usize) -> Vec<Key> {
     iteration.map_or_else(Vec::new, |i| points(run, i.inserted.clone()))
 }
 
+/// Returns the keys of the active cells of the iteration at `k`; none if the run has no such iteration.
 fn cells(run: &Run, k: usize) -> Vec<Key> {
     let cells = run.iterations.get(k).map_or(&[][..], |i| &i.cells);
     let keys = cells

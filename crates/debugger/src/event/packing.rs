@@ -94,6 +94,7 @@ pub(super) fn packed(kind: EventKind, tags: u8, given: &[u32]) -> Event {
     }
 }
 
+/// Packs the beginning of a stage, whose number is the tag; [`stage`] reads it.
 fn pack_begin(stage: Stage) -> Event {
     let (tags, k) = match stage {
         Stage::Pattern => (0, 0),
@@ -190,6 +191,7 @@ fn unpack_candidate(event: &Event) -> RunEvent {
     }
 }
 
+/// Returns the number of a verdict, which takes three bits, and the sample that it names; [`verdict`] reads both.
 const fn verdict_tags(verdict: Verdict) -> (u8, Option<u32>) {
     match verdict {
         Verdict::Accepted => (0, None),

@@ -45,6 +45,7 @@ pub struct OutlineRows {
 }
 
 impl Node {
+    /// Returns the node of these children, the last of which ends at `end`; all are collapsed.
     fn of(children: impl Iterator<Item = usize>, end: usize) -> Self {
         Self {
             children: children.map(|event| event as u32).collect(),

@@ -70,6 +70,8 @@ impl Words<'_> {
         })
     }
 
+    /// Returns the sentence of a dart that is woken. `behind` is the sample that refused it first, or [`NONE`] for one that the
+    /// clip lacks.
     fn wake(&self, point: Point, behind: u32) -> String {
         let at = coordinates(point);
         match behind {

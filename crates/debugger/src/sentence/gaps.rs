@@ -56,6 +56,7 @@ impl Words<'_> {
         }
     }
 
+    /// Returns the sentence of a candidate that an inserted sample covers; without the sample's place it names no distance.
     fn pass(&self, point: Point, by: u32) -> String {
         let (at, inserted) = (coordinates(point), self.sample(by));
         let apart = self.0.point(by).map_or_else(String::new, |by| {

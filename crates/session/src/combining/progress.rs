@@ -70,6 +70,7 @@ impl<'a> OneSet<'a> {
         }
     }
 
+    /// Reports that so many parts of the set are done. The number never falls, even if a report comes late.
     fn report(&mut self, parts: u64) {
         if parts > self.reported {
             self.sets.add(parts - self.reported);

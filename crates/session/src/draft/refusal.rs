@@ -157,6 +157,7 @@ pub(super) fn part_of(error: &ParameterError, parameters: &Parameters) -> FormPa
     })
 }
 
+/// Returns whether the sides would be allowed with the default radius; other errors do not count.
 fn suits_default_radius(parameters: &Parameters) -> bool {
     let radius = Parameters::default().radius;
     let domain = Parameters {

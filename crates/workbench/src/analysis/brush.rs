@@ -177,6 +177,7 @@ impl Marks {
         }
     }
 
+    /// Takes the end of a search: its causes, or why there are none.
     fn take(&mut self, of: Of, outcome: Result<Outcome, String>) {
         match outcome {
             Ok(Ok(cause)) => {
@@ -184,6 +185,7 @@ impl Marks {
                 let serial = self.serial;
                 self.found = Some((of, BrushedCause { serial, cause }));
             }
+            // A search that was cancelled has nothing to report.
             Ok(Err(None)) => {}
             Ok(Err(Some(why))) => self.failed = Some((of, why)),
             Err(panic) => self.failed = Some((of, tilescope_session::words::sentence(&panic))),

@@ -286,6 +286,7 @@ fn samples(
     Ok((set, context, is_result))
 }
 
+/// Writes the samples and their certificate beside them.
 #[cfg(not(target_arch = "wasm32"))]
 fn write_samples(job: &ExportJob, monitor: &Monitor) -> Result<What, WriteError> {
     let (set, context, result) = samples(job, monitor)?;

@@ -111,6 +111,7 @@ impl LayoutReader<'_> {
         rest.is_some()
     }
 
+    /// Reads a tile at a depth, with all tiles in it; `None` if the text is invalid, or beyond a limit.
     fn tile(&mut self, depth: usize) -> Option<LayoutTile> {
         self.count += 1;
         if depth > MAX_DEPTH || self.count > MAX_TILES {

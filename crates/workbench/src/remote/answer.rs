@@ -194,6 +194,7 @@ fn step_by(state: &mut State, forwards: bool, unit: Clock) -> Result<(), Request
     Ok(())
 }
 
+/// Goes to the moment after this many events, of nested levels to this many samples; refused beyond the end.
 fn seek_event(state: &mut State, event: usize) -> Result<(), RequestError> {
     need_session(state)?;
     let Some((_, len)) = state.runs().first.cursor() else {
@@ -220,6 +221,7 @@ fn seek_stage(state: &mut State, stage: &str) -> Result<(), RequestError> {
     Ok(())
 }
 
+/// Goes to a part of the run, from 0 to 1: to the nearest event, or without events to the nearest stage.
 fn seek_part(state: &mut State, part: f64) -> Result<(), RequestError> {
     let last = need_session(state)?.stages.len() - 1;
     let of = |all: usize| (part * all as f64).round() as usize;
@@ -355,6 +357,7 @@ fn seed(seed: u64) -> Value {
     }
 }
 
+/// Returns parameters as JSON, with both seeds as numbers or texts that JavaScript reads exactly.
 fn with_seeds(parameters: &Parameters) -> Value {
     let mut value = json!(parameters);
     value["seed"] = seed(parameters.seed);

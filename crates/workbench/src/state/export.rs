@@ -206,6 +206,7 @@ impl Exports {
         }
     }
 
+    /// Returns the number of frames of the animation: the one that was counted last, if nothing has changed since.
     fn frame_count(
         &self,
         form: &ExportForm,

@@ -36,6 +36,7 @@ pub struct GpuState {
 }
 
 impl GpuState {
+    /// Applies a command to the choice of engine or of adapter. No run begins.
     pub(super) fn apply(&mut self, command: GpuCommand, context: &Context) {
         match command {
             GpuCommand::Engine(engine) => self.choose_engine(engine, context),

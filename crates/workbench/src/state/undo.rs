@@ -238,6 +238,7 @@ impl History {
         self.typing = field;
     }
 
+    /// Adds a step. Nothing can be redone then, and the oldest steps beyond [`MAX_STEPS`] go.
     fn push(&mut self, part: UndoPart, memento: Memento) {
         let past = &mut self.past;
         past.push(Change { part, memento });

@@ -133,6 +133,7 @@ impl State {
             || awaits_rest == Some(true)
     }
 
+    /// Takes the work that has ended since the last frame, of the GPU, the first run, exports and files.
     fn poll(&mut self) {
         self.with(|state, context| state.gpu.poll(context));
         let made = self.runs.first.made();

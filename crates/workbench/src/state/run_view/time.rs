@@ -176,6 +176,8 @@ impl RunView {
         self.jump(risen);
     }
 
+    /// Goes to the end of the current stage, or of the next one if the cursor is there already; backwards to the end of the stage
+    /// before.
     pub(in crate::state) fn step_stage(&mut self, direction: Direction) {
         let (Some(session), Some((cursor, _))) = (&self.session, self.cursor()) else {
             return;

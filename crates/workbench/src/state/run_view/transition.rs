@@ -41,6 +41,7 @@ impl RunView {
         self.transition.elapsed_secs.is_some()
     }
 
+    /// Returns the duration of the transition to the last event.
     fn transition_secs(&self) -> f32 {
         let shown = self.shown();
         let last = shown.and_then(|shown| shown.last_event()?.run_event());
