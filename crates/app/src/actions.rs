@@ -506,7 +506,8 @@ const fn no_panels(state: &State) -> Option<&'static str> {
     }
 }
 
-/// Adds the panels: each is brought into view.
+/// Adds an action for each panel that brings it into view, one that shows or hides the panels at the sides, and one that
+/// resets the layout.
 fn panels(list: &mut List, state: &State) {
     let window = state.window();
     let no_panels = no_panels(state);
@@ -606,7 +607,10 @@ fn colours(list: &mut List, state: &State) {
             SessionKind::Varying => {
                 "Samples in a field or a shape have neither block nor level; all were thrown as darts."
             }
-            _ => "Only nested levels have levels.",
+            // These sessions show all colourings except that of levels.
+            SessionKind::Run | SessionKind::Exact | SessionKind::Combination => {
+                "Only nested levels have levels."
+            }
         };
         // A colouring that the run cannot show would be drawn as another one, so that it is refused.
         list.add(name, command)
@@ -671,7 +675,7 @@ fn look(list: &mut List, state: &State) {
         .marked(state.appearance().reduced_motion);
 }
 
-/// How far a key pans the view, in screen points.
+/// How far a key pans the view, in screen points. Chosen, not measured.
 const PAN: f32 = 80.0;
 
 /// Adds the camera's actions, for the keyboard.
@@ -691,7 +695,7 @@ fn camera(list: &mut List, state: &State) {
     list.group();
     // Keys zoom about the middle; the wheel zooms about the pointer.
     let middle = state.runs().first.viewport.center();
-    // The factors are inverse to each other: zooming in and out leads back.
+    // The factors are chosen. They are inverse to each other, so that zooming in and out leads back.
     for (name, key, factor) in [("Zoom in", Key::Plus, 1.25), ("Zoom out", Key::Minus, 0.8)] {
         let action = list.add(name, run_a(ViewCommand::Zoom(middle, factor)));
         action.on_key(key).refused(no_session(state));
@@ -754,6 +758,7 @@ fn breakpoints(list: &mut List, state: &State) {
     if let (Some(debugger), Some(session)) = (&run.debugger, &run.session) {
         let parameters = &session.run().parameters;
         for (index, breakpoint) in debugger.breakpoints().iter().enumerate() {
+            // A breakpoint keeps the number of its line, which the listings may lack: it has no text to be named by.
             let Some(line) = Listings::shipped().line(breakpoint.line) else {
                 continue;
             };

@@ -138,7 +138,7 @@ pub fn run_native(options: &WindowOptions) -> Result<(), AppError> {
         viewport: egui::ViewportBuilder::default()
             .with_title("Tilescope")
             .with_inner_size(options.size)
-            // The width of a small phone, for which the narrowest arrangement is laid out.
+            // The width of a small phone, for which the narrowest arrangement is laid out. The height is chosen.
             .with_min_inner_size([360.0, 360.0]),
         renderer: eframe::Renderer::Wgpu,
         ..eframe::NativeOptions::default()

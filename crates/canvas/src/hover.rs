@@ -125,7 +125,7 @@ fn sample(subject: &Subject<'_>, id: u32) -> [String; 2] {
 
     let block_name = block_name(shown.session);
     let from = match shown.session.run().samples.origins[id as usize] {
-        // A large set in a field or a shape keeps nothing but its samples.
+        // A large set in a field or a shape keeps nothing but its samples: the origin is a placeholder.
         Origin::Tiled { .. } if shown.session.ground.is_some() => "made by darts".to_owned(),
         Origin::Tiled {
             block, own: true, ..

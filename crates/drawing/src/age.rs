@@ -5,7 +5,7 @@ use tilescope_core::Origin;
 
 use tilescope_session::session::Session;
 
-/// The age of the last tiled sample.
+/// The age of the last tiled sample. Chosen, not measured, as is that of the first inserted ones.
 pub const LAST_TILED: f32 = 0.62;
 /// The age of the samples of the first iteration, clearly above the tiled ones.
 const FIRST_INSERTED: f32 = 0.78;

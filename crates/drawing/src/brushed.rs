@@ -7,9 +7,9 @@ use ecolor::Color32;
 
 use crate::palette::Palette;
 
-/// The most pairs that are kept for drawing.
+/// The most pairs that are kept for drawing. Chosen, not measured.
 pub const MAX_PAIRS: usize = 500_000;
-/// The relative change in size of samples with the strongest shares.
+/// The relative change in size of samples with the strongest shares. Chosen, not measured.
 const SWELL: f32 = 0.5;
 
 /// Two samples at a brushed distance.

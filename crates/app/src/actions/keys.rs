@@ -101,7 +101,7 @@ pub fn press_keys(ctx: &egui::Context, state: &mut State) -> bool {
         let is_text = is_typing && !held.command && !is_function(key);
         // Escape closes an open menu or list.
         let closes_popup = key == Key::Escape && has_popup;
-        // Space and Enter press a button that has the focus.
+        // Space and Enter press a button that has the focus. Enter with a modifier is a shortcut: Ctrl+Enter runs.
         let presses_button =
             has_focus && !on_canvas && (key == Key::Space || (key == Key::Enter && held.is_none()));
         // Arrows move the picture of a canvas that has the focus.
@@ -234,6 +234,7 @@ impl Ahead {
         if self.is_closed {
             return vec![Command::Window(WindowCommand::CloseFinder)];
         }
+        // Without text the list is as it was, and Enter has no action to carry out.
         if self.text.trim().is_empty() {
             return Vec::new();
         }

@@ -83,6 +83,8 @@ pub(super) fn lead(list: &mut List, state: &State) {
     if state.lessons().open.is_none() || state.talks().open.is_some() {
         return;
     }
+    // Actions that begin a talk on the lesson count as its own: their F5 replaces that of the debugger. None of these
+    // actions has a second shortcut.
     let is_lesson = |command: &Command| matches!(command, Command::Lesson(_) | Command::Talk(_));
     let lesson_keys: Vec<KeyboardShortcut> = list
         .actions

@@ -68,7 +68,7 @@ pub fn progress(
     ui.add(bar)
 }
 
-/// The least share of the work, and the least time in seconds, from which the time left is estimated.
+/// The least share of the work, and the least time in seconds, from which the time left is estimated. Chosen, not measured.
 const ESTIMATED_FROM: (f32, f64) = (0.02, 2.0);
 
 /// Returns "about 20 s left" for work that is this far, estimated from its pace since it was first shown; `None` too early
@@ -110,6 +110,7 @@ pub fn no_events(ui: &mut Ui, context: &PanelContext<'_>) {
             "A combination has stages but no events: its sets existed before.".to_owned()
         }
         Some(session) if session.nested.is_some() => NO_EVENTS_OF_LEVELS.to_owned(),
+        // Of the sessions that keep their stages, those above and those of the GPU have no events.
         Some(session) if session.has_stages() => {
             "The GPU's run differs from the CPU's, so that it has no events.".to_owned()
         }

@@ -113,8 +113,8 @@ fn chooser(ui: &mut Ui, context: &TimeContext<'_>, commands: &mut Vec<Command>) 
     };
 
     let combo = ComboBox::from_id_salt("curve").width(ui.available_width().min(230.0));
-    let name = ui.words(named(number));
-    let shown = combo.selected_text(name).show_ui(ui, |ui| {
+    let selected = ui.words(named(number));
+    let shown = combo.selected_text(selected).show_ui(ui, |ui| {
         for other in [None].into_iter().chain(CurveNumber::all().map(Some)) {
             let row = ui.selectable_label(other == number, ui.words(named(other)));
             row.known_as(format_args!(
@@ -376,7 +376,7 @@ impl CurveFrame<'_> {
             });
             if low <= high {
                 // The next column begins with this column's last value, so that the line ends there. Where that is not
-                // defined, the line ends at the largest one: no end is more right than another.
+                // defined, any value of the column would serve as the end: it is the largest one.
                 let last_value = values[values.len() - 1];
                 let end = if last_value.is_finite() {
                     last_value

@@ -267,7 +267,7 @@ impl Sheet<'_> {
     /// Shows the buttons for the number type of coordinates.
     fn precision(&mut self, ui: &mut Ui) {
         let format = Format::from_path(&self.form.file());
-        // A format with one number type shows it, without a choice.
+        // A format with one number type shows it, without a choice. A name without a known format has no choice either.
         let has_choice = format
             .is_some_and(|f| f.precision(Precision::Single) != f.precision(Precision::Double));
         self.named(ui, "Coordinates", |sheet, ui, _| {
@@ -393,7 +393,8 @@ impl Sheet<'_> {
         });
     }
 
-    /// Shows the field of a number, in the colour of faults if the text in it is no number that can be used.
+    /// Shows the field of a number, in the colour of faults if the text in it is no number that can be used. `label` is the
+    /// id of its name; a field that is not `enabled` can be read only.
     fn number(&mut self, ui: &mut Ui, entry: NumberField, enabled: bool, label: egui::Id) {
         let (text, is_wrong) = match entry {
             NumberField::Scale => (&self.form.scale, self.form.scale().is_err()),

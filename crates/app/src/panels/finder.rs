@@ -33,10 +33,10 @@ pub fn show(ui: &mut Ui, state: &State, commands: &mut Vec<Command>) {
     let modal = Modal::new(egui::Id::unique("actions")).show(ui.ctx(), |ui| {
         ui.set_width(sheet::width(ui, 480.0));
         // Text and Enter may come in one frame: the text filters the list first.
-        let (field, open) = field(ui, open, commands);
-        found = actions::found(&open, state);
+        let (field_id, filter) = field(ui, open, commands);
+        found = actions::found(&filter, state);
         // The last letter may have left fewer actions than the choice counts.
-        let choice = open.choice.min(found.len().saturating_sub(1));
+        let choice = filter.choice.min(found.len().saturating_sub(1));
 
         ui.add_space(6.0);
         let seen = ui.scope_id().with("seen");
@@ -48,7 +48,7 @@ pub fn show(ui: &mut Ui, state: &State, commands: &mut Vec<Command>) {
         let room = ui.ctx().content_rect().height() - 110.0;
         let enters = keys(ui, choice, found.len(), commands);
         // Enter is ignored until something was typed or selected: the first action was not chosen by anyone.
-        let is_meant = choice > 0 || !open.text.trim().is_empty();
+        let is_meant = choice > 0 || !filter.text.trim().is_empty();
         let mut run_row = (enters && is_meant).then_some(choice);
 
         ScrollArea::vertical()
@@ -58,7 +58,7 @@ pub fn show(ui: &mut Ui, state: &State, commands: &mut Vec<Command>) {
             .show(ui, |ui| {
                 ui.spacing_mut().item_spacing.y = 0.0;
                 for (index, action) in found.iter().enumerate() {
-                    if show_action(ui, state, action, field, index == choice, has_moved) {
+                    if show_action(ui, state, action, field_id, index == choice, has_moved) {
                         run_row = Some(index);
                     }
                 }
@@ -84,7 +84,8 @@ pub fn show(ui: &mut Ui, state: &State, commands: &mut Vec<Command>) {
     }
 }
 
-/// Returns the field, and the list filtered by its text.
+/// Shows the text field. Returns its id, and the text and the choice that hold in this frame: a new text begins at the first
+/// action.
 fn field(ui: &mut Ui, open: &Finder, commands: &mut Vec<Command>) -> (egui::Id, Finder) {
     let mut text = open.text.clone();
     let response = ui.add(
@@ -119,7 +120,8 @@ fn keys(ui: &Ui, choice: usize, count: usize, commands: &mut Vec<Command>) -> bo
     })
 }
 
-/// Shows an action in the list; returns whether it was clicked. If the choice `has_moved` to it, it is scrolled to.
+/// Shows an action in the list; returns whether it was clicked. `field` is the id of the text field. If the choice
+/// `has_moved` since the frame before, the chosen action is scrolled to.
 fn show_action(
     ui: &mut Ui,
     state: &State,

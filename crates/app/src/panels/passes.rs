@@ -47,7 +47,8 @@ pub const CONTENT: Content = Content::of_state(Room::Whole, |ui, state, commands
 /// Minimum room for the list and table of passes, in screen points.
 const ROOM_FOR_PASSES: Vec2 = vec2(620.0, 400.0);
 
-/// Shows the GPU passes, or how to get them.
+/// Shows the GPU passes, or how to get them: `refusal` is why they cannot be run, if so, and `can_choose` whether only the
+/// choice of the GPU is missing.
 fn passes_or_offer(
     ui: &mut Ui,
     context: &PanelContext<'_>,
@@ -150,7 +151,7 @@ impl PassesPanel<'_> {
         ui.scope(|ui| list::show(ui, passes, palette, self.commands));
     }
 
-    /// Shows the work in progress, and its result.
+    /// Shows the fault that is tried, if there is one, and below it the work in progress, why it ended, or its result.
     fn work(&mut self, ui: &mut Ui) {
         let (passes, palette) = (self.passes, self.palette);
         if let Some(fault) = passes.fault() {

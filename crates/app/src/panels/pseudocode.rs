@@ -150,7 +150,8 @@ pub fn show(ui: &mut Ui, context: &PanelContext<'_>, commands: &mut Vec<Command>
     let has_moved = seen.as_ref().is_none_or(|seen| seen.now != now);
 
     let mut area = ScrollArea::vertical().auto_shrink([false, false]);
-    // The lines' places in the frame before serve in this frame already: in the next one a run that plays has moved on.
+    // The lines are taken to be where they were in the frame before. Their places in this frame come after its end, when a
+    // run that plays has moved on.
     let offset = seen.and_then(|seen| seen.placed.scroll_to(now.leading()));
     if let Some(offset) = offset.filter(|_| has_moved) {
         area = area.vertical_scroll_offset(offset);
@@ -388,7 +389,8 @@ fn terms(ui: &mut Ui, words: &str, palette: &Palette) {
     }
 }
 
-/// Returns the text of the next line to run; `None` for a session without events.
+/// Returns the text of the next line to run, or after the last event what comes instead; `None` for a session without
+/// events.
 pub fn next_line(run: &RunView) -> Option<String> {
     let debugger = run.debugger.as_ref()?;
     let parameters = run.session.as_ref()?.run().parameters;

@@ -240,7 +240,7 @@ fn row_texts(
     };
     let name_size = if is_clickable { 13.0 } else { 11.5 };
     // Numbers have digits of one width, which stand below each other. The heads above them are words.
-    let number = |size| {
+    let number_font = |size| {
         if is_clickable {
             FontId::monospace(size)
         } else {
@@ -248,7 +248,11 @@ fn row_texts(
         }
     };
 
-    let fonts = [FontId::proportional(name_size), number(12.0), number(12.5)];
+    let fonts = [
+        FontId::proportional(name_size),
+        number_font(12.0),
+        number_font(12.5),
+    ];
     let colors = [color, palette.muted, color];
     let galleys = [0, 1, 2].map(|column| {
         let (text, font) = (texts[column].to_owned(), fonts[column].clone());

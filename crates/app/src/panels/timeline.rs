@@ -121,7 +121,7 @@ fn room_beside_sentence(ctx: &Context, context: &TimeContext<'_>, width: f32) ->
 /// Returns the height that shows everything in `width`.
 #[must_use]
 pub fn height(ctx: &Context, context: &TimeContext<'_>, width: f32) -> f32 {
-    let width = width - LABEL - room_beside_sentence(ctx, context, width);
+    let sentence_width = width - LABEL - room_beside_sentence(ctx, context, width);
     let track = if is_for_fingers(ctx) {
         track::COMPACT_HEIGHT
     } else {
@@ -132,8 +132,8 @@ pub fn height(ctx: &Context, context: &TimeContext<'_>, width: f32) -> f32 {
     } else {
         0.0
     };
-    let sentence = sentence_height(ctx, context, SIZE, width).max(LINE);
-    sentence + next + ABOVE_CONTROLS + curve::height(context) + track
+    let said = sentence_height(ctx, context, SIZE, sentence_width).max(LINE);
+    said + next + ABOVE_CONTROLS + curve::height(context) + track
 }
 
 pub const CONTENT: Content = Content::of_state(Room::Whole, |ui, state, commands| {

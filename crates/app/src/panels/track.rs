@@ -70,6 +70,7 @@ fn of_level(
         "To the end of level {level}: {} samples",
         grouped(claim.count)
     );
+    // A level has no name between the long one and its number.
     let number = level.to_string();
     let names = [
         format!("Level {level}: {radius:.2} r"),

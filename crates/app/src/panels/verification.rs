@@ -175,6 +175,7 @@ pub fn show(ui: &mut Ui, context: &PanelContext<'_>, commands: &mut Vec<Command>
 
     let verdict = context.run.verdict();
     let report = verdict.map(|verdict| &verdict.report);
+    // The verifier measures in the unit of the domain, of which an r has this many.
     let unit = (context.run.session.as_ref()).map_or(1.0, |session| session.run().domain.radius());
     match verdict.and_then(|verdict| Some((verdict, verdict.claim?))) {
         Some((verdict, claim)) => guarantee(ui, verdict, claim, unit, palette),
@@ -257,7 +258,7 @@ fn local_numbers(ui: &mut Ui, context: &PanelContext<'_>, commands: &mut Vec<Com
 const LOCAL: &str =
     "Covering radius and density compare with one radius, which this set does not have.";
 
-/// Shows the measures of the set, each with its meaning.
+/// Shows the measures of the set, each with its meaning. `unit` is the length of r in the unit of the domain.
 fn numbers(ui: &mut Ui, context: &PanelContext<'_>, unit: f64) {
     let verdict = context.run.verdict();
     let report = verdict.map(|verdict| &verdict.report);
@@ -348,7 +349,8 @@ fn properties(ui: &mut Ui, report: Option<&Report>, palette: &Palette) {
     );
 }
 
-/// Shows whether a prefix of nested levels keeps its promises of distance and covering.
+/// Shows whether a prefix of nested levels keeps its promises of distance and covering. `unit` is the length of r in the unit
+/// of the domain.
 fn guarantee(ui: &mut Ui, verdict: &Verdict, claim: PrefixClaim, unit: f64, palette: &Palette) {
     // The words name the fault, and are shown only where a promise does not hold.
     let judged = |holds: bool| (holds, "not as promised".to_owned());

@@ -110,7 +110,7 @@ impl InView {
                 }
                 for spot in rows.marks(row).iter().filter(|spot| row_painter.sees(spot)) {
                     if rest == 0 {
-                        // A remark below the picture says how many are left out.
+                        // A remark at the top of the canvas says how many are left out.
                         view.left_out += 1;
                     } else {
                         rest -= 1;
@@ -173,7 +173,8 @@ impl RowPainter<'_> {
         self.layer(&view.changed, strong, self.palette.accent, is_changed);
     }
 
-    /// Draws marks in two meshes: squares and lines below, rings above.
+    /// Draws marks in two meshes: squares and lines below, rings above, which have the picture of `stamp`. Marks of changed
+    /// rows are stronger.
     fn layer(&self, marks: &[Mark], stamp: Stamp, color: Color32, is_changed: bool) {
         let mut rings = Mesh::with_texture(stamp.texture);
         let mut squares = Mesh::default();

@@ -18,7 +18,7 @@ use tilescope_drawing::scene::drawn_around;
 use tilescope_drawing::subject::Subject;
 use tilescope_workbench::command::ViewCommand;
 
-/// Pick radius of the pointer, in screen points.
+/// Pick radius of the pointer, in screen points. The sizes here were chosen, not measured.
 pub(super) const PICK_POINTS: f64 = 14.0;
 /// Pick radius of a finger, which hides its target.
 const PICK_BY_FINGER: f64 = 24.0;
@@ -136,7 +136,8 @@ fn move_view(
         } else {
             scroll
         };
-        // Equal turns of the wheel change the scale by equal factors. 100 points change it by e^0.24 = 1.27.
+        // Equal turns of the wheel change the scale by equal factors. 100 points change it by e^0.24 = 1.27, a
+        // chosen speed.
         let factor = f64::from(zoom) * f64::from(scroll * 0.0024).exp();
         let at = response.hover_pos().unwrap_or(response.rect.center());
         (at, factor)
@@ -208,7 +209,7 @@ pub(super) fn nearest(
     let shown = subject.shown;
     let position = subject.camera.domain_from_screen(response.rect, pos);
     // The scale is in screen points for an r. Zoomed out, the reach on the screen would cover many samples: it ends at 1.5 times
-    // the distance of neighbours.
+    // the distance of neighbours, a chosen number.
     let reach = (reach / subject.camera.scale).min(1.5 * shown.spacing());
 
     let mut found: Option<(f64, u32)> = None;
@@ -259,7 +260,8 @@ pub fn has_focus(ctx: &Context) -> bool {
     focused.is_some() && focused == ctx.data(|data| data.get_temp(focused_id()))
 }
 
-/// With the keyboard focus on the canvas, arrows pan and Enter selects at its centre; plus and minus zoom everywhere.
+/// With the keyboard focus on the canvas, arrows pan and Enter selects at its centre. Plus and minus zoom whatever has the
+/// focus: they are keys of actions.
 fn keys(ui: &Ui, response: &Response, commands: &mut Vec<ViewCommand>) {
     if !response.has_focus() {
         return;

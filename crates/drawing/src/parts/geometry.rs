@@ -1,5 +1,5 @@
 //! The triangulation of the samples: Delaunay and Voronoi edges, circumcircles larger than r; and the exact borders of the
-//! gaps. Nothing is drawn until it is known.
+//! gaps. Nothing is drawn until it is known. Limits, widths and opacities were chosen, not measured.
 
 use std::ops::RangeInclusive;
 

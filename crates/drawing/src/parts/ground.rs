@@ -84,7 +84,7 @@ fn squares<T: PartialEq + Copy>(
     }
 }
 
-/// Draws the radius at each place, the darker the smaller.
+/// Draws the radius at each place as a shade of the accent: the smaller, the stronger.
 pub fn field(scene: &Scene<'_>, surface: &mut impl Surface) {
     let Some(locality) = scene.session.run().locality.as_deref() else {
         return;
@@ -93,7 +93,7 @@ pub fn field(scene: &Scene<'_>, surface: &mut impl Surface) {
     // A field of one radius has one shade.
     let range = (greatest / least).ln().max(f64::MIN_POSITIVE);
 
-    // Radii are compared by their ratios: a place of twice the radius is as much lighter everywhere.
+    // Radii are compared by their ratios: twice the radius is paler by the same number of shades everywhere.
     let shade = |place: Point| {
         let radius = f64::from(locality.radius_at(place));
         let share = ((radius / least).ln() / range).clamp(0.0, 1.0);

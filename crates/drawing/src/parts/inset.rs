@@ -224,7 +224,7 @@ fn window(tile: &Tile, block: &LatticeRect, extent: [i32; 2]) -> Vec<[[i32; 2]; 
         extent
     };
 
-    // A clip across the border of a periodic pattern goes on at the other side.
+    // A clip across the border of a periodic pattern goes on at the other side. No piece is longer than the pattern.
     let ranges = |start: i32, length: i32, period: i32| {
         let end = start + length;
         let mut ranges = vec![[start, end.min(period)]];

@@ -80,15 +80,15 @@ fn local_disks(scene: &Scene<'_>, looks: &Looks<'_>, surface: &mut impl Surface)
 
 /// Draws the samples, eliminated ones below the others.
 pub fn draw(scene: &Scene<'_>, looks: &Looks<'_>, surface: &mut impl Surface) {
-    let [radius, cross, diamond, _] = radii_at(scene.symbol_scale());
+    let [dot, cross, diamond, _] = radii_at(scene.symbol_scale());
     let around = outline(diamond);
 
     visit(scene, |id, pos| {
         let look = looks.of(id);
         // A brush enlarges or shrinks symbols, all by as much as dots.
-        let growth = radius * (look.size - 1.0);
+        let growth = dot * (look.size - 1.0);
         match look.symbol {
-            Symbol::Dot => surface.mark(Mark::Dot, pos, [radius, growth], look.color),
+            Symbol::Dot => surface.mark(Mark::Dot, pos, [dot, growth], look.color),
             Symbol::Cross => surface.mark(Mark::Cross, pos, [cross, NO_GROWTH], look.color),
             // A larger diamond below, in the colour of the ground, keeps it apart from dots around it.
             Symbol::Diamond => {
@@ -96,6 +96,7 @@ pub fn draw(scene: &Scene<'_>, looks: &Looks<'_>, surface: &mut impl Surface) {
                 surface.mark(Mark::Diamond, pos, [diamond, growth + around], ground);
                 surface.mark(Mark::Diamond, pos, [diamond, growth], look.color);
             }
+            // A ring is the symbol of detectors, which `search` draws.
             Symbol::Ring | Symbol::None => {}
         }
     });
@@ -107,6 +108,7 @@ pub fn copies(scene: &Scene<'_>, looks: &Looks<'_>, surface: &mut impl Surface) 
     let index = &scene.session.index;
     index.visit_images(scene.low, scene.high, drawn_around(scene.session), |seen| {
         let look = looks.of(seen.id);
+        // Copies of inserted samples are dots, too; eliminated samples have none. Chosen.
         if matches!(look.symbol, Symbol::Dot | Symbol::Diamond) {
             let color = look.color.gamma_multiply(DIMMED);
             surface.mark(

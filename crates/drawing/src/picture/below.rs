@@ -141,7 +141,7 @@ impl Below {
     }
 }
 
-/// Returns a shape of a symbol at its position in the picture.
+/// Returns a shape of a symbol, enlarged by `scale`, with the symbol's middle at `middle` in the picture.
 fn placed(shape: SymbolShape, middle: DVec2, scale: f64) -> Shape {
     let on = |offset: Vec2| middle + scale * at(offset.to_pos2());
     let scaled = |stroke: Stroke| Stroke::new(stroke.width * scale as f32, stroke.color);

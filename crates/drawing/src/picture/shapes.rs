@@ -131,7 +131,8 @@ impl Surface for Shapes {
         if arc == Arc::WHOLE {
             return self.circle(center, radius, None, Some(stroke));
         }
-        // A chord of a small angle is off its arc by radius * angle^2 / 8: for this one, by ARC_ERROR.
+        // A chord of a small angle is off its arc by radius * angle^2 / 8: for this one, by ARC_ERROR. The limits of the steps are
+        // chosen.
         let step = 2.0 * (2.0 * ARC_ERROR / radius.max(1.0)).sqrt();
         let steps = (arc.sweep.abs() / step).ceil().clamp(2.0, 1_000.0) as u32;
 
@@ -154,6 +155,7 @@ impl Surface for Shapes {
     }
 
     fn mark(&mut self, mark: Mark, center: Pos2, [radius, growth]: [f32; 2], ink: Color32) {
+        // The widths below are chosen, not measured.
         let stroked = |width: f32| style(None, Some(Stroke::new(width, ink)));
         let (marker, marker_style) = match mark {
             Mark::Cross => (Marker::Cross, stroked(1.2)),

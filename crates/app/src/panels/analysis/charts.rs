@@ -306,7 +306,7 @@ fn curves_of(
     ];
 
     for (measured, unit, name, line, color) in others.into_iter().flatten() {
-        // Only the curves of runs are drawn with their bands.
+        // Two more bands would cover those of the runs, and are left out. Chosen, not measured.
         if let Some((found, _)) = points(measured, unit) {
             curves.push(curve(name, line, color, (found, None)));
         }

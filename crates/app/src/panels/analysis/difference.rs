@@ -89,7 +89,7 @@ impl Differences {
     }
 }
 
-/// Returns the mean power of a spectrum in cells; NaN where it has none.
+/// Returns the mean power of a spectrum in `side` by `side` cells, row by row; NaN where it has none.
 fn means(spectrum: &Spectrum, side: usize) -> Vec<f64> {
     let picture = &spectrum.picture;
     let mut sums = vec![[0.0, 0.0]; side * side];
@@ -123,7 +123,8 @@ fn means(spectrum: &Spectrum, side: usize) -> Vec<f64> {
     sums.into_iter().map(|[sum, count]| sum / count).collect()
 }
 
-/// Shows the difference of the spectra of runs A and B in a square of the full width.
+/// Shows the difference of the spectra of runs A and B in a square of the full width, which is empty if one of the two is
+/// missing (`None`).
 pub fn show(ui: &mut Ui, spectra: Option<[&Arc<Spectrum>; 2]>, palette: &Palette) {
     let side = ui.available_width().min(MAX_SIDE);
     let room = vec2(ui.available_width(), side);

@@ -228,6 +228,7 @@ fn row(
     if !is_head {
         let each = heads.iter().zip(texts).map(|(head, (text, faded))| {
             let old = if *faded { " (of a moment before)" } else { "" };
+            // The moment of the only run needs no head: the number itself says it.
             match *head {
                 "moment" => format!("{text}{old}"),
                 head => format!("{head} {text}{old}"),

@@ -23,7 +23,8 @@ pub const WHITE: f64 = 3.0;
 pub const MAX_SIDE: f32 = 480.0;
 
 /// Shows the periodogram of a run in a square of the full width, with frequencies up to [`Spectrum::MAX_NU`] along both axes.
-/// `run` ends the picture's id, "" or "-b". Returns the change of the ring.
+/// `run` ends the picture's id, "" or "-b"; `faded` says that the spectrum is of another moment; `brush` is the ring, from
+/// its inner to its outer frequency. Returns the change of the ring.
 pub fn show(
     ui: &mut Ui,
     run: &str,

@@ -121,6 +121,7 @@ impl Plot<'_> {
 
         let painter = ui.painter_at(rect);
         frame.ground(&painter, rect, palette);
+        // A point wider than the axes, so that lines along the border are drawn in their whole width.
         let within = ui.painter_at(inner.expand(1.0));
         frame.marked(&within, palette);
         // The most important curve is the first one. It is drawn last, and so lies on top.

@@ -128,7 +128,7 @@ impl Answers<'_> {
         button
     }
 
-    /// Shows a button as wide as the panel, and the spectrum beside it.
+    /// Shows a button as wide as the panel, and below it the spectrum of the item, if it has one.
     fn wide(&self, ui: &mut Ui, item: &Item, index: usize, commands: &mut Vec<Command>) {
         let text = &item.text;
         let mut named = match item.mark {

@@ -150,7 +150,7 @@ impl Fields<'_> {
         );
     }
 
-    /// Shows a field for a text, and its error below.
+    /// Shows a field for a text, and its error below: that of `part` of the form. `command` is issued with a changed text.
     fn free_text(
         &mut self,
         ui: &mut Ui,
@@ -213,6 +213,7 @@ impl Fields<'_> {
 
     /// Shows a parameter that is chosen.
     fn option(&mut self, ui: &mut Ui, parameter: Parameter) {
+        // A parameter that is a number has no option that could be chosen.
         let Some(current) = parameter.chosen(self.parameters()) else {
             return;
         };
@@ -500,7 +501,7 @@ fn preset_menu(ui: &mut Ui, commands: &mut Vec<Command>) {
     menu.response.known_as("presets");
 }
 
-/// Notes that the pattern comes from a file, if it does.
+/// Notes that the pattern comes from a file, if it does; otherwise that it repeats within blocks, if it does.
 fn own_pattern(ui: &mut Ui, context: &FormContext<'_>, commands: &mut Vec<Command>) {
     let palette = context.palette;
     let Some(own) = &context.form.own_pattern else {

@@ -31,14 +31,14 @@ pub(super) fn show(
     let seconds = passes.entries().iter().filter_map(|p| p.report.seconds);
     let longest = seconds.fold(0.0, f64::max);
     let selected = selected_line(passes);
-    let has_moved = has_moved(ui, focus.id, selected);
+    let is_new = has_moved(ui, focus.id, selected);
 
     ui.spacing_mut().item_spacing.y = 0.0;
     let area = ScrollArea::vertical().auto_shrink([false, false]);
     area.show_rows(ui, LINE, passes.lines().len(), |ui, range| {
         // A key or a button may have selected a pass that is out of view. Only a new selection scrolls, so that a user may scroll
         // on from there. Lines have one height: the place of one out of view follows from the first line of the range.
-        if let Some(line) = selected.filter(|_| has_moved) {
+        if let Some(line) = selected.filter(|_| is_new) {
             let top = ui.max_rect().top() + (line as f32 - range.start as f32) * LINE;
             let size = vec2(ui.available_width(), LINE);
             let rect = Rect::from_min_size(Pos2::new(ui.max_rect().left(), top), size);
