@@ -15,7 +15,7 @@ use crate::raster::Pixels;
 use changes::{Change, Layer};
 use colors::Indexed;
 
-/// The most frames of an animation.
+/// The most frames of an animation. Chosen, not measured.
 pub const MAX_FRAMES: usize = 10_000;
 
 /// The most pixels of a frame, 2^24 (4,096 x 4,096). Two frames are in memory at a time, of 64 MiB each.

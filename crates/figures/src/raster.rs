@@ -169,7 +169,9 @@ impl Painter {
             let ([l, t], [r, b]) = (single(self.frame.min), single(self.frame.max));
             if let Some(rect) = SkiaRect::from_ltrb(l, t, r, b) {
                 let path = PathBuilder::from_rect(rect);
-                mask.fill_path(&path, FillRule::Winding, true, Transform::identity());
+                // The edges of a clip may lie between pixels.
+                let is_smooth = true;
+                mask.fill_path(&path, FillRule::Winding, is_smooth, Transform::identity());
             }
             self.clip = Some(mask);
         }

@@ -101,6 +101,7 @@ fn laid_out<E>(
         let mut disks = canvas.group("disks");
         for (index, &point) in points.iter().enumerate() {
             step()?;
+            // The canvas draws each image of a sample whose disk, of this radius, reaches into the picture.
             canvas.radius = set.radii.of(index);
             disks.shapes.extend(canvas.disk(point, fill));
         }
@@ -126,7 +127,8 @@ fn laid_out<E>(
     }
     canvas.push([samples, inserted]);
 
-    // The arcs come last, on top: they show where the disks leave a gap, and nothing may hide them.
+    // The arcs come last, on top: they show where the disks leave a gap, and nothing may hide them. They are of circles of
+    // equal radii, so that the radius that was set last is theirs.
     canvas.arcs(&points, &set.exposed);
     Ok(canvas.finish(&set.caption))
 }

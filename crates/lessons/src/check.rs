@@ -124,6 +124,7 @@ impl Checked {
     /// Sets the mean scores of the three learners, and adds their faults.
     fn add_scores(&mut self, scores: &[Vec<f64>; 3]) {
         let [perfect, guessing, misconceived] = scores.each_ref().map(|scores| mean(scores));
+        // Scores are of the whole lesson, which line 1 stands for.
         let mut wrong = |message: String| self.faults.push(LessonError::new(1, message));
 
         // Scores are sums of fractions, which are rounded.

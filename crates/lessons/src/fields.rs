@@ -235,7 +235,7 @@ impl Field {
 
     /// Returns the number of seeds `first..last`, both included.
     pub fn seeds(&self) -> Result<std::ops::RangeInclusive<u64>, LessonError> {
-        // The word may be left out.
+        // The word "seeds" may be left out.
         let after = self.value.strip_prefix("seeds");
         let text = after.unwrap_or(&self.value).trim();
 
@@ -254,5 +254,5 @@ impl Field {
     }
 }
 
-/// The most seeds of practice of a question.
+/// The most seeds of practice of a question. Chosen, not measured.
 pub const MAX_SEEDS: u64 = 1_000;

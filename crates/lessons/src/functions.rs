@@ -27,7 +27,7 @@ use crate::sets::{self, PointSet, position, radii};
 /// How many searches of the events, or computations that take as long, the expressions of one question may make: a question
 /// is asked while a learner waits.
 const MAX_WORK: i64 = 1_000;
-/// The cost of a computation over the whole set, in searches.
+/// The cost of a computation over the whole set, in searches. The costs and the limit were chosen, not measured.
 const SET: i64 = 4;
 /// The cost of another run, in searches.
 const RUN: i64 = 80;
@@ -560,7 +560,8 @@ impl Now {
         found.map(sample_or_unit)
     }
 
-    /// Returns the event at which elimination takes a sample, or at which it arrives in exact tiling.
+    /// Returns the event at which elimination takes a sample, or at which it arrives in exact tiling; `usize::MAX` if there is
+    /// none.
     fn turn_of(&self, s: u32) -> usize {
         let is_exact = self.recording.is_exact();
         let takes = |event: &usize| {
@@ -677,6 +678,7 @@ fn register_samples(engine: &mut Engine, now: &Arc<Now>) {
         "inserted": |now, s: i64| now.is_inserted(s);
         "own": |now, s: i64| matches!(now.origin(s), Some(Origin::Tiled { own: true, .. }));
         "marked": |now, s: i64| now.is_marked(s);
+        // Lessons count events from 1.
         "turn": |now, s: i64| now.turn_of(id(s)).saturating_add(1) as i64;
         "first_unsure": |now| now.first_unsure();
         "unsure": |now, s: i64| now.unsure(s);

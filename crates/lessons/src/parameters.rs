@@ -38,6 +38,7 @@ pub(crate) fn set_parameter(
 ) -> Result<(), LessonError> {
     let Field { key, value, .. } = field;
 
+    // A value that is neither a truth nor a number is passed on as a text, which `set` takes or refuses.
     let json = match value.as_str() {
         "yes" | "true" => Value::Bool(true),
         "no" | "false" => Value::Bool(false),

@@ -103,6 +103,7 @@ impl PointSet {
 
     /// Returns about as many samples as this set has, one at a random place of each cell of a grid: jittered.
     pub fn jittered(&self, seed: u64) -> Self {
+        // White noise has the number 0 of the stream, so that the two draw independently.
         let key = Key::from_seed(seed).derive(Stream::Dart, 1);
         // The side of a square cell that holds one sample in the mean; whole cells must fit the region.
         let side = (self.region.area() / self.points.len().max(1) as f64).sqrt();

@@ -269,13 +269,13 @@ fn show_chip(
 pub enum Icon {
     /// Goes to the first stage.
     First,
-    /// Goes one stage back.
+    /// Goes one step back: a tick of the clock, or to the item before.
     Back,
     /// Begins to play the run.
     Play,
     /// Stops playing the run.
     Pause,
-    /// Goes one stage forward.
+    /// Goes one step forward: a tick of the clock, or to the next item.
     Forward,
     /// Goes to the last stage.
     Last,

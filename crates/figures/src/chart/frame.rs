@@ -1,4 +1,5 @@
-//! A panel's frame: its axes with ticks, grid lines, labels and heading, and the way from values to pixels.
+//! A panel's frame: its axes with ticks, grid lines, labels and heading, and the way from values to pixels. Sizes were
+//! chosen, not measured, where no reason stands beside them.
 
 use glam::DVec2;
 

@@ -1,5 +1,5 @@
 //! A grid of values as shades of grey.
-//! Nothing is smoothed: a cell has one shade.
+//! Nothing is smoothed: a cell has one shade. The numbers below were chosen, not measured.
 
 use std::ops::Range;
 

@@ -1,4 +1,5 @@
 //! A figure's scene: title, legend, scales and rows of panels. What a panel shows is drawn by the modules beside this one.
+//! Sizes were chosen, not measured, where no reason stands beside them.
 
 use glam::DVec2;
 
@@ -110,16 +111,16 @@ pub fn figure_scene(figure: &Figure, palette: &Palette) -> Result<Scene, ChartEr
             panels.len()
         };
 
-        let width = (WIDTH - 2.0 * MARGIN) / columns as f64;
-        let height = row_height(&panels, width);
+        let cell_width = (WIDTH - 2.0 * MARGIN) / columns as f64;
+        let cell_height = row_height(&panels, cell_width);
 
         for (index, panel) in panels.iter().enumerate() {
-            let left = (MARGIN + index as f64 * width).round();
-            let cell = Rect::new([left, top], [left + width, top + height]);
+            let left = (MARGIN + index as f64 * cell_width).round();
+            let cell = Rect::new([left, top], [left + cell_width, top + cell_height]);
             scene.groups.extend(panel_groups(panel, cell, palette)?);
         }
 
-        top += height;
+        top += cell_height;
         // What follows a row of curves need not be as wide as images above it.
         if !images(&panels) {
             columns = 1;

@@ -1,5 +1,6 @@
 //! Square pictures with words about them, and scales of colours.
 //! Pixels are scaled by a whole number alone; of more than the tile has, those that fit are seen. Cells fill their tile.
+//! Sizes are in pixels, and were chosen, not measured, where no reason stands beside them.
 
 use glam::DVec2;
 

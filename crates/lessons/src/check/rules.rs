@@ -31,7 +31,7 @@ const MIN_NEW: f64 = 0.8;
 /// The largest chance of a guesser to be right at the first try, in the mean over the gates of a lesson: choices of three
 /// options alone, with 0.33, do not suffice.
 const MAX_CHANCE: f64 = 0.3;
-/// The largest score of a learner with a misconception that a question shows.
+/// A question shows a misconception if a learner who has it scores at most this. Chosen, not measured.
 const MAX_MISCONCEIVED: f64 = 0.5;
 /// The letters of the shortest word that carries content; shorter ones are articles, prepositions and such.
 const MIN_LETTERS: usize = 4;

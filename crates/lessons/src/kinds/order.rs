@@ -99,6 +99,7 @@ impl Interaction for Order {
             right += worth(self.ranks[items[a]] <= self.ranks[items[b]]);
         }
 
+        // A question has at least three items, and so never divides by the 1.
         Ok(right / f64::max(all, 1.0))
     }
 

@@ -16,9 +16,9 @@ use crate::scene::Scene;
 use crate::text::Text;
 use crate::translation::Translation;
 
-/// How far from a right place an answer still scores, in r.
+/// How far from a right place an answer still scores, in r. Chosen, not measured.
 const REACH: f64 = 0.5;
-/// A place that is nearer to a known wrong one is that, in r.
+/// An answer up to this far from a known wrong place, in r, counts as that place. Chosen, not measured.
 const NEAR_WRONG: f64 = 0.3;
 /// The rings around an answer on which a region of right places is looked for, and the places on each: rings are 1/32 r apart,
 /// and places on the largest ring 0.13 r.

@@ -10,7 +10,7 @@ use crate::fields::Fields;
 use crate::scene::Scene;
 use crate::text::{ChoiceOption, Text};
 
-/// The most steps of a `trace`.
+/// The most steps of a `trace`. Chosen, not measured.
 const MAX_TRACED: usize = 12;
 
 pub(super) const ROW: KindRow = KindRow {
