@@ -510,12 +510,12 @@ const fn no_panels(state: &State) -> Option<&'static str> {
 /// resets the layout.
 fn panels(list: &mut List, state: &State) {
     let window = state.window();
-    let no_panels = no_panels(state);
+    let why_not = no_panels(state);
     for panel in Panel::all() {
         let command = Command::Window(WindowCommand::OpenPanel(panel));
         // The projector mode has room for the analysis alone.
         let action = list.add(format!("Panel: {}", panel.name()), command);
-        action.refused(no_panels.filter(|_| panel != Panel::Analysis));
+        action.refused(why_not.filter(|_| panel != Panel::Analysis));
         // The key only shows its panel. If it hid the panel as well, a digit typed beside a field would take it away.
         if let Some(key) = Key::from_name(panel.key()) {
             action.on_key(key);
@@ -536,7 +536,7 @@ fn panels(list: &mut List, state: &State) {
             "Show the side panels"
         };
         let sides = list.add(name, Command::Window(WindowCommand::ToggleSides));
-        sides.on_key(Key::F4).refused(no_panels);
+        sides.on_key(Key::F4).refused(why_not);
     }
 
     let reset = Command::Window(WindowCommand::ResetLayout);
@@ -724,7 +724,7 @@ pub fn time_refusals(run: &RunView, time: &Time) -> [Option<&'static str>; 2] {
 /// Adds the actions of breakpoints and watches, and the way to an event's cause.
 fn debug(list: &mut List, state: &State) {
     list.menu = Menu::Debug;
-    let no_events = no_events(state);
+    let why_no_events = no_events(state);
     // At the end of the run there is no next event, and so no line to stop at.
     if let Some(debugger) = &state.runs().first.debugger
         && let Some(event) = debugger.event()
@@ -742,14 +742,14 @@ fn debug(list: &mut List, state: &State) {
     let why = Command::Debug(DebugCommand::Why);
     list.add("Why? Go to the cause of the last event", why)
         .on_key(Key::W)
-        .refused(no_events.or(no_cause));
+        .refused(why_no_events.or(no_cause));
 
     list.group();
     list.within(Submenu::Breakpoints, |list| breakpoints(list, state));
     // The current sample is called p in expressions.
     let sample = Command::Debug(DebugCommand::Watch("p".to_owned()));
     list.add("Watch the current sample", sample)
-        .refused(no_events);
+        .refused(why_no_events);
 }
 
 /// Adds the breakpoints that are set, each to be switched, and the way to the panel with their conditions.

@@ -529,6 +529,7 @@ impl eframe::App for App {
         self.follow_closing(ui.ctx());
     }
 
+    /// Stores the layout, the look and the recent files, and the session in its folder.
     fn save(&mut self, storage: &mut dyn eframe::Storage) {
         settings::set_value(
             storage,

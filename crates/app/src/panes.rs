@@ -55,6 +55,7 @@ impl<'a> CanvasContext<'a> {
             runs,
             subjects: [
                 runs.subject(Which::First, appearance, causes),
+                // The causes of a brush are found for run A alone.
                 runs.subject(Which::Second, appearance, None),
             ],
             rows: runs.first.buffers_on_canvas(window, appearance.look, clock),

@@ -98,7 +98,8 @@ pub fn layout(tree: &Tree<Panel>) -> Option<Layout> {
     Some(layout)
 }
 
-/// Returns the tile of a layout for the tile of this id, which lies `depth` containers below the root.
+/// Returns the tile of a layout for the tile of this id, which lies `depth` containers below the root; `None` if
+/// a layout cannot hold it.
 fn tile(tiles: &Tiles<Panel>, id: TileId, depth: usize) -> Option<layout::LayoutTile> {
     // Deeper layouts would not be read back from a link or a file.
     if depth > MAX_DEPTH {

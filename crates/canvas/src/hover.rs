@@ -123,18 +123,15 @@ fn sample(subject: &Subject<'_>, id: u32) -> [String; 2] {
         Standing::Eliminated { by } => format!("eliminated by sample {}", grouped(by as usize)),
     };
 
-    let block_name = block_name(shown.session);
+    let word = block_name(shown.session);
     let from = match shown.session.run().samples.origins[id as usize] {
         // A large set in a field or a shape keeps nothing but its samples: the origin is a placeholder.
         Origin::Tiled { .. } if shown.session.ground.is_some() => "made by darts".to_owned(),
         Origin::Tiled {
             block, own: true, ..
-        } => format!("of {block_name} {}", grouped(block as usize)),
+        } => format!("of {word} {}", grouped(block as usize)),
         Origin::Tiled { block, .. } => {
-            format!(
-                "from the margin of {block_name} {}",
-                grouped(block as usize)
-            )
+            format!("from the margin of {word} {}", grouped(block as usize))
         }
         Origin::Inserted { iteration, .. } if shown.session.ground.is_some() => {
             format!("of throw {iteration}")
@@ -177,7 +174,7 @@ fn exposed(subject: &Subject<'_>, id: u32) -> Option<String> {
     })
 }
 
-/// Describes the gap at a position, with its extent from there, in r.
+/// Describes the gap at a position, with its extent from there, in r; `None` if no gap is known there.
 fn gap(subject: &Subject<'_>, position: DVec2) -> Option<(String, f32)> {
     let shown = &subject.shown;
     let size = shown.session.size_radii();

@@ -170,6 +170,7 @@ fn coverage(frame: &PixelGrid, shown: &ShownMoment<'_>) -> Coverage {
     let mut coverage = Coverage::open(frame, session);
     let iteration = match stage {
         Stage::Iterate(k) => session.iteration(k),
+        // Only iterations set off what they insert.
         _ => None,
     };
     let inserted_now = iteration.map_or(0..0, |iteration| iteration.inserted.clone());

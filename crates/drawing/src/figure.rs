@@ -143,6 +143,7 @@ impl Figure<'_> {
         shapes
     }
 
+    /// Returns three samples, and the edges between their cells.
     fn voronoi(&self) -> Vec<SymbolShape> {
         // Edges lead from the middle of the gap halfway between two samples each. One points down, and ends at the
         // border.

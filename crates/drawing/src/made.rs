@@ -35,6 +35,7 @@ impl Made {
                 match event.run_event() {
                     Some(RunEvent::Split { .. }) => made.splits += 1,
                     Some(RunEvent::Leaf { .. }) => made.leaves += 1,
+                    // Other events make neither.
                     _ => {}
                 }
             }

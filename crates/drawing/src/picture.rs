@@ -283,7 +283,7 @@ fn drawn(
     has_pattern: bool,
 ) -> Scene {
     let debugger = debugger_at(session, moment);
-    let shown = shown(session, debugger.as_ref(), moment);
+    let now = shown(session, debugger.as_ref(), moment);
 
     // On the screen the picture lies on a panel. For print the paper is as white as the domain.
     let palette = view.palette();
@@ -296,11 +296,11 @@ fn drawn(
     let mut scene = Scene::new(width, height, color(background));
 
     scene.groups = if moment.stage == Stage::Pattern && !has_pattern {
-        empty_domain(shown, view, view.frame())
+        empty_domain(now, view, view.frame())
     } else {
-        groups(shown, view, causes, view.frame())
+        groups(now, view, causes, view.frame())
     };
-    heading(&mut scene, &shown, view);
+    heading(&mut scene, &now, view);
     scene.groups.extend(Below::of(view).groups(view));
     scene
 }

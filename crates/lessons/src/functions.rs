@@ -213,6 +213,7 @@ impl Now {
                 put("sites", ids.collect::<rhai::Array>().into());
                 None
             }
+            // Other events have no more properties than `map` gives all of them.
             _ => None,
         };
 
@@ -723,6 +724,7 @@ fn register_sets(engine: &mut Engine, now: &Arc<Now>) {
         "within": |now, x: f64, y: f64, d: f64| now.within(x, y, d);
 
         "block_size": |now, b: i64| now.block_size(b);
+        // `None` leaves the parameters as they are.
         "measure": |now, name: &str| now.measure(name, None);
         "measure_with": |now, name: &str, changes: &str| now.measure(name, Some(changes));
         "same_points": |now, engine: &str| now.same_points(engine);

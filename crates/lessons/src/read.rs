@@ -62,6 +62,7 @@ impl Lesson {
         if steps.is_empty() {
             let message =
                 "the lesson has no steps; a step begins with a line such as \"# The first loss\"";
+            // Lines count from 1, also those of a file without any.
             return Err(LessonError::new(reader.at.max(1), message));
         }
 
@@ -303,12 +304,12 @@ impl<'a> Reader<'a> {
                 return Err(LessonError::new(line, message));
             }
             ("gate", None) => {
-                let gate = gate(name.clone(), line, &lines)?;
+                let made = gate(name.clone(), line, &lines)?;
 
                 // The reason for the key stands first among the texts after the answer.
                 step.after
-                    .extend(gate.because.iter().map(|text| text.text.clone()));
-                (step.name, step.gate) = (name, Some(gate));
+                    .extend(made.because.iter().map(|text| text.text.clone()));
+                (step.name, step.gate) = (name, Some(made));
             }
             ("note", _) => {
                 let text = lines.join("\n");

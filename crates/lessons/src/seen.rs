@@ -52,14 +52,17 @@ pub(crate) fn unseen(
     }
 
     let camera = scene.camera(&spec.camera)?;
-    let size = size(scene);
+    let domain_size = size(scene);
 
     Ok(CANVASES.iter().find_map(|&canvas| {
         let (center, scale) = match camera {
             // A camera shows `across` r along the shorter side of the canvas.
             Some((center, across)) => (center, canvas[0].min(canvas[1]) / across),
             // Without a camera the whole domain is in the middle of the canvas.
-            None => (size.map(|side| 0.5 * side), fitting(size, canvas)),
+            None => (
+                domain_size.map(|side| 0.5 * side),
+                fitting(domain_size, canvas),
+            ),
         };
 
         // Where the whole domain is seen, no edge of the canvas cuts anything off.
@@ -163,7 +166,7 @@ fn near_the_border(named: &[Named], scene: &Scene) -> Option<String> {
     ))
 }
 
-/// Returns which thing is nearer to the edge of a canvas than allowed.
+/// Returns which thing is nearer to the edge of a canvas than allowed, if one is. `scale` is in pixels per r.
 fn near_the_edge(
     named: &[Named],
     center: [f64; 2],
@@ -186,7 +189,7 @@ fn near_the_edge(
     ))
 }
 
-/// Returns which two things that a learner chooses between are closer on a canvas than allowed.
+/// Returns which two things that a learner chooses between are closer on a canvas than allowed, if any are.
 fn too_close(named: &[Named], scale: f64, [width, height]: [f64; 2]) -> Option<String> {
     let chosen: Vec<&Named> = named.iter().filter(|thing| thing.is_chosen).collect();
 

@@ -119,7 +119,7 @@ pub enum End {
     Last,
 }
 
-/// Returns the widget at an end of the Tab order.
+/// Returns the widget at an end of the Tab order, if any widget can have the focus.
 fn widget_at(ctx: &Context, end: End) -> Option<Id> {
     let mut layers: Vec<(LayerId, Vec<Id>)> = ctx.viewport(|viewport| {
         // These are the widgets of the pass before, because this pass may not have shown all of its own yet.

@@ -13,7 +13,7 @@ use tilescope_workbench::state::State;
 pub(super) fn add(list: &mut List, state: &State) {
     list.menu = Menu::Go;
     let [at_end, at_start] = time_refusals(&state.runs().first, state.time());
-    let no_events = no_events(state);
+    let why_no_events = no_events(state);
 
     list.add("Play or pause", Command::Time(TimeCommand::TogglePlay))
         .on_key(Key::Space)
@@ -50,8 +50,8 @@ pub(super) fn add(list: &mut List, state: &State) {
     });
 
     // Prefixes of nested levels can be looped over, too: they have a cursor without events.
-    let no_loop = no_events.filter(|_| state.runs().first.cursor().is_none());
-    let (no_way_on, no_way_back) = (no_events.or(at_end), no_events.or(at_start));
+    let no_loop = why_no_events.filter(|_| state.runs().first.cursor().is_none());
+    let (no_way_on, no_way_back) = (why_no_events.or(at_end), why_no_events.or(at_start));
     let (forwards, backwards) = (Direction::Forwards, Direction::Backwards);
 
     steps(list, state, forwards, no_way_on);

@@ -242,9 +242,9 @@ impl Ahead {
             text: self.text,
             choice: 0,
         };
-        let found = found(&finder, state).into_iter().next();
+        let first = found(&finder, state).into_iter().next();
         // An action that is unavailable is listed, and Enter does nothing.
-        match found.filter(|action| self.is_entered && action.refusal.is_none()) {
+        match first.filter(|action| self.is_entered && action.refusal.is_none()) {
             Some(action) => vec![Command::Window(WindowCommand::CloseFinder), action.command],
             None => vec![Command::Window(WindowCommand::FinderText(finder.text))],
         }

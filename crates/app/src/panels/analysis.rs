@@ -69,6 +69,7 @@ struct RunMeasures<'a> {
 }
 
 impl<'a> RunMeasures<'a> {
+    /// Returns the measures of a run at the moment shown, and those that stand in for them.
     fn of(run: &'a RunView, shown: &ShownMoment<'a>) -> Self {
         let measuring = &run.measuring;
         let now = measuring.of(shown).map(|known| &*known.measured);

@@ -92,7 +92,7 @@ const MAX_COMPLETIONS: usize = 6;
 /// Room for the button of all words, in screen points.
 const WORDS: f32 = 84.0;
 
-/// Shows a menu of all words; returns the query with the chosen one added.
+/// Shows a menu of all words; returns the query with the chosen one added, if one was chosen.
 fn words(ui: &mut Ui, text: &str) -> Option<String> {
     let mut chosen = None;
     let button = ui.menu_button("Words", |ui| {
@@ -122,7 +122,8 @@ fn words(ui: &mut Ui, text: &str) -> Option<String> {
 /// Room above and below the list of words, in screen points.
 const BESIDE_WORDS: f32 = 160.0;
 
-/// Shows the words that the last word of the query may become; returns the query completed by a chosen one.
+/// Shows the words that the last word of the query may become; returns the query completed by a chosen one,
+/// if one was chosen.
 fn completions(ui: &mut Ui, text: &str) -> Option<String> {
     let near = query::completions(text);
     if near.is_empty() {

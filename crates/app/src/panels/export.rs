@@ -209,8 +209,9 @@ impl Sheet<'_> {
         let (text, color) = if let Some(refusal) = self.form.name_refusal() {
             (refusal.to_string(), self.palette.conflict)
         } else {
+            // A name that is not refused has the ending of a format.
             let format = (self.form.kind.format(&self.form.file())).unwrap_or_default();
-            let folder = self.folder();
+            let in_folder = self.folder();
             let file = self.form.file();
             // A name without an ending gets that of the format. The text then shows the whole name.
             let is_typed = Path::new(self.form.path.trim()) == file;
@@ -218,7 +219,7 @@ impl Sheet<'_> {
             let added = name.map_or_else(String::new, |name| {
                 format!(" File: {}.", name.to_string_lossy())
             });
-            let text = format!("Format: {format}.{added}{folder}");
+            let text = format!("Format: {format}.{added}{in_folder}");
             (text, self.palette.muted)
         };
         ui.label(RichText::new(text).small().color(color))

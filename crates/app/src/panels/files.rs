@@ -73,8 +73,8 @@ fn contents(ui: &mut Ui, state: &State, form: &FileForm, own: &mut Vec<FileComma
         form.purpose.verb()
     };
 
-    let refusal = refusal(state, form);
-    let button = primary_button(ui, verb, refusal.as_deref(), palette);
+    let why_not = refusal(state, form);
+    let button = primary_button(ui, verb, why_not.as_deref(), palette);
     button.known_as("file.go");
     // The first click may ask whether to replace a file. The second click of a double click must not answer that.
     if button.clicked() && !(form.asked && button.double_clicked()) {

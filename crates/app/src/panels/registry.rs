@@ -45,25 +45,25 @@ pub fn show_panel(
         bottom: 8,
     });
 
-    let content = content(panel);
-    match (panel, &content.room) {
+    let shown = content(panel);
+    match (panel, &shown.room) {
         // The canvas fills its tile below the chips of its layers.
         (Panel::Canvas, _) => {
             let chips = frame.inner_margin(Margin::symmetric(12, 8));
             egui::Panel::top("layers")
                 .frame(chips)
-                .show(ui, |ui| content.show(ui, state, commands));
+                .show(ui, |ui| shown.show(ui, state, commands));
             canvas.show(ui, &CanvasContext::of(state), commands);
         }
         // The timeline has other margins, which `timeline_height` counts.
         (Panel::Timeline, _) => {
             filled(ui, frame.inner_margin(TIMELINE_MARGIN), |ui| {
-                content.show(ui, state, commands);
+                shown.show(ui, state, commands);
             });
         }
-        (_, Room::Whole) => filled(ui, side, |ui| content.show(ui, state, commands)),
+        (_, Room::Whole) => filled(ui, side, |ui| shown.show(ui, state, commands)),
         (_, Room::Scrolled) => filled(ui, side, |ui| {
-            scrolled(ui, panel, |ui| content.show(ui, state, commands));
+            scrolled(ui, panel, |ui| shown.show(ui, state, commands));
         }),
     }
 }

@@ -150,7 +150,8 @@ pub(super) fn cursor_at(segments: &[Segment], x: f32) -> usize {
     segment.events.start + (part * segment.events.len() as f32).round() as usize
 }
 
-/// Gives assistive tools the range of the track, up to `most`; returns the value that one of them has set.
+/// Gives assistive tools the range of the track, up to `most`; returns the value that one of them has set, if
+/// one has.
 fn asked_for(ui: &Ui, response: &Response, most: usize) -> Option<usize> {
     ui.ctx().accesskit_node_builder(response.id, |node| {
         node.set_min_numeric_value(0.0);

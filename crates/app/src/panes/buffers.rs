@@ -31,7 +31,8 @@ const LARGEST_RING: f32 = 13.0;
 /// Smaller squares are filled and have no border, in screen points.
 const MIN_BORDERED: f32 = 5.0;
 
-/// Draws the rows of a buffer; returns the remark for the top of the canvas: `note`, or how much is left out.
+/// Draws the rows of a buffer; returns the remark for the top of the canvas: `note`, or how much is left out,
+/// if anything is.
 pub fn show(
     ui: &Ui,
     rect: Rect,

@@ -199,7 +199,8 @@ fn pick(
     true
 }
 
-/// Returns the sample nearest to a point on the screen, within `reach` screen points.
+/// Returns the sample nearest to a point on the screen, within `reach` screen points; if there is none, that of an exposed arc
+/// there, while such arcs are shown.
 pub(super) fn nearest(
     response: &Response,
     subject: &Subject<'_>,

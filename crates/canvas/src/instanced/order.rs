@@ -241,6 +241,7 @@ impl Taken {
 
     /// Takes a point unless it is too near to another one. Returns whether it was taken.
     fn take(&mut self, point: Point) -> bool {
+        // A sample a little outside the domain is taken to be in the outermost cell.
         let cell = |units: i32, count: usize| {
             ((f64::from(units) * self.scale).max(0.0) as usize).min(count - 1)
         };

@@ -142,6 +142,7 @@ pub fn conflicts(scene: &Scene<'_>, surface: &mut impl Surface) {
                 open_conflicts(scene, surface);
             }
         }
+        // Other stages neither have conflicts nor resolve any.
         _ => {}
     }
 }
@@ -184,6 +185,7 @@ pub fn search(scene: &Scene<'_>, surface: &mut impl Surface) {
         // After elimination the first search comes next, and its detectors are known.
         Stage::Eliminate => scene.session.iteration(1),
         Stage::Iterate(k) => scene.session.iteration(k),
+        // Other stages search for no gaps.
         _ => None,
     };
     let Some(iteration) = iteration else {

@@ -69,9 +69,9 @@ pub fn lines(scene: &Scene<'_>, surface: &mut impl Surface) {
     // Lines hardly cross, so that the order matters little, and drawing all lines of one kind together is fastest.
     for is_wide in [true, false] {
         for (_, split, ends) in visible(scene) {
-            let width = width(split);
-            if (width > WIDE) == is_wide {
-                surface.line(ends, Stroke::new(width, color));
+            let line_width = width(split);
+            if (line_width > WIDE) == is_wide {
+                surface.line(ends, Stroke::new(line_width, color));
             }
         }
     }

@@ -222,7 +222,7 @@ impl Interaction for Cut {
             words: words.into(),
         }];
 
-        let drawn = drawn(view.draft);
+        let own = drawn(view.draft);
         let items = self.candidates.iter().enumerate().map(|(index, line)| {
             let id = format!("cut-{}", index + 1);
             let (name, axis) = ((view.word)(direction(line.axis)), line.axis.name());
@@ -236,7 +236,7 @@ impl Interaction for Cut {
                 id,
                 text,
                 index,
-                drawn.is_some_and(is_same),
+                own.is_some_and(is_same),
                 self.is_legal(*line),
             )
         });

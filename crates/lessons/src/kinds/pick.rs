@@ -185,6 +185,7 @@ impl Interaction for Pick {
         let index = match change {
             DraftCommand::Choose(index) => Some(index),
             DraftCommand::Pick(sample) => self.candidates.iter().position(|s| *s == sample),
+            // The other changes are of other types of questions.
             _ => None,
         };
         let Some(index) = index.filter(|index| *index < self.candidates.len()) else {

@@ -120,20 +120,20 @@ fn with_own_fonts(mut fonts: FontDefinitions) -> FontDefinitions {
 /// hold their code points, as in pictures. The fonts' own empty boxes would make words that differ look alike.
 fn code_points() -> GlyphRasterizer {
     GlyphRasterizer::new("tilescope::code-points", |request| {
-        let stamp = stamp(request.cluster, f64::from(request.font_size_px))?;
-        let size = [stamp.pixels.width, stamp.pixels.height].map(|side| side as usize);
+        let drawn = stamp(request.cluster, f64::from(request.font_size_px))?;
+        let size = [drawn.pixels.width, drawn.pixels.height].map(|side| side as usize);
         // The opacities suffice, since egui gives letters their colour.
-        let opacities = stamp.pixels.rgba.chunks_exact(4).map(|pixel| pixel[3]);
+        let opacities = drawn.pixels.rgba.chunks_exact(4).map(|pixel| pixel[3]);
         let image = ColorImage::new(size, opacities.map(Color32::from_white_alpha).collect());
 
         let bitmap = GlyphBitmap {
             image,
-            offset_px: vec2(request.subpixel_offset_px, -(stamp.baseline as f32)),
+            offset_px: vec2(request.subpixel_offset_px, -(drawn.baseline as f32)),
             is_color: false,
         };
         Some(RasterizedGlyph {
             bitmap,
-            advance_px: stamp.advance as f32,
+            advance_px: drawn.advance as f32,
         })
     })
 }

@@ -137,10 +137,10 @@ pub fn show(ui: &mut Ui, spectra: Option<[&Arc<Spectrum>; 2]>, palette: &Palette
     let painter = ui.painter_at(rect);
     painter.rect_filled(rect, 2.0, palette.domain);
     if let Some(spectra) = spectra {
-        let differences = differences(ui, spectra);
+        let cells = differences(ui, spectra);
         // The picture has the colours of the look, so that each look has a texture of its own.
         let id = Id::unique(("picture of the difference", palette.dark));
-        let texture = texture_of(ui, id, &differences, TextureOptions::NEAREST, |shown| {
+        let texture = texture_of(ui, id, &cells, TextureOptions::NEAREST, |shown| {
             shown.image(palette)
         });
         painter.image(texture.id(), rect, tilescope_canvas::UNIT, Color32::WHITE);
@@ -148,7 +148,7 @@ pub fn show(ui: &mut Ui, spectra: Option<[&Arc<Spectrum>; 2]>, palette: &Palette
             let offset = (at - rect.center()) / (0.5 * side);
             let nu = f64::from(offset.length()) * Spectrum::MAX_NU;
             // Screens count y downwards, frequencies upwards.
-            let value = differences
+            let value = cells
                 .at([offset.x, -offset.y])
                 .map_or_else(String::new, |value| {
                     format!("   B \u{2212} A = {value:+.3}")

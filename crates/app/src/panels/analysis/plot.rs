@@ -105,12 +105,12 @@ pub fn dragged(
 }
 
 impl Plot<'_> {
-    /// Shows the chart over the full width; returns the change of the range.
+    /// Shows the chart over the full width; returns the change of the range, if it was changed.
     pub fn show(&self, ui: &mut Ui, palette: &Palette) -> Option<Dragged> {
         let size = vec2(ui.available_width(), self.height);
         let (rect, response) = ui.allocate_exact_size(size, Sense::CLICK | Sense::DRAG);
-        let description = self.description();
-        response.widget_info(|| WidgetInfo::labeled(Role::Image, ENABLED, &description));
+        let said = self.description();
+        response.widget_info(|| WidgetInfo::labeled(Role::Image, ENABLED, &said));
         response.known_as(format_args!("chart.{}", self.y.sign));
 
         let mut inner = rect;
@@ -142,9 +142,9 @@ impl Plot<'_> {
         if let Some(at) = pointer.filter(|_| !response.dragged()) {
             let x = frame.x_at(at);
             frame.cursor(&within, x, palette);
-            let rows = self.rows(x);
+            let lines = self.rows(x);
             response.clone().on_hover_ui_at_pointer(|ui| {
-                for row in rows {
+                for row in lines {
                     ui.label(egui::RichText::new(row).monospace());
                 }
             });

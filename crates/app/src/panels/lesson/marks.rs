@@ -112,7 +112,8 @@ impl Overlay {
     }
 
     /// Draws lines inside the blocks at the distance from their edges that the question is about, once it is closed. Returns
-    /// the place on these lines that is nearest to the middle of the view, for the label, and the distance in r.
+    /// the place on these lines that is nearest to the middle of the view, for the label, and the distance in r; `None`
+    /// if there are no such lines.
     fn strips(&self, open: &OpenLesson) -> Option<(Pos2, f64)> {
         let (blocks, width) = open.strips()?;
         let drawn = blocks.into_iter().map(|[low, high]| {
