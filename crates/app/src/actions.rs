@@ -506,8 +506,8 @@ const fn no_panels(state: &State) -> Option<&'static str> {
     }
 }
 
-/// Adds an action for each panel that brings it into view, one that shows or hides the panels at the sides, and one that
-/// resets the layout.
+/// Adds an action for each panel that brings it into view, one that shows or hides the panels at the sides, and one
+/// that resets the layout.
 fn panels(list: &mut List, state: &State) {
     let window = state.window();
     let why_not = no_panels(state);

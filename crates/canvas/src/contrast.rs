@@ -20,8 +20,8 @@ pub fn paint(painter: &Painter, scene: &Scene<'_>, crowded: bool) -> Option<Stri
         return None;
     }
 
-    // A mark is narrower than r, so that the marks of neighbours do not touch. The limits, which are chosen, keep it visible far
-    // out, and small close by.
+    // A mark is narrower than r, so that the marks of neighbours do not touch. The limits, which are chosen, keep it
+    // visible far out, and small close by.
     let half = (0.42 * scene.scale()).clamp(1.5, 10.0);
     let view = scene.rect.expand(half);
     // Each mark has a place on the canvas, and whether it is a whole square.

@@ -1,4 +1,5 @@
 //! A hint over an embedded canvas: how to zoom and pan after a gesture that scrolls the surrounding page instead.
+//! Sizes are in screen points, and chosen, not measured, where no reason stands beside them.
 
 use egui::{Align2, Context, Id, ModifierNames, Modifiers, Painter, Rect, Ui, vec2};
 use tilescope_drawing::palette::Palette;

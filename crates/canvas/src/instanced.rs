@@ -274,8 +274,8 @@ impl InstancedCanvas {
         // The picture of a layer is worth keeping only while the camera rests.
         let still = (!moving && drawn >= self.limits.still).then_some(layer);
 
-        // Where samples are left out, fewer points share a pixel, and each is more opaque. `seen` is an estimate, and `shown` may
-        // exceed the number of samples: both shares end at 1.
+        // Where samples are left out, fewer points share a pixel, and each is more opaque. `seen` is an estimate, and
+        // `shown` may exceed the number of samples: both shares end at 1.
         let shown_share = f64::from(options.shown) / self.order.ids.len() as f64;
         let share = (drawn as f32 / seen.max(1) as f32).min(1.0) * shown_share.min(1.0) as f32;
         let opacity = self.point_opacity(view.scale(), share);
@@ -363,7 +363,8 @@ impl InstancedCanvas {
         let limit = |moving_limit| if moving { moving_limit } else { usize::MAX };
         let (symbols, points) = (self.limits.moving_symbols, self.limits.moving_points);
 
-        // Of nested levels, only one in `thinning` samples may be shown. These are farther apart, by the root of that number.
+        // Of nested levels, only one in `thinning` samples may be shown. These are farther apart, by the root of that
+        // number, and have as much more room for their symbols.
         let thinning = (self.order.ids.len() as f64 / f64::from(options.shown.max(1))).max(1.0);
         let room = scale * thinning.sqrt();
 

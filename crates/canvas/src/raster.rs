@@ -169,6 +169,7 @@ impl Coverage {
     pub fn image(&self, color: Color32, pixels_per_point: f32) -> ColorImage {
         let [width, height] = self.size;
         let mut image = ColorImage::filled(self.size, Color32::TRANSPARENT);
+        // The opacities are chosen, not measured.
         let (fill, hatch, edge) = (color.gamma_multiply(0.5), color.gamma_multiply(0.85), color);
         let faint = color.gamma_multiply(0.20);
 

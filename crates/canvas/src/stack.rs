@@ -156,8 +156,8 @@ impl<K: PartialEq> Stack<'_, K> {
     }
 }
 
-/// Returns a remark on layers that are left out or simplified at this scale, if any are. `crowded` says that there are too many
-/// samples in view for symbols, and `as_points` that they are points instead.
+/// Returns a remark on layers that are left out or simplified at this scale, if any are. `crowded` says that there are
+/// too many samples in view for symbols, and `as_points` that they are points instead.
 pub fn note(scene: &Scene<'_>, crowded: bool, as_points: bool) -> Option<String> {
     let has = |layer| scene.has(layer);
     if crowded && as_points {

@@ -133,8 +133,8 @@ impl Strokes {
         width: f32,
         color: Color32,
     ) {
-        // The polygon stays within a tenth of a point of the arc: a chord of the angle `a` is off by radius * a^2 / 8. The limits of
-        // the steps are chosen.
+        // The polygon stays within a tenth of a point of the arc: a chord of the angle `a` is off by radius * a^2 / 8.
+        // The limits of the steps are chosen.
         let step = 2.0 * (2.0 * 0.1 / radius.max(1.0)).sqrt();
         let steps = (sweep.abs() / step).ceil().clamp(2.0, 512.0) as u32;
 

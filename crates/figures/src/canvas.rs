@@ -1,5 +1,5 @@
-//! A canvas for pictures of samples: user units with y upwards, one frame below a caption. It draws
-//! marks, disks and blocks; `set` draws sets with it. Sizes were chosen, not measured, where no reason stands beside them.
+//! A canvas for pictures of samples: user units with y upwards, one frame below a caption. It draws marks, disks and
+//! blocks; `set` draws sets with it. Sizes were chosen, not measured, where no reason stands beside them.
 
 use glam::DVec2;
 use tilescope_core::Boundary;

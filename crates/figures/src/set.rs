@@ -127,8 +127,8 @@ fn laid_out<E>(
     }
     canvas.push([samples, inserted]);
 
-    // The arcs come last, on top: they show where the disks leave a gap, and nothing may hide them. They are of circles of
-    // equal radii, so that the radius that was set last is theirs.
+    // The arcs come last, on top: they show where the disks leave a gap, and nothing may hide them. They are of circles
+    // of equal radii, so that the radius that was set last is theirs.
     canvas.arcs(&points, &set.exposed);
     Ok(canvas.finish(&set.caption))
 }

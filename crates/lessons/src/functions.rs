@@ -561,8 +561,8 @@ impl Now {
         found.map(sample_or_unit)
     }
 
-    /// Returns the event at which elimination takes a sample, or at which it arrives in exact tiling; `usize::MAX` if there is
-    /// none.
+    /// Returns the event at which elimination takes a sample, or at which it arrives in exact tiling; `usize::MAX` if
+    /// there is none.
     fn turn_of(&self, s: u32) -> usize {
         let is_exact = self.recording.is_exact();
         let takes = |event: &usize| {

@@ -237,9 +237,9 @@ fn class(asked: &BTreeSet<Concept>, pairs: &[(&str, Pairs)]) -> Vec<Gain> {
         .collect()
 }
 
-/// Returns the 95% interval of the gain of learners by the bootstrap: from the learners as many are drawn with replacement, and
-/// their gain is computed, [`RESAMPLES`] times. The draws are the same for every call. `None` for fewer than two learners, and
-/// if no draw has a gain.
+/// Returns the 95% interval of the gain of learners by the bootstrap: from the learners as many are drawn with
+/// replacement, and their gain is computed, [`RESAMPLES`] times. The draws are the same for every call. `None` for
+/// fewer than two learners, and if no draw has a gain.
 fn interval(scores: &[[f64; 2]]) -> Option<[f64; 2]> {
     // One learner has no spread.
     if scores.len() < 2 {

@@ -208,7 +208,7 @@ fn ahead(ctx: &egui::Context, state: &State) -> Option<Ahead> {
             }
         }
 
-        // In an open list this frame typed nothing, so that its text stays as it is.
+        // The list was open, and this frame has typed nothing into it: its field will take the other keys.
         if !typed.is_closed && open.is_some_and(|open| open.text == typed.text) {
             return None;
         }
@@ -229,7 +229,8 @@ fn ahead(ctx: &egui::Context, state: &State) -> Option<Ahead> {
 }
 
 impl Ahead {
-    /// Returns the commands that the keys have, which were pressed before the list of actions was shown.
+    /// Returns the commands of the keys that were pressed before the list of actions was shown: to close it, to carry
+    /// out the first action that its text finds, or to give it the text; none if there is no text.
     fn commands(self, state: &State) -> Vec<Command> {
         if self.is_closed {
             return vec![Command::Window(WindowCommand::CloseFinder)];

@@ -125,8 +125,8 @@ impl App {
         });
         let screens: Vec<Rect> = each.collect();
 
-        // One pixel within the window, as its corner may lie on the border of two screens. Where the system does not say
-        // where the window is, it is taken to be at the origin.
+        // One pixel within the window, as its corner may lie on the border of two screens. Where the system does not
+        // say where the window is, it is taken to be at the origin.
         let corner = window.outer_position().unwrap_or_default();
         let here = egui::pos2(corner.x as f32 + 1.0, corner.y as f32 + 1.0);
         let other = other_screen(&screens, here);

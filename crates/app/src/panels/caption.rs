@@ -197,7 +197,7 @@ fn offers(
     });
 }
 
-/// Shows the buttons that go on, back, and away.
+/// Shows the buttons that go on, go back, and close the caption.
 fn steps(ui: &mut Ui, shown: ShownScene, len: usize, commands: &mut Vec<Command>) {
     let is_tour = shown.list == SceneList::Tour;
     let is_last = shown.index + 1 == len;

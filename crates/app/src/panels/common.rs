@@ -68,7 +68,8 @@ pub fn progress(
     ui.add(bar)
 }
 
-/// The least share of the work, and the least time in seconds, from which the time left is estimated. Chosen, not measured.
+/// The least share of the work, and the least time in seconds, from which the time left is estimated. Chosen, not
+/// measured.
 const ESTIMATED_FROM: (f32, f64) = (0.02, 2.0);
 
 /// Returns "about 20 s left" for work that is this far, estimated from its pace since it was first shown; `None` too early

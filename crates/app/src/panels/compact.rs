@@ -95,8 +95,8 @@ impl PartRects {
         if is_landscape {
             canvas.max.x = column.left();
         } else {
-            // An open panel leaves half of the height to the canvas, unless the user made it tall. It keeps its own least height
-            // as long as the canvas keeps that of the canvas.
+            // An open panel leaves half of the height to the canvas, unless the user made it tall. It keeps its own
+            // least height as long as the canvas keeps that of the canvas.
             let rest = room.height() - bar_height - controls - tabs_height(state);
             let half = CANVAS * room.height();
             let panel = match (drawer.open, drawer.is_tall) {
@@ -296,8 +296,8 @@ impl CompactWindow<'_> {
     }
 }
 
-/// Shows a part of the window in its rectangle, clipped to it, with a `margin` between its edges and its contents. `name`
-/// is different for each part.
+/// Shows a part of the window in its rectangle, clipped to it, with a `margin` between its edges and its contents.
+/// `name` is different for each part.
 pub(super) fn part(
     ui: &mut Ui,
     name: &str,

@@ -1,5 +1,6 @@
 //! The comparison of two runs: the choice of run B, the links between the two, their differences, and the first event at
 //! which they diverge.
+//! Sizes are in screen points, and chosen, not measured, where no reason stands beside them.
 
 use egui::{Button, ProgressBar, RichText, Ui};
 use tilescope_debugger::{Divergence, Recording};

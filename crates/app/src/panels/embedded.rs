@@ -1,5 +1,6 @@
 //! The parts of the window shown when it is embedded in another page: the canvas, with the sentence, the controls and
 //! the track below. Menus and panels are not shown.
+//! Sizes are in screen points, and chosen, not measured, where no reason stands beside them.
 
 use egui::{Color32, Context, Rect, Ui, Vec2, vec2};
 use tilescope_drawing::palette::Palette;

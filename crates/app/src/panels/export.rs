@@ -394,8 +394,8 @@ impl Sheet<'_> {
         });
     }
 
-    /// Shows the field of a number, in the colour of faults if the text in it is no number that can be used. `label` is the
-    /// id of its name; a field that is not `enabled` can be read only.
+    /// Shows the field of a number, in the colour of faults if the text in it is no number that can be used. `label` is
+    /// the id of its name; a field that is not `enabled` can be read only.
     fn number(&mut self, ui: &mut Ui, entry: NumberField, enabled: bool, label: egui::Id) {
         let (text, is_wrong) = match entry {
             NumberField::Scale => (&self.form.scale, self.form.scale().is_err()),

@@ -84,8 +84,8 @@ pub fn show(ui: &mut Ui, state: &State, commands: &mut Vec<Command>) {
     }
 }
 
-/// Shows the text field. Returns its id, and the text and the choice that hold in this frame: a new text begins at the first
-/// action.
+/// Shows the text field. Returns its id, and the text and the choice that hold in this frame: a new text begins at the
+/// first action.
 fn field(ui: &mut Ui, open: &Finder, commands: &mut Vec<Command>) -> (egui::Id, Finder) {
     let mut text = open.text.clone();
     let response = ui.add(

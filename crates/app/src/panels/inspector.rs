@@ -210,7 +210,8 @@ fn sample(
 
     let own_radius = || significant(session.radius_of(id) * run.domain.radius());
     match run.samples.origins[id as usize] {
-        // A large set in a field or a shape keeps nothing but its samples: the origin is a placeholder, which is not shown.
+        // A large set in a field or a shape keeps nothing but its samples: the origin is a placeholder, which is not
+        // shown.
         Origin::Tiled { .. } if session.ground.is_some() => {
             row(ui, "Radius", &own_radius(), palette);
         }

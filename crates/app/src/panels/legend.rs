@@ -64,7 +64,8 @@ pub fn show(
 
 /// Shows the marks of the brush.
 fn brushed(ui: &mut Ui, cause: &Cause, palette: &Palette) {
-    // Each entry has a colour, the radius of its circle, and a meaning. On the canvas, too, a larger circle adds more.
+    // Each entry has a colour, the radius of its circle, and a meaning. On the canvas, too, a larger circle
+    // stands for a larger share.
     let entries: &[_] = match cause {
         Cause::Pairs { .. } => &[(palette.margin, 0.0, "brushed pair of samples")],
         Cause::Shares { .. } => &[

@@ -47,8 +47,8 @@ pub const CONTENT: Content = Content::of_state(Room::Whole, |ui, state, commands
 /// Minimum room for the list and table of passes, in screen points.
 const ROOM_FOR_PASSES: Vec2 = vec2(620.0, 400.0);
 
-/// Shows the GPU passes, or how to get them: `refusal` is why they cannot be run, if so, and `can_choose` whether only the
-/// choice of the GPU is missing.
+/// Shows the GPU passes, or how to get them: `refusal` is why they cannot be run, if so, and `can_choose` whether only
+/// the choice of the GPU is missing.
 fn passes_or_offer(
     ui: &mut Ui,
     context: &PanelContext<'_>,

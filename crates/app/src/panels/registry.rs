@@ -1,5 +1,6 @@
 //! The registry of panels: which content each has, and how it fills its tile. To add a panel, begin with its row in
 //! `workbench/src/layout.rs` (`for_panels`).
+//! Sizes are in screen points, and chosen, not measured, where no reason stands beside them.
 
 use egui::{Frame, Margin, Ui, Vec2, vec2};
 use tilescope_drawing::palette::Palette;

@@ -132,8 +132,8 @@ pub fn height(ctx: &Context, context: &TimeContext<'_>, width: f32) -> f32 {
     } else {
         0.0
     };
-    let said = sentence_height(ctx, context, SIZE, sentence_width).max(LINE);
-    said + next + ABOVE_CONTROLS + curve::height(context) + track
+    let lines = sentence_height(ctx, context, SIZE, sentence_width).max(LINE);
+    lines + next + ABOVE_CONTROLS + curve::height(context) + track
 }
 
 pub const CONTENT: Content = Content::of_state(Room::Whole, |ui, state, commands| {

@@ -349,8 +349,8 @@ fn properties(ui: &mut Ui, report: Option<&Report>, palette: &Palette) {
     );
 }
 
-/// Shows whether a prefix of nested levels keeps its promises of distance and covering. `unit` is the length of r in the unit
-/// of the domain.
+/// Shows whether a prefix of nested levels keeps its promises of distance and covering. `unit` is the length of r in
+/// the unit of the domain.
 fn guarantee(ui: &mut Ui, verdict: &Verdict, claim: PrefixClaim, unit: f64, palette: &Palette) {
     // The words name the fault, and are shown only where a promise does not hold.
     let judged = |holds: bool| (holds, "not as promised".to_owned());

@@ -1,4 +1,5 @@
 //! Watches: expressions over the variables in scope, with their current values or errors.
+//! Sizes are in screen points, and chosen, not measured, where no reason stands beside them.
 
 use egui::{RichText, Role, TextEdit, Ui, WidgetInfo};
 use tilescope_debugger::{ExpressionError, LENGTHS, NAMES, NAMES_OF_NEXT};

@@ -174,8 +174,8 @@ impl RowPainter<'_> {
         self.layer(&view.changed, strong, self.palette.accent, is_changed);
     }
 
-    /// Draws marks in two meshes: squares and lines below, rings above, which have the picture of `stamp`. Marks of changed
-    /// rows are stronger.
+    /// Draws marks in two meshes: squares and lines below, rings above, which have the picture of `stamp`. Marks of
+    /// changed rows are stronger.
     fn layer(&self, marks: &[Mark], stamp: Stamp, color: Color32, is_changed: bool) {
         let mut rings = Mesh::with_texture(stamp.texture);
         let mut squares = Mesh::default();

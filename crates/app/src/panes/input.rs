@@ -199,8 +199,8 @@ fn pick(
     true
 }
 
-/// Returns the sample nearest to a point on the screen, within `reach` screen points; if there is none, that of an exposed arc
-/// there, while such arcs are shown.
+/// Returns the sample nearest to a point on the screen, within `reach` screen points; if there is none, that of an
+/// exposed arc there, while such arcs are shown.
 pub(super) fn nearest(
     response: &Response,
     subject: &Subject<'_>,
@@ -261,8 +261,8 @@ pub fn has_focus(ctx: &Context) -> bool {
     focused.is_some() && focused == ctx.data(|data| data.get_temp(focused_id()))
 }
 
-/// With the keyboard focus on the canvas, arrows pan and Enter selects at its centre. Plus and minus zoom whatever has the
-/// focus: they are keys of actions.
+/// With the keyboard focus on the canvas, arrows pan and Enter selects at its centre. Plus and minus zoom whatever has
+/// the focus: they are keys of actions.
 fn keys(ui: &Ui, response: &Response, commands: &mut Vec<ViewCommand>) {
     if !response.has_focus() {
         return;

@@ -40,6 +40,7 @@ fn place(scene: &Scene<'_>, at: DVec2) -> Option<Point> {
 }
 
 /// Draws what `shade` returns of places, in squares of this side; neighbours in a row of the same shade are one rectangle.
+/// Where it returns `None`, nothing is drawn.
 fn squares<T: PartialEq + Copy>(
     scene: &Scene<'_>,
     side: f32,

@@ -39,8 +39,8 @@ pub(super) struct Column {
 }
 
 impl Column {
-    /// Returns the column beside a picture of this size: it begins where the picture ends (`left`), and is as high as the picture,
-    /// or as high as its own axes need.
+    /// Returns the column beside a picture of this size: it begins where the picture ends (`left`), and is as high as
+    /// the picture, or as high as its own axes need.
     pub(super) fn of(view: &PictureView, [left, height]: [f64; 2]) -> Self {
         let top = MARGIN * view.width() + NAME_HEIGHT;
         // The panel around a plot of no size has the size that a heading and axes take.

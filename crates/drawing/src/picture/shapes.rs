@@ -131,8 +131,8 @@ impl Surface for Shapes {
         if arc == Arc::WHOLE {
             return self.circle(center, radius, None, Some(stroke));
         }
-        // A chord of a small angle is off its arc by radius * angle^2 / 8: for this one, by ARC_ERROR. The limits of the steps are
-        // chosen.
+        // A chord of a small angle is off its arc by radius * angle^2 / 8: for this one, by ARC_ERROR. The limits of
+        // the steps are chosen.
         let step = 2.0 * (2.0 * ARC_ERROR / radius.max(1.0)).sqrt();
         let steps = (arc.sweep.abs() / step).ceil().clamp(2.0, 1_000.0) as u32;
 

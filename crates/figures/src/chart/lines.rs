@@ -209,8 +209,9 @@ fn curve(series: &Series, frame: &Frame<'_>, group: &mut Group) {
     let points: Vec<DVec2> = series.points.iter().map(|p| frame.pixel(*p)).collect();
     let line = drawn(series.look, frame.palette);
 
-    // The marks of curves that run together shall stand beside each other: those of eight numbers begin at different eighths
-    // of the distance of two marks, each three eighths after the number before. Other curves have no marks.
+    // Curves may run together, and their marks must not hide each other. The first mark of a curve stands three eighths
+    // of the distance of two marks farther right than that of the number before, so that the places repeat only after
+    // eight numbers. Other curves have no marks.
     let eighths = match series.look {
         Look::Numbered(number) => (number * 3) % 8,
         Look::Reference | Look::Alone => 0,

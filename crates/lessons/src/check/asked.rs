@@ -30,7 +30,8 @@ pub(super) struct Asked {
     pub unseen: Option<String>,
 }
 
-/// Asks the question of a step in a run, and grades the answers of the three learners. Returns `None` if the run lacks the
+/// Asks the question of the step of an index in a run, and grades the answers of the three learners. A run of practice
+/// (`practised`) may lack the moment; in the step's own run that is an error. Returns `None` if the run lacks the
 /// moment, or the step a question.
 pub(super) fn ask(
     lesson: &Arc<Lesson>,

@@ -126,8 +126,8 @@ fn holds(parts: &[String], wanted: f64) -> bool {
     parts.iter().any(|part| is_number(part, wanted))
 }
 
-/// Returns why texts give the answer away by naming a right candidate but not all candidates, if they do. Candidates that are
-/// `known` from the question do not count.
+/// Returns why texts give the answer away by naming a right candidate but not all candidates, if they do. Candidates
+/// that are `known` from the question do not count.
 fn named(
     texts: &[&str],
     candidates: &[Vec<f64>],
@@ -157,7 +157,8 @@ fn named(
     ))
 }
 
-/// Returns why texts say what the right option alone says, if one does: all the words and numbers that no other option has.
+/// Returns why texts say what the right option alone says, if one does: all the words and numbers that no other option
+/// has.
 fn chosen(texts: &[&str], options: &[String], right: usize) -> Option<String> {
     let own = |index: usize| -> BTreeSet<String> {
         let mut own = said(options.get(index).map_or("", String::as_str));

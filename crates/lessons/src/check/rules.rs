@@ -83,7 +83,8 @@ const EMPTY_WORDS: [&str; 44] = [
     "with",
 ];
 
-/// Returns the faults of one gate, without those of asking it. The answers of a test have no replies.
+/// Returns the faults of one gate, besides those of asking its question. A test (`is_test`) gives no reply to a wrong
+/// answer, and so needs no reasons.
 pub(super) fn of_gate(
     step: &Step,
     gate: &Gate,

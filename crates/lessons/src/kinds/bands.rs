@@ -15,8 +15,8 @@ use crate::sets::{self, MeanPower};
 use crate::text::Text;
 use crate::translation::Translation;
 
-/// The largest share by which the power of a band may change and still count as the same. The panel names it. Chosen, not
-/// measured.
+/// The largest share by which the power of a band may change and still count as the same. The panel names it. Chosen,
+/// not measured.
 const SAME: f64 = 0.15;
 
 pub(super) const ROW: KindRow = KindRow {

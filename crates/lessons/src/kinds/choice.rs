@@ -75,7 +75,8 @@ impl GateKind for ChoiceGate {
 }
 
 impl ChoiceGate {
-    /// Returns the curve of each option, in the order in which they are shown.
+    /// Returns the curve of each option, in the order in which they are shown. `right` is the index of the right one
+    /// there, whose curve must be the nearest to the spectrum on the screen.
     fn spectra(
         &self,
         asking: &Asking<'_>,

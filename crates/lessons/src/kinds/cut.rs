@@ -66,7 +66,8 @@ impl GateKind for CutGate {
         // A cut leaves room for a leaf on either side (Algorithm 1).
         let legal = [low[along] + leaf, high[along] - leaf];
 
-        // A right one, and one for each way to be wrong: less than a leaf from an edge, across the other axis, both.
+        // A right one, and one for each way to be wrong: less than a leaf from an edge (0.4 of one is chosen), across
+        // the other axis, both.
         let mut candidates = [
             (axis, 0.5 * (legal[0] + legal[1])),
             (axis, low[along] + 0.4 * leaf),

@@ -125,7 +125,8 @@ impl Interaction for Lettered {
     }
 
     fn controls(&self, view: &View<'_>) -> Vec<Control> {
-        // Of a trace that was given up, the event that was asked for then; of one that was done, the last.
+        // The right option of a trace is that of the event at which it was given up, or that of its last event once it
+        // is done.
         let right = self.right.get(view.event).or(self.right.last());
         let items = self.options.texts.iter().enumerate().map(|(index, text)| {
             let id = format!("option-{}", index + 1);

@@ -173,8 +173,8 @@ impl Interaction for Pick {
             .map(|(_, sample)| *sample)
             .collect();
 
-        // An answer has at least one sample. Its draw has a number of its own: any beyond those of the candidates, of which there
-        // are at most 24.
+        // An answer has at least one sample. Its draw has a number of its own: any beyond those of the candidates, of
+        // which there are at most 24.
         if some.is_empty() {
             some.push(one(60));
         }

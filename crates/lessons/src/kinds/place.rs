@@ -92,7 +92,8 @@ fn is_same([x, y]: [f64; 2], [u, v]: [f64; 2]) -> bool {
 }
 
 impl Place {
-    /// Returns about how far a place is from the region of right places, in r, if that is less than `off` and at most [`REACH`].
+    /// Returns about how far a place is from the region of right places, in r, if that is at most [`REACH`] and less
+    /// than `off`, its distance from the single right places; otherwise `None`.
     fn off_region(
         &self,
         [x, y]: [f64; 2],

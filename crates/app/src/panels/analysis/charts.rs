@@ -1,4 +1,5 @@
 //! The charts of the analysis: their curves and axis ranges.
+//! Sizes are in screen points, and chosen, not measured, where no reason stands beside them.
 
 use std::sync::Arc;
 

@@ -1,4 +1,5 @@
 //! The table of numbers of the analysis, with a column for each set.
+//! Sizes are in screen points, and chosen, not measured, where no reason stands beside them.
 
 use egui::{Align2, Color32, FontId, Role, Sense, Ui, WidgetInfo, pos2, vec2};
 use tilescope_analysis::measures::{CATALOGUE, MeasuredSet, Part, SetNumber};

@@ -77,7 +77,8 @@ impl Overlay {
         self.camera.screen_from_domain(self.viewport, at)
     }
 
-    /// Draws the box that the question is about, the line that is chosen, and after the answer the outermost right ones.
+    /// Draws the box that the question is about, the line that is chosen, and after the answer the outermost of
+    /// the right lines.
     fn lines(&self, open: &OpenLesson) {
         let Some(lines) = open.lines() else {
             return;

@@ -1,4 +1,5 @@
 //! Paragraphs of lessons: plain, emphasised, strong, and code.
+//! Sizes are in screen points, and chosen, not measured, where no reason stands beside them.
 
 use egui::text::{LayoutJob, TextFormat};
 use egui::{Color32, FontId, Label, Response, Ui};

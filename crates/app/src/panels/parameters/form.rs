@@ -1,5 +1,6 @@
 //! The fields of the parameters. An error stands in a row of its own below its field: it covers nothing, and the field in
 //! which one types does not move.
+//! Sizes are in screen points, and chosen, not measured, where no reason stands beside them.
 
 use egui::{ComboBox, CursorIcon, Label, RichText, TextEdit, Ui};
 use tilescope_core::{
@@ -150,7 +151,8 @@ impl Fields<'_> {
         );
     }
 
-    /// Shows a field for a text, and its error below: that of `part` of the form. `command` is issued with a changed text.
+    /// Shows a field for a text, and its error below: that of `part` of the form. `command` is issued with a changed
+    /// text.
     fn free_text(
         &mut self,
         ui: &mut Ui,
