@@ -450,11 +450,11 @@ pub const fn projector_action(look: Look) -> &'static str {
 /// Adds the actions that change how a moment is shown: the camera, panels, layers, looks and scenes.
 fn view(list: &mut List, state: &State) {
     list.menu = Menu::View;
-    let run_a = |command| Command::View(Which::First, command);
-    list.add("Fit the domain", run_a(ViewCommand::Fit))
+    let view_of_a = |command| Command::View(Which::First, command);
+    list.add("Fit the domain", view_of_a(ViewCommand::Fit))
         .on_key(Key::F);
 
-    let current = run_a(ViewCommand::GoToCurrent);
+    let current = view_of_a(ViewCommand::GoToCurrent);
     list.add("Show the current event", current)
         .on_key(Key::Period);
     let follow = Command::Appearance(AppearanceCommand::ToggleFollow);
@@ -513,8 +513,8 @@ fn panels(list: &mut List, state: &State) {
     let why_not = no_panels(state);
     for panel in Panel::all() {
         let command = Command::Window(WindowCommand::OpenPanel(panel));
-        // The projector mode has room for the analysis alone.
         let action = list.add(format!("Panel: {}", panel.name()), command);
+        // The projector mode, which refuses other panels, has room for the analysis.
         action.refused(why_not.filter(|_| panel != Panel::Analysis));
         // The key only shows its panel. If it hid the panel as well, a digit typed beside a field would take it away.
         if let Some(key) = Key::from_name(panel.key()) {
@@ -680,7 +680,7 @@ const PAN: f32 = 80.0;
 
 /// Adds the camera's actions, for the keyboard.
 fn camera(list: &mut List, state: &State) {
-    let run_a = |command| Command::View(Which::First, command);
+    let view_of_a = |command| Command::View(Which::First, command);
     // The picture moves against the view.
     for (name, key, delta) in [
         ("Move the view left", Key::ArrowLeft, vec2(PAN, 0.0)),
@@ -688,7 +688,7 @@ fn camera(list: &mut List, state: &State) {
         ("Move the view up", Key::ArrowUp, vec2(0.0, PAN)),
         ("Move the view down", Key::ArrowDown, vec2(0.0, -PAN)),
     ] {
-        let action = list.add(name, run_a(ViewCommand::Pan(delta)));
+        let action = list.add(name, view_of_a(ViewCommand::Pan(delta)));
         action.on_keys(SHIFT, key).refused(no_session(state));
     }
 
@@ -697,7 +697,7 @@ fn camera(list: &mut List, state: &State) {
     let middle = state.runs().first.viewport.center();
     // The factors are chosen. They are inverse to each other, so that zooming in and out leads back.
     for (name, key, factor) in [("Zoom in", Key::Plus, 1.25), ("Zoom out", Key::Minus, 0.8)] {
-        let action = list.add(name, run_a(ViewCommand::Zoom(middle, factor)));
+        let action = list.add(name, view_of_a(ViewCommand::Zoom(middle, factor)));
         action.on_key(key).refused(no_session(state));
     }
 }

@@ -107,6 +107,7 @@ fn hidden_samples(spec: &SceneSpec, scene: &Scene) -> Option<String> {
 
 /// Returns all that a question names at places of the domain: in its text, its options and its list, and its key.
 fn named(gate: &Gate, question: &Question, scene: &Scene) -> Result<Vec<Named>, LessonError> {
+    // The samples below are valid ones, of which each has a point.
     let of_sample = |sample: u32, is_chosen| Named {
         name: format!("sample {sample}"),
         at: scene

@@ -501,7 +501,8 @@ fn brushed(ui: &mut Ui, context: &AnalysisContext<'_>, own: &mut Vec<AnalysisCom
     response.known_as("brush.status");
 }
 
-/// Issues a changed range of `axis`, if that changes the brush.
+/// Issues what a drag along `axis` has changed, if anything: a range that differs from `brush`, or that the brush is
+/// cleared.
 fn drag(
     axis: BrushAxis,
     dragged: Option<Dragged>,

@@ -71,8 +71,8 @@ pub fn show(ui: &mut Ui, context: &CompareContext<'_>, commands: &mut Vec<Comman
             if !remark.is_empty() {
                 ui.label(RichText::new(remark).color(palette.muted));
             }
-            for (name, first, second) in differing.unwrap_or_default() {
-                row(ui, &name, &format!("A {first}   B {second}"), palette);
+            for (name, in_a, in_b) in differing.unwrap_or_default() {
+                row(ui, &name, &format!("A {in_a}   B {in_b}"), palette);
             }
 
             let [of_a, of_b] = [a, b].map(|session| grouped(session.summary.count));

@@ -267,8 +267,8 @@ fn row_texts(
     }
 }
 
-/// Returns the text positions of a row: name on the left, number on the right, and the change before the number; in a
-/// narrow panel the number makes room for the name.
+/// Returns where the texts of a row end, of these widths: the name on the left, the number on the right, and the change
+/// before the number. In a panel that is too narrow, change and number move to the right of the name.
 fn column_ends(width: f32, [name, change, number]: [f32; 3]) -> [f32; 3] {
     // The room at both sides of the row and between its texts, in screen points.
     const BESIDE: f32 = 8.0;

@@ -172,8 +172,8 @@ pub fn show(ui: &mut Ui, context: &TimeContext<'_>, commands: &mut Vec<Command>)
             ui.set_min_size(row);
             ui.spacing_mut().item_spacing.x = 0.0;
             label(ui, "Next", NEXT_LINE, palette.muted);
-            let beside = room_beside(ui.ctx(), context, room);
-            let size = vec2(room - LABEL - beside, NEXT_LINE);
+            let beside_next = room_beside(ui.ctx(), context, room);
+            let size = vec2(room - LABEL - beside_next, NEXT_LINE);
             ui.allocate_ui_with_layout(size, Layout::left_to_right(Align::Center), |ui| {
                 ui.set_min_size(size);
                 let text = RichText::new(ui.words(next))
@@ -182,7 +182,7 @@ pub fn show(ui: &mut Ui, context: &TimeContext<'_>, commands: &mut Vec<Command>)
                 let response = ui.add(egui::Label::new(text).truncate());
                 response.known_as("next-line");
             });
-            if beside > 0.0 {
+            if beside_next > 0.0 {
                 counts(ui, context);
             }
         });
@@ -520,7 +520,7 @@ fn prefix(ui: &mut Ui, context: &TimeContext<'_>, commands: &mut Vec<Command>) {
         ui.spacing().interact_size.y,
     );
 
-    // The track goes to every prefix, too.
+    // Where there is no room, the field is left out: the track goes to every prefix, too.
     if ui.available_width() < size.x {
         return;
     }

@@ -78,6 +78,7 @@ fn broken_claim(claim: &Claim, values: &[f64]) -> Option<String> {
         is_above, bound, ..
     } = *claim
     else {
+        // A claim that must hold in each run is kept as 1 or 0.
         let failed = values.iter().filter(|holds| **holds < 0.5).count();
         return (failed > 0).then(|| format!("the claim is false in {failed} of {tested} runs"));
     };

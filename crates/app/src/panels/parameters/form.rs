@@ -76,8 +76,8 @@ impl Fields<'_> {
             }
         }
 
-        let chosen = |parameter: &Parameter| !parameter.options().is_empty();
-        for parameter in Parameter::all().filter(of_group).filter(chosen) {
+        let has_options = |parameter: &Parameter| !parameter.options().is_empty();
+        for parameter in Parameter::all().filter(of_group).filter(has_options) {
             self.option(ui, parameter);
             if parameter == Parameter::PatternBoundary {
                 own_pattern(ui, self.context, self.commands);
@@ -441,11 +441,11 @@ impl Fields<'_> {
     ) {
         // The list changes a copy of the value. Whether a command follows is known once the list was shown.
         let mut chosen = current;
-        let text = options.iter().find(|(value, ..)| *value == current);
+        let current_option = options.iter().find(|(value, ..)| *value == current);
 
         labelled(ui, (name, explanation), self.palette, |ui, label| {
             let combo = ComboBox::from_id_salt(name)
-                .selected_text(text.map_or("", |(_, text, _)| text))
+                .selected_text(current_option.map_or("", |(_, text, _)| text))
                 .width(field_width(ui))
                 .truncate()
                 .show_ui(ui, |ui| {
