@@ -273,8 +273,8 @@ pub fn thumbnail(session: &Session, MomentView { moment, view }: &MomentView) ->
     scene
 }
 
-/// Draws a moment with its heading, its caption and its legend. Without `has_pattern` the stage of the pattern shows the empty
-/// domain.
+/// Draws a moment with its heading, its caption and its legend. `causes` are those of a brush, if one is on. Without
+/// `has_pattern` the stage of the pattern shows the empty domain.
 fn drawn(
     session: &Session,
     moment: &Moment,

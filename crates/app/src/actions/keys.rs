@@ -85,8 +85,8 @@ pub fn press_keys(ctx: &egui::Context, state: &mut State) -> bool {
     let on_canvas = crate::panes::has_focus(ctx);
     let has_popup = Popup::is_any_open(ctx);
 
-    // Events from `from` on belong to the list of actions. Each press carries the modifiers of its moment, since a slow frame may
-    // hold presses and releases of several.
+    // Events from `typed_ahead.from` on belong to the list of actions. Each press carries the modifiers of its moment,
+    // since a slow frame may hold presses and releases of several.
     let typed_ahead = ahead(ctx, state);
     let presses: Vec<(Key, Modifiers)> = ctx.input(|input| {
         let end = typed_ahead

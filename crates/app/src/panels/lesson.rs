@@ -166,7 +166,8 @@ impl LessonPanel<'_> {
         RichText::new(text).color(self.palette.muted)
     }
 
-    /// Shows the step: its title and text, its question with the answers, and the ways to other steps.
+    /// Shows the step: its title and text, why it cannot be shown if so, its question with the answers, what the
+    /// finished lesson leaves behind, and the ways to other steps.
     fn show(&mut self, ui: &mut Ui) {
         self.bar(ui);
         self.steps(ui);
@@ -181,8 +182,8 @@ impl LessonPanel<'_> {
         text::show(ui, open, &step.text, self.size, self.palette);
 
         if let Some(fault) = &open.fault {
-            let fault = ui.words(fault.to_string());
-            let sentence = format!("{} {fault}.", self.labels.cannot_show);
+            let why = ui.words(fault.to_string());
+            let sentence = format!("{} {why}.", self.labels.cannot_show);
             let text = RichText::new(sentence).color(self.palette.conflict);
             ui.add(Label::new(text).wrap()).known_as("lesson-fault");
         // The run of this step is still being made; practice may need several until one has the moment.

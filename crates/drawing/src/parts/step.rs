@@ -116,7 +116,7 @@ fn ring(scene: &Scene<'_>) -> f32 {
     (0.3 * scene.scale()).clamp(5.0, 11.0)
 }
 
-/// Draws the pair that was compared, and a heavy ring around each sample that changed.
+/// Draws the pair that was compared, and a heavy ring around the sample that changed, if one did.
 fn last_event(scene: &Scene<'_>, surface: &mut impl Surface) {
     let palette = scene.palette;
     let Some(event) = scene.shown.last_event().and_then(Event::run_event) else {

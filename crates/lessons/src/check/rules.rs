@@ -263,6 +263,8 @@ fn reasons(gate: &Gate, found: &Findings) -> Vec<LessonError> {
                 "this reason says nothing about the run: name a sample, a number or a place of it with {EXPRESSION}",
             ));
         }
+        // Options have reasons of their own; a question without practice is asked of one run, whose values the author
+        // knows.
         _ => {}
     }
 
@@ -276,6 +278,7 @@ fn reasons(gate: &Gate, found: &Findings) -> Vec<LessonError> {
             faults
                 .push(text.wrong("this does not say the exact number: give it with {EXPRESSION}"));
         }
+        // An exact number is known to whoever gave it.
         _ => {}
     }
     faults

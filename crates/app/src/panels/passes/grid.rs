@@ -87,8 +87,8 @@ impl ColumnEnds {
             .layout_no_wrap("0".to_owned(), font, any_color());
         let character = zero.size().x;
         // The head above the numbers has three letters.
-        let numbers = table.rows().to_string().len().max(3);
-        let mut end = 10.0 + numbers as f32 * character;
+        let digits = table.rows().to_string().len().max(3);
+        let mut end = 10.0 + digits as f32 * character;
         let mut ends = vec![end];
         for &width in shown.widths() {
             end += GAP + width as f32 * character;
