@@ -121,7 +121,8 @@ impl Checked {
         }
     }
 
-    /// Sets the mean scores of the three learners, and adds their faults.
+    /// Sets the mean scores of the three learners, and adds the faults of the first two: right answers that do not
+    /// score fully, and guesses that score too much.
     fn add_scores(&mut self, scores: &[Vec<f64>; 3]) {
         let [perfect, guessing, misconceived] = scores.each_ref().map(|scores| mean(scores));
         // Scores are of the whole lesson, which line 1 stands for.

@@ -26,7 +26,8 @@ pub(crate) struct Fields {
 }
 
 impl Fields {
-    /// Reads fields from lines, the first of which is line `line` + 1 of the file.
+    /// Reads the fields of a directive, which is `of` in words, from its lines: the first is line `line` + 1 of the
+    /// file.
     pub fn read(of: &str, line: usize, lines: &[&str]) -> Result<Self, LessonError> {
         let mut all: Vec<Field> = Vec::new();
 

@@ -156,7 +156,8 @@ impl PointSet {
         (self.points.len() as f64 / self.region.area()).sqrt()
     }
 
-    /// Returns the mean power by frequency in 1/r, with the number of frequencies behind each mean.
+    /// Returns the mean power by frequency in 1/r, with the number of frequencies behind each mean and their
+    /// anisotropy, or why there is no spectrum.
     pub fn power(&self) -> Result<Vec<MeanPower>, String> {
         let spectrum = self.spectrum();
         let profile = spectrum.map_err(|error| error.to_string())?.profile;

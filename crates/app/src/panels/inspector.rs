@@ -57,15 +57,16 @@ pub fn show(ui: &mut Ui, context: &PanelContext<'_>, commands: &mut Vec<Command>
     }
 }
 
-/// Shows every event that involves the selection.
+/// Shows the events that involve the selection, the first [`MAX_ROWS`] of them, and what caused the last event. Without
+/// a recording it says that there are no events.
 fn history(ui: &mut Ui, context: &PanelContext<'_>, commands: &mut Vec<Command>) {
     let palette = context.palette;
     let Some(debugger) = &context.run.debugger else {
         super::common::no_events(ui, context);
         return;
     };
-    if let Some(why) = context.run.history_found.failure() {
-        ui.label(RichText::new(why).color(palette.conflict));
+    if let Some(failure) = context.run.history_found.failure() {
+        ui.label(RichText::new(failure).color(palette.conflict));
     }
 
     let events = context.run.history_found.events();

@@ -492,13 +492,13 @@ fn count_text(table: &BufferTable, shown: usize) -> String {
     } else {
         String::new()
     };
-    let changed = if changed > 0 {
+    let changes = if changed > 0 {
         format!(", {} changed", grouped(changed))
     } else {
         String::new()
     };
     format!(
-        "{} of {} rows{read}{changed}",
+        "{} of {} rows{read}{changes}",
         grouped(shown),
         grouped(total)
     )

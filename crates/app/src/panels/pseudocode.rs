@@ -30,7 +30,7 @@ const GUTTER: f32 = 22.0;
 /// Room for a remark behind a line.
 const TAG: f32 = 28.0;
 
-/// Returns the listings of a session.
+/// Returns the listings of the session's method and variant, in the order of its stages; none without a session.
 fn listings_of(context: &PanelContext<'_>) -> Vec<&'static Listing> {
     let Some(session) = &context.run.session else {
         return Vec::new();

@@ -21,7 +21,8 @@ use tilescope_workbench::command::{Command, TimeCommand};
 
 pub const CONTENT: Content = Content::of_run(Room::Scrolled, show);
 
-/// Shows the table of stages, or of nested levels.
+/// Shows the table of stages, or of nested levels, and what gluing did, if sets were glued. Without a session only its
+/// heading is shown.
 pub fn show(ui: &mut Ui, context: &PanelContext<'_>, commands: &mut Vec<Command>) {
     let palette = context.palette;
     let heads = match context.run.prefix() {

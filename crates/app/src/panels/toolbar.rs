@@ -246,8 +246,8 @@ fn one_menu(ui: &mut Ui, state: &State, commands: &mut Vec<Command>) {
             .min_size(vec2(ui.available_width(), FINGER))
             .frame_when_inactive(false);
         let response = ui.add(button);
-        let name = ui.words(format!("{} menu", menu.name()));
-        response.widget_info(|| WidgetInfo::selected(Role::Button, ENABLED, is_open, &name));
+        let spoken = ui.words(format!("{} menu", menu.name()));
+        response.widget_info(|| WidgetInfo::selected(Role::Button, ENABLED, is_open, &spoken));
         response.known_as(format_args!("menu.{}", Kebab(menu)));
         // A click on the name of the open menu closes it.
         if response.clicked() {

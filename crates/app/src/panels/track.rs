@@ -249,7 +249,8 @@ fn draw_cursor(painter: &Painter, x: f32, rect: Rect, palette: &Palette) {
     ));
 }
 
-/// Draws the bar of a segment, and shows its label; a click on the label goes to the end of the segment.
+/// Draws the bar of a segment, with a swatch of `color` along its lower edge if there is one, and shows its label; a
+/// click on the label goes to the end of the segment.
 fn show_segment(
     ui: &Ui,
     palette: &Palette,

@@ -211,24 +211,24 @@ pub(super) fn nearest(
     let position = subject.camera.domain_from_screen(response.rect, pos);
     // The scale is in screen points for an r. Zoomed out, the reach on the screen would cover many samples: it ends at 1.5 times
     // the distance of neighbours, a chosen number.
-    let reach = (reach / subject.camera.scale).min(1.5 * shown.spacing());
+    let in_radii = (reach / subject.camera.scale).min(1.5 * shown.spacing());
 
     let mut found: Option<(f64, u32)> = None;
     let index = &shown.session.index;
 
     // A copy across a periodic border is drawn, and a click on it selects its sample.
     let around = drawn_around(shown.session);
-    index.visit_around(position, position, reach, around, |seen| {
+    index.visit_around(position, position, in_radii, around, |seen| {
         let distance = seen.position.distance(position);
         let visible = shown.standing(seen.id) != Standing::Absent;
-        if visible && distance <= reach && found.is_none_or(|(least, _)| distance < least) {
+        if visible && distance <= in_radii && found.is_none_or(|(least, _)| distance < least) {
             found = Some((distance, seen.id));
         }
     });
 
     // Where no sample is near, an exposed arc leads to the sample of its circle.
     if found.is_none() && subject.layers.has(Layer::CoveredCircles) {
-        return subject.geometry.exposed_at(&shown, position, reach);
+        return subject.geometry.exposed_at(&shown, position, in_radii);
     }
     found.map(|(_, id)| id)
 }
@@ -251,6 +251,7 @@ fn selection_at(response: &Response, subject: &Subject<'_>, pos: Pos2) -> Select
     }
 }
 
+/// Returns the place in egui's memory where a canvas with the focus leaves its id, for [`has_focus`].
 fn focused_id() -> Id {
     Id::unique("the canvas that has the focus")
 }

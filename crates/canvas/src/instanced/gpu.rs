@@ -326,7 +326,7 @@ fn bind_group_layout(device: &wgpu::Device) -> wgpu::BindGroupLayout {
 fn bind_group(
     device: &wgpu::Device,
     layout: &wgpu::BindGroupLayout,
-    frames: &wgpu::Buffer,
+    parameters: &wgpu::Buffer,
 ) -> wgpu::BindGroup {
     device.create_bind_group(&wgpu::BindGroupDescriptor {
         label: Some("samples"),
@@ -334,7 +334,7 @@ fn bind_group(
         entries: &[wgpu::BindGroupEntry {
             binding: 0,
             resource: wgpu::BindingResource::Buffer(wgpu::BufferBinding {
-                buffer: frames,
+                buffer: parameters,
                 offset: 0,
                 size: wgpu::BufferSize::new(size_of::<LayerUniforms>() as u64),
             }),

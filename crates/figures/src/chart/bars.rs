@@ -176,7 +176,7 @@ impl BarScale<'_> {
         self.left + self.scale * value.max(0.0)
     }
 
-    /// Returns the axis below all groups.
+    /// Returns the axis below all groups: from 0 to `most`, at height `y`, with ticks and a label.
     fn axis(&self, label: &str, most: f64, ticks: &Ticks, y: f64) -> Group {
         let mut group = Group::new("axis");
         let (color, stroke) = (self.palette.muted, Stroke::new(self.palette.muted, 1.0));

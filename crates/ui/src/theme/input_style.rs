@@ -116,8 +116,9 @@ fn with_own_fonts(mut fonts: FontDefinitions) -> FontDefinitions {
     fonts
 }
 
-/// Returns what draws letters that no font has, of the program or of the system or, on a page, of the browser: boxes that
-/// hold their code points, as in pictures. The fonts' own empty boxes would make words that differ look alike.
+/// Returns what draws letters that no font has, neither those of the program nor those of the system or the browser: as
+/// boxes that hold their code points, as in pictures. The fonts' own empty boxes would make words that differ look
+/// alike.
 fn code_points() -> GlyphRasterizer {
     GlyphRasterizer::new("tilescope::code-points", |request| {
         let drawn = stamp(request.cluster, f64::from(request.font_size_px))?;
