@@ -39,7 +39,7 @@ impl Edges {
     }
 
     /// Returns a description of the brush, with a remark if edges are left out; none are drawn where there are so many
-    /// samples in view that it is `crowded`.
+    /// samples in view that it is `crowded`. `None` without a brush.
     pub fn note(&self, crowded: bool) -> Option<String> {
         if crowded && self.in_view > 0 {
             return Some(

@@ -77,12 +77,12 @@ fn pointed_at(subject: &Subject<'_>, rect: Rect, pointer: Pos2) -> Option<Named>
     // Inside a gap the gap is named, unless the pointer is on the symbol of a sample.
     let on_sample = hovered.is_some_and(|(_, at)| at.distance(pointer) <= ON_SAMPLE);
     if let Some((gap, reach)) = gap(subject, position).filter(|_| !on_sample) {
-        let reach = reach * subject.camera.scale as f32;
+        let on_screen = reach * subject.camera.scale as f32;
         return Some(Named {
             brief: "Gap".to_owned(),
             full: gap,
             at: pointer,
-            reach: reach.clamp(NEAREST, MAX_DISTANCE),
+            reach: on_screen.clamp(NEAREST, MAX_DISTANCE),
         });
     }
 

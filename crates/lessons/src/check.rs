@@ -165,8 +165,8 @@ fn runs_asked(lesson: &Lesson, seeds: usize) -> Vec<(Option<u64>, usize, Purpose
 
         if !step.scene.claims.is_empty() {
             // A claim is about every run, so a gate's own seeds of practice do not limit it.
-            let seeds = (1..=seeds as u64).map(Some);
-            asked.extend(seeds.map(|seed| (seed, index, Purpose::Claims)));
+            let all = (1..=seeds as u64).map(Some);
+            asked.extend(all.map(|seed| (seed, index, Purpose::Claims)));
         }
     }
 

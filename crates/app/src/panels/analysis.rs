@@ -267,13 +267,13 @@ fn status_text(run: &RunView, shown: &ShownMoment<'_>, measures: &RunMeasures<'_
         None => String::new(),
     };
     // A run whose measures cannot move with it says why not.
-    let why = run.live.refusal().unwrap_or_default();
+    let refusal = run.live.refusal().unwrap_or_default();
     let doing = if measuring.is_stopped(shown) {
         "not measured."
     } else {
         "being measured\u{2026}"
     };
-    format!("{name}: {doing}{old} {why}")
+    format!("{name}: {doing}{old} {refusal}")
 }
 
 /// Returns a sentence on the spectrum that is shown while the run moves: its share of the frequencies, or its moment.

@@ -227,7 +227,8 @@ fn visible_row(context: &PanelContext<'_>, event: usize) -> Option<usize> {
     around.find_map(|event| rows.row_of(event))
 }
 
-/// Shows a row of the list: the event in words, and its number. A click goes to the event.
+/// Shows a row of the list: the arrow that unfolds an event around others, the event in words, and its number. A click
+/// goes to the event.
 fn show_row(
     ui: &mut Ui,
     context: &PanelContext<'_>,

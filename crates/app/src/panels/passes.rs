@@ -336,7 +336,7 @@ impl PassesPanel<'_> {
             }
 
             ui.add_space(6.0);
-            let (text, color) = match shown.error() {
+            let (message, color) = match shown.error() {
                 Some(error) => (
                     tilescope_session::words::sentence(&error.to_string()),
                     palette.conflict,
@@ -344,10 +344,10 @@ impl PassesPanel<'_> {
                 None => (count_text(table, shown.rows().len()), palette.muted),
             };
             // The label may be cut off; the tooltip has all of it.
-            let tip = text.clone();
-            let label = ui.add(Label::new(RichText::new(text).color(color)).truncate());
-            label.known_as("filtered");
-            label.on_hover_text(tip);
+            let tip = message.clone();
+            let result = ui.add(Label::new(RichText::new(message).color(color)).truncate());
+            result.known_as("filtered");
+            result.on_hover_text(tip);
         });
     }
 

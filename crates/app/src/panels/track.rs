@@ -162,7 +162,7 @@ fn asked_for(ui: &Ui, response: &Response, most: usize) -> Option<usize> {
     ui.input(|input| {
         let requests = input.accesskit_action_requests(response.id, Action::SetValue);
         let values = requests.filter_map(|request| match request.data {
-            // The cast makes 0 of NaN.
+            // The cast makes 0 of NaN and of negative numbers.
             Some(ActionData::NumericValue(value)) => Some((value.round() as usize).min(most)),
             _ => None,
         });
@@ -170,7 +170,7 @@ fn asked_for(ui: &Ui, response: &Response, most: usize) -> Option<usize> {
     })
 }
 
-/// Shows the track; returns where it is.
+/// Shows the track; returns where it is. Without a session its place stays empty.
 pub fn show(ui: &mut Ui, context: &TimeContext<'_>, commands: &mut Vec<Command>) -> Rect {
     let palette = context.palette;
     let height = if is_for_fingers(ui.ctx()) {
@@ -179,6 +179,8 @@ pub fn show(ui: &mut Ui, context: &TimeContext<'_>, commands: &mut Vec<Command>)
         HEIGHT
     };
 
+    // Some room stays free behind the track, and a narrow window cuts it off rather than make it shorter than 80
+    // points.
     let size = vec2((ui.available_width() - 8.0).max(80.0), height);
     let (rect, response) = ui.allocate_exact_size(size, Sense::drag());
     let Some(session) = &context.run.session else {

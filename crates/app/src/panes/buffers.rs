@@ -204,7 +204,7 @@ impl RowPainter<'_> {
         self.painter.add(rings);
     }
 
-    /// Draws the selected row, or the one under the pointer, enlarged.
+    /// Outlines the marks of the selected row, or of the one under the pointer, by lines of this width.
     fn single_out(&self, spots: &[RowPlace], width: f32) {
         // The outline stands clear of the row's own mark, which stays visible.
         let stroke = Stroke::new(width, self.palette.halo);

@@ -68,7 +68,9 @@ pub fn second_title(context: &CanvasContext<'_>, side: &RunView) -> Title {
     title("B", own, other, subject.as_ref(), &side.verification)
 }
 
-/// Returns a title: the parameters in which the runs differ, the number of samples, the verdict, and the last event.
+/// Returns a title: the parameters in which the runs differ (or the seed, if none), pieces or levels of sets that have
+/// them, the engine if the other run's differs, the number of samples, the verdict, and the last event. A run that is
+/// not there yet has no parameters, samples and event.
 fn title(
     letter: &'static str,
     own: Option<&Session>,

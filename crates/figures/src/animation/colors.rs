@@ -52,7 +52,7 @@ impl Indexed {
         counted.sort_by_key(|&(color, count)| (std::cmp::Reverse(count), color));
         let kept: Vec<Rgb> = counted.iter().take(room).map(|(color, _)| *color).collect();
 
-        let index: HashMap<Rgb, u8> = (counted.iter().enumerate())
+        let by_color: HashMap<Rgb, u8> = (counted.iter().enumerate())
             .map(|(place, &(color, _))| match u8::try_from(place) {
                 Ok(index) if place < room => (color, index),
                 // A colour that did not fit takes the nearest one that did.
@@ -64,7 +64,7 @@ impl Indexed {
         let transparent = some_stay.then_some(kept.len() as u8);
         let index_of = |(pixel, stays): (&[u8], &bool)| match transparent {
             Some(transparent) if *stays => transparent,
-            _ => index[&on_white(pixel)],
+            _ => by_color[&on_white(pixel)],
         };
 
         let indices = pixels().map(index_of).collect();

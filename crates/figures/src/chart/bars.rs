@@ -138,7 +138,7 @@ impl BarChart {
             let lines = ticks
                 .values
                 .iter()
-                .map(|value| [y, end].map(|y| DVec2::new(bar_scale.at(*value), y)));
+                .map(|value| [y, end].map(|edge| DVec2::new(bar_scale.at(*value), edge)));
             drawn.shapes.push(Shape::Segments {
                 segments: lines.collect(),
                 stroke: Stroke::new(palette.line, 0.6),

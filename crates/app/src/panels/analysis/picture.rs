@@ -55,6 +55,7 @@ pub fn show(
             .picture_reach
             .map(|half| (2.0 * half * per_nu) as f32);
         let cells = Rect::from_center_size(rect.center(), vec2(size[0], size[1]));
+        // A chosen share of the opacity, at which the shades of another moment are still told apart.
         let tint = Color32::WHITE.gamma_multiply(if faded { 0.35 } else { 1.0 });
         let id = Id::unique(("periodogram of the moment", run));
         let texture = texture_of(ui, id, spectrum, TextureOptions::NEAREST, image);

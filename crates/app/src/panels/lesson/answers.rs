@@ -187,7 +187,8 @@ impl Answers<'_> {
         on_click(&button, &word.id, &word.change, commands);
     }
 
-    /// Shows the field for a number.
+    /// Shows the field for a number, with `label` in it while it is empty and `unit` behind it. Enter in it answers the
+    /// question.
     fn field(&self, ui: &mut Ui, label: &str, unit: &str, commands: &mut Vec<Command>) {
         ui.horizontal(|ui| {
             let mut text = self.open.draft.text().to_owned();
