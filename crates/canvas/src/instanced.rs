@@ -299,7 +299,8 @@ impl InstancedCanvas {
         moving && is_thinned
     }
 
-    /// Returns whether a layer of the view that `camera` has in `rect` would be drawn as points of one pixel.
+    /// Returns whether a layer of the view that `camera` has in `rect` would be drawn as points of one pixel, once the
+    /// view is at rest.
     #[must_use]
     pub fn shows_points(
         &self,

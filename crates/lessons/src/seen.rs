@@ -153,7 +153,7 @@ fn named(gate: &Gate, question: &Question, scene: &Scene) -> Result<Vec<Named>, 
     Ok(named)
 }
 
-/// Returns which thing is nearer to the domain's border than allowed.
+/// Returns which thing is nearer to the domain's border than allowed, if one is.
 fn near_the_border(named: &[Named], scene: &Scene) -> Option<String> {
     let size = size(scene);
     let room = |at: [f64; 2]| {
@@ -161,9 +161,9 @@ fn near_the_border(named: &[Named], scene: &Scene) -> Option<String> {
         sides.into_iter().fold(f64::INFINITY, f64::min)
     };
     let near = named.iter().find(|thing| room(thing.at) < MIN_ROOM)?;
-    let (name, room) = (&near.name, room(near.at));
+    let (name, found) = (&near.name, room(near.at));
     Some(format!(
-        "{name} is {room:.2} r from the domain's border; it must be {MIN_ROOM} r, so that all around it is drawn"
+        "{name} is {found:.2} r from the domain's border; it must be {MIN_ROOM} r, so that all around it is drawn"
     ))
 }
 
@@ -184,9 +184,9 @@ fn near_the_edge(
     };
 
     let near = named.iter().find(|thing| room(thing.at) < needed)?;
-    let (name, room) = (&near.name, room(near.at));
+    let (name, found) = (&near.name, room(near.at));
     Some(format!(
-        "{name} is {room:.2} r from the edge of a canvas of {width} x {height}; it must be {needed:.2} r"
+        "{name} is {found:.2} r from the edge of a canvas of {width} x {height}; it must be {needed:.2} r"
     ))
 }
 

@@ -77,6 +77,7 @@ const ESTIMATED_FROM: (f32, f64) = (0.02, 2.0);
 fn time_left(ui: &Ui, name: &str, fraction: f32) -> Option<String> {
     let id = Id::unique("time left").with(name);
     let now = ui.input(|input| input.time);
+    // The time when the work was first shown, how far it was then, and how far it was when it was last shown.
     let seen: Option<(f64, f32, f32)> = ui.data(|data| data.get_temp(id));
     // Work that is less far than before is another one.
     let (start, first) = match seen {

@@ -134,7 +134,8 @@ pub fn show(ui: &mut Ui, context: &FormContext<'_>, commands: &mut Vec<Command>)
     });
 }
 
-/// Shows a labelled line; `add` shows the field and receives the label's id.
+/// Shows a labelled line; `add` shows the field and receives the label's id. Returns the label, whose drags may change
+/// the field.
 pub(super) fn labelled(
     ui: &mut Ui,
     (name, meaning): (&str, &str),

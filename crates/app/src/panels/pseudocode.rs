@@ -228,7 +228,8 @@ fn show_line(
         GUTTER
     };
     let indent = gutter_width + 10.0 * line.indentation as f32;
-    // Each line keeps the room for a remark, so that its text does not wrap anew when it has one.
+    // Each line keeps the room for a remark, so that its text does not wrap anew when it has one. In a narrow panel 40
+    // points, a chosen number, are left for the text.
     let width = (ui.available_width() - indent - 8.0 - TAG).max(40.0);
     // Lines that neither ran last nor run next are a little paler.
     let color = if tag.is_some() {

@@ -328,7 +328,7 @@ fn witnesses(ui: &mut Ui, verdict: Option<&Verdict>, commands: &mut Vec<Command>
     });
 }
 
-/// Shows whether a set is conflict-free and maximal.
+/// Shows whether a set is conflict-free and maximal; dashes without a report.
 fn properties(ui: &mut Ui, report: Option<&Report>, palette: &Palette) {
     let free = report.map(|r| (r.conflict_free(), conflicts_in(r)));
     property(
