@@ -195,7 +195,8 @@ fn parting(
     primary_button(ui, "Go there in both", refusal, palette).issues("compare.go", command, own);
 }
 
-/// Returns sentences on where two runs diverge: how many events are the same, then how each run goes on.
+/// Returns sentences on where two runs diverge: how many events are the same, or at which stage or domain they differ,
+/// then what each run has or does there.
 fn description(divergence: &Divergence) -> Vec<String> {
     match divergence {
         Divergence::Same => {

@@ -35,7 +35,8 @@ pub fn height(context: &TimeContext<'_>) -> f32 {
         .map_or(0.0, |_| f32::from(curve.height) + APART)
 }
 
-/// Shows the curve in `room`, above a track that is at `track`.
+/// Shows the curve in `room`, above a track that is at `track`; nothing while no number is chosen or there is no
+/// session.
 pub fn show(
     ui: &mut Ui,
     context: &TimeContext<'_>,

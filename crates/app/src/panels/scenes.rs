@@ -213,6 +213,7 @@ fn caption_field(
 }
 
 /// Shows the moment of a scene in this run. If the scene was made in another run, the tooltip names its event there.
+/// Returns the link to the moment, or the text that says that this run lacks it.
 fn moment(
     ui: &mut Ui,
     debugger: &Debugger,

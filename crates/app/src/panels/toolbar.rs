@@ -159,7 +159,7 @@ fn export_progress(ui: &mut Ui, state: &State, commands: &mut Vec<Command>) {
     let text = format!("Exporting {:.0}%", 100.0 * fraction);
     ui.label(RichText::new(ui.words(text)).color(palette.candidate))
         .known_as("export-chip");
-    // The export itself draws no frames.
+    // The export itself draws no frames. Ten in a second, a chosen number, keep the percentage up to date.
     ui.ctx()
         .request_repaint_after(std::time::Duration::from_millis(100));
 }
@@ -383,7 +383,8 @@ fn entries(ui: &mut Ui, part: &[Action], commands: &mut Vec<Command>) {
 /// Side of a check mark, in screen points.
 const MARK: f32 = 12.0;
 
-/// Shows an entry of a menu: an action with its mark and its keys.
+/// Shows an entry of a menu: an action with its mark and its keys. `has_marks` says that an entry beside it can have a
+/// mark.
 fn entry(ui: &mut Ui, action: &Action, has_marks: bool, commands: &mut Vec<Command>) {
     // Where fingers are used there are no keys to press.
     let shortcut = action.shortcut.filter(|_| !is_for_fingers(ui.ctx()));

@@ -235,7 +235,8 @@ fn add_ring(mesh: &mut Mesh, stamp: Stamp, at: Pos2, color: Color32) {
     mesh.add_rect_with_uv(rect, tilescope_canvas::UNIT, color);
 }
 
-/// Adds the border of a square, with a background if it is emphasised; small ones are filled.
+/// Adds the border of a square, with a background if it is to look `strong`; small ones are filled. Widths and
+/// opacities are chosen.
 fn add_square(mesh: &mut Mesh, rect: Rect, color: Color32, strong: bool) {
     let width = if strong { 1.5 } else { 1.0 };
     let inner = rect.shrink(0.25);

@@ -55,8 +55,9 @@ pub fn handle(
     response.hover_pos().filter(|_| touch.hand == Hand::Mouse)
 }
 
-/// Opens the panel of the selection. In a small window it would cover a part of the canvas, so it waits until a double
-/// tap, which flies to the block, is no longer possible.
+/// Opens the panel of the selection, if a click or a tap of this frame (`is_picked`) or of one before has set it. In a
+/// small window it would cover a part of the canvas, so it waits until a double tap, which `flies` to the block, is no
+/// longer possible.
 fn inspect_later(
     ui: &Ui,
     response: &Response,
@@ -97,7 +98,7 @@ fn inspect_later(
     }
 }
 
-/// Pans and zooms: two fingers about their middle, the wheel about the pointer.
+/// Pans, by a drag or by two fingers, and zooms: two fingers about their middle, the wheel about the pointer.
 fn move_view(
     ui: &Ui,
     response: &Response,

@@ -163,8 +163,8 @@ impl Slide<'_> {
         }
 
         if let Some(fault) = &self.open.fault {
-            let fault = ui.words(fault.to_string());
-            let sentence = format!("{} {fault}.", self.labels.cannot_show);
+            let why = ui.words(fault.to_string());
+            let sentence = format!("{} {why}.", self.labels.cannot_show);
             let text = RichText::new(sentence).size(SIZE);
             ui.add(Label::new(text).wrap()).known_as("stage-fault");
         }
