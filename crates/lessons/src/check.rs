@@ -174,8 +174,8 @@ fn runs_asked(lesson: &Lesson, seeds: usize) -> Vec<(Option<u64>, usize, Purpose
     asked
 }
 
-/// Checks a lesson over at most `seeds` seeds of each question. `go_on` is called before each run, with the share that is
-/// done; if it returns false the check ends.
+/// Checks a lesson over at most `seeds` seeds of each question. `runs` makes the runs, which `observer` watches.
+/// `go_on` is called before each run, with the share that is done; if it returns false the check ends.
 ///
 /// # Errors
 ///

@@ -234,7 +234,7 @@ impl Field {
         }
     }
 
-    /// Returns the number of seeds `first..last`, both included.
+    /// Returns the seeds of `first..last`, both included, or the error for none or more than [`MAX_SEEDS`].
     pub fn seeds(&self) -> Result<std::ops::RangeInclusive<u64>, LessonError> {
         // The word "seeds" may be left out.
         let after = self.value.strip_prefix("seeds");

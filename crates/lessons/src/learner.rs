@@ -170,8 +170,8 @@ impl Learner {
         self.attempt.is_taken
     }
 
-    /// Begins to practise the question with another run, if it can be practised. `draw` is any number that chooses the
-    /// seed.
+    /// Begins to practise the question with another run, if it can be practised, and returns whether it can. `draw` is
+    /// any number that chooses the seed.
     pub fn practise(&mut self, draw: u64) -> bool {
         let Some(seeds) = self.seeds() else {
             return false;
@@ -210,7 +210,8 @@ impl Learner {
         }
     }
 
-    /// Takes the run of the step, at a time in seconds, and asks the step's question.
+    /// Takes the run of the step, at a time in seconds, and asks the step's question. A run that lacks the moment, or a
+    /// run of practice in which a part of the question is out of sight, is not taken.
     ///
     /// # Errors
     ///

@@ -92,7 +92,7 @@ struct SpokenFocus {
 }
 
 impl SpokenFocus {
-    /// Returns the description of the focused node; `None` for the window itself.
+    /// Returns the description of the focused node; `None` for the window itself, and for a node that the tree lacks.
     fn of(tree: &TreeUpdate) -> Option<Self> {
         let root = tree.tree.as_ref().map(|tree| tree.root);
         // The root has the focus when no widget has it.

@@ -142,8 +142,8 @@ fn title(figure: &Figure, palette: &Palette) -> Group {
     group
 }
 
-/// Adds a row of tiles whose upper end is `top`, and returns its lower end. Tiles of a given side stand side by side from
-/// `first_tile` on.
+/// Adds a row of tiles whose upper end is `top`, and returns its lower end, or the error for a row with other panels or
+/// for a tile that cannot be drawn. Tiles of a given side stand side by side from `first_tile` on.
 fn tile_row(
     row: &[&Panel],
     first_tile: f64,
