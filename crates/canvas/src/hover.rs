@@ -76,11 +76,11 @@ fn pointed_at(subject: &Subject<'_>, rect: Rect, pointer: Pos2) -> Option<Named>
 
     // Inside a gap the gap is named, unless the pointer is on the symbol of a sample.
     let on_sample = hovered.is_some_and(|(_, at)| at.distance(pointer) <= ON_SAMPLE);
-    if let Some((gap, reach)) = gap(subject, position).filter(|_| !on_sample) {
+    if let Some((described, reach)) = gap(subject, position).filter(|_| !on_sample) {
         let on_screen = reach * subject.camera.scale as f32;
         return Some(Named {
             brief: "Gap".to_owned(),
-            full: gap,
+            full: described,
             at: pointer,
             reach: on_screen.clamp(NEAREST, MAX_DISTANCE),
         });
