@@ -65,7 +65,7 @@ pub const LENGTHS: [&str; 6] = ["distance", "place_x", "place_y", "x", "y", "sea
 #[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
 pub enum ExpressionError {
     /// It is too long.
-    #[error("the expression has {length} bytes, more than {maximum}")]
+    #[error("the expression has {length} characters, more than {maximum}")]
     TooLong {
         /// How many characters it has.
         length: usize,

@@ -561,9 +561,9 @@ impl Now {
         found.map(sample_or_unit)
     }
 
-    /// Returns the event at which elimination takes a sample, or at which it arrives in exact tiling; `usize::MAX` if
+    /// Returns the event at which elimination takes a sample, or at which it arrives in exact tiling; `None` if
     /// there is none.
-    fn turn_of(&self, s: u32) -> usize {
+    fn turn_of(&self, s: u32) -> Option<usize> {
         let is_exact = self.recording.is_exact();
         let takes = |event: &usize| {
             let event = self.recording.event(*event);
@@ -578,7 +578,7 @@ impl Now {
             .events_of(s)
             .iter()
             .map(|&event| event as usize);
-        events.find(takes).unwrap_or(usize::MAX)
+        events.find(takes)
     }
 
     /// Returns the nearest place on an edge of a block, and its distance, in r.
@@ -679,8 +679,8 @@ fn register_samples(engine: &mut Engine, now: &Arc<Now>) {
         "inserted": |now, s: i64| now.is_inserted(s);
         "own": |now, s: i64| matches!(now.origin(s), Some(Origin::Tiled { own: true, .. }));
         "marked": |now, s: i64| now.is_marked(s);
-        // Lessons count events from 1.
-        "turn": |now, s: i64| now.turn_of(id(s)).saturating_add(1) as i64;
+        // Lessons count events from 1. A sample that none takes has -1, on every machine.
+        "turn": |now, s: i64| now.turn_of(id(s)).map_or(-1, |event| event as i64 + 1);
         "first_unsure": |now| now.first_unsure();
         "unsure": |now, s: i64| now.unsure(s);
         "position": |now, s: i64| maybe(now.point(s).map(place));

@@ -22,7 +22,7 @@ pub const MAX_STEPS: usize = 40;
 
 const DIRECTIVES: [&str; 3] = ["run", "gate", "note"];
 const FRONT_MATTER: [&str; 4] = ["title", "objective", "minutes", "form"];
-const OF_RUN: [&str; 5] = ["moment", "where", "layers", "camera", "seeds"];
+const OF_RUN: [&str; 4] = ["moment", "where", "layers", "camera"];
 /// Fields of a run that may occur several times.
 const CLAIMS: [&str; 2] = ["claim", "claim-mean"];
 /// How many minutes a lesson may say that it takes: up to two hours, as a lecture.

@@ -31,9 +31,13 @@ pub(super) fn add(list: &mut List, state: &State) {
     let second = state.runs().second.as_ref();
     // After the swap all panels show this run, so that it must be there.
     let is_ready = second.is_some_and(|(side, _)| side.session.is_some());
+    let not_ready = match second {
+        None => NO_SECOND,
+        Some(_) => "The second run is not ready yet.",
+    };
     list.add("Swap A and B", Command::Compare(CompareCommand::Swap))
         .on_key(Key::X)
-        .refused((!is_ready).then_some(NO_SECOND));
+        .refused((!is_ready).then_some(not_ready));
 
     let go = Command::Compare(CompareCommand::GoToDivergence);
     list.add("Go to the event where A and B diverge", go)

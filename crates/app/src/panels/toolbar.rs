@@ -8,6 +8,7 @@ use egui::{
 use tilescope_classroom::lesson_labels::lesson_labels;
 use tilescope_classroom::lessons::LessonCommand;
 use tilescope_drawing::palette::Palette;
+use tilescope_session::Session;
 use tilescope_session::words::{counted, grouped, significant};
 use tilescope_ui::language::Worded;
 use tilescope_ui::theme::{FINGER, is_for_fingers, semibold};
@@ -58,13 +59,7 @@ pub fn show(ui: &mut Ui, state: &State, commands: &mut Vec<Command>) {
                 (None, None) => format!("seed {}", parameters.seed),
             };
             let count = grouped(session.summary.count);
-            // The radius of nested levels may follow from their number of samples, and then has many digits.
-            let radius = match (&session.nested, &session.ground) {
-                (Some(_), _) => format!("{:.6}", parameters.radius),
-                // The lattice's r is no radius of this set, whose least and largest are named.
-                (None, Some(made)) => local_radii(made.radii),
-                (None, None) => parameters.radius.to_string(),
-            };
+            let radius = radius_text(session);
             // The timeline counts the samples of the moment, and this text those of the whole run, which it calls the result.
             let text = format!("result: {count} samples   r {radius}   {made}");
             ui.label(RichText::new(ui.words(text)).color(palette.muted))
@@ -93,6 +88,18 @@ pub fn show(ui: &mut Ui, state: &State, commands: &mut Vec<Command>) {
             }
         });
     });
+}
+
+/// Returns the radius of a run's set, or its least and largest.
+fn radius_text(session: &Session) -> String {
+    let radius = session.run().parameters.radius;
+    match (&session.nested, &session.ground) {
+        // The radius of nested levels may follow from their number of samples, and then has many digits.
+        (Some(_), _) => format!("{radius:.6}"),
+        // The lattice's r is no radius of this set, whose least and largest are named.
+        (None, Some(made)) => local_radii(made.radii),
+        (None, None) => radius.to_string(),
+    }
 }
 
 /// Returns the least and the largest radius of a field, or the one radius.
@@ -226,7 +233,7 @@ fn one_menu(ui: &mut Ui, state: &State, commands: &mut Vec<Command>) {
     if let Some(session) = &state.runs().first.session {
         let count = grouped(session.summary.count);
         let engine = &session.engine;
-        let radius = session.run().parameters.radius;
+        let radius = radius_text(session);
         let text = ui.words(format!(
             "result: {count} samples, r {radius}, engine: {engine}"
         ));

@@ -99,7 +99,10 @@ impl Differences {
     #[cfg(not(target_arch = "wasm32"))]
     pub fn settle(&mut self) {
         if let Some((key, job)) = self.work.take() {
-            self.ready = job.wait().ok().map(|difference| (key, difference));
+            match job.wait() {
+                Ok(difference) => self.ready = Some((key, difference)),
+                Err(_) => self.failed = Some(key),
+            }
         }
     }
 }

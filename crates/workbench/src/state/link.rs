@@ -178,6 +178,8 @@ impl LinkSource<'_> {
             }
             Some(combination) if combination.files > 0 => {
                 left_out.push("the combination, which has sets from files".to_owned());
+                // The moment is one of the combination that is left out.
+                content.moment = NamedMoment::End;
             }
             Some(combination) => {
                 // The typed parameters are not those of the combination. The default ones stand for them, and those of run B are given by

@@ -43,6 +43,8 @@ enum Typed {
     Watch(usize),
     Caption(usize),
     Exactly,
+    Expression,
+    White,
     CurveHeight,
 }
 
@@ -55,6 +57,8 @@ const fn typed_in(command: &Command) -> Option<Typed> {
         // A number of samples that is typed sets the radius.
         Command::Form(FormCommand::Count(_)) => Typed::Parameter(Parameter::Radius),
         Command::Form(FormCommand::Exactly(_)) => Typed::Exactly,
+        Command::Form(FormCommand::Expression(_)) => Typed::Expression,
+        Command::Form(FormCommand::White(_)) => Typed::White,
         Command::Debug(DebugCommand::Condition(index, _)) => Typed::Condition(*index),
         Command::Debug(DebugCommand::EditWatch(index, _)) => Typed::Watch(*index),
         // A border that is dragged changes the height from frame to frame.

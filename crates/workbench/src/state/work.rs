@@ -55,7 +55,9 @@ impl State {
         }
         let recipe = self.form.recipe();
         let session = self.runs.first.session.as_ref();
-        if session.is_none_or(|session| session.recipe() != recipe) {
+        // Combinations, and levels from a file, come from no recipe.
+        let is_same = |session: &Session| session.has_recipe() && session.recipe() == recipe;
+        if !session.is_some_and(|session| is_same(session)) {
             let now = self.runs.first.session.is_some().then(|| Memento::of(self));
             self.past.history.remember_live_run(command, now);
             self.start_sampling(Which::First, recipe, self.gpu.engine);

@@ -222,7 +222,9 @@ impl Slide<'_> {
         if is_revealed {
             // A question that is closed was given up or answered rightly.
             let verdict = match (learner.progress(), open.told_answer(language)) {
-                (Progress::GivenUp, Some(answer)) => format!("{} {answer}", labels.the_answer),
+                (Progress::GivenUp, answer) => {
+                    format!("{} {}", labels.the_answer, answer.unwrap_or_default())
+                }
                 _ => labels.right.to_owned(),
             };
             ui.add(Label::new(bold(verdict)).wrap())
