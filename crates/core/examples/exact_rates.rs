@@ -3,15 +3,16 @@
 //!     RAYON_NUM_THREADS=1 cargo run --release -p tilescope-core --example exact_rates -- [SIDE] [ROUNDS] [METHOD] [LEAF]
 //!
 //! SIDE is the domain's side in radii (default 1200: a million samples). METHOD, from 0 to 4, runs that one alone, which is
-//! for counting instructions.
+//! for counting instructions. METHOD 5 compares exact tiling from nothing, with its pattern and tables, with the reference
+//! sampler, for growing sets.
 
 use std::error::Error;
 use std::hint::black_box;
 use std::time::Instant;
 
 use tilescope_core::{
-    ExactPlane, Parameters, Pattern, PatternHistory, Plane, Sequential, Sweep, Unobserved,
-    WindowMaker, exact_points, exact_sample,
+    ExactPlane, Parameters, Pattern, PatternHistory, PatternSpec, Plane, Sequential, Sweep,
+    Unobserved, WindowMaker, exact_points, exact_sample, reference_sample,
 };
 
 const NAMES: [&str; 4] = [
@@ -58,6 +59,7 @@ fn main() -> Result<(), Box<dyn Error>> {
         parameters.leaf = number(3).unwrap_or(40.0);
         let count = match method as usize {
             4 => windows(&parameters, &made, rounds)?,
+            5 => from_nothing(&parameters, rounds)?,
             method => (0..rounds).try_fold(0, |_, _| whole(&parameters, &made, method))?,
         };
         println!("{count} samples");
@@ -144,6 +146,46 @@ fn windows(parameters: &Parameters, made: &Made, rounds: usize) -> Result<usize,
 
     let [exact, kdrt] = times.map(|mut times| 1e3 * median(&mut times));
     println!("  windows of {count} samples: exact {exact:.2} ms, KDRT {kdrt:.2} ms");
+    Ok(count)
+}
+
+/// Prints how long exact tiling from nothing and the reference sampler take, the medians of interleaved rounds, and returns how
+/// many samples the largest set has.
+fn from_nothing(parameters: &Parameters, rounds: usize) -> Result<usize, Box<dyn Error>> {
+    let mut count = 0;
+    for wanted in [100_000, 200_000, 300_000, 400_000, 600_000, 1_000_000_u32] {
+        // A squared radius has 0.7 samples.
+        let side = (f64::from(wanted) / 0.7).sqrt();
+        let mut times = [const { Vec::new() }; 2];
+        for seed in 0..rounds as u64 {
+            // Each seed has a pattern of its own: none is among those that were kept.
+            let parameters = Parameters {
+                width: side,
+                height: side,
+                seed: 1_000 * u64::from(wanted) + seed,
+                ..*parameters
+            };
+            let began = Instant::now();
+            let pattern = PatternSpec::for_exact(wanted.into(), parameters.seed);
+            let history = PatternHistory::of_spec(&pattern, &mut Unobserved)?;
+            let parameters = Parameters {
+                pattern,
+                ..parameters
+            };
+            count = black_box(exact_points(&parameters, &history, &mut Unobserved)?.len());
+            times[0].push(began.elapsed().as_secs_f64());
+
+            let domain = parameters.validate()?;
+            let began = Instant::now();
+            black_box(reference_sample(domain, parameters.seed, &mut Unobserved)?.len());
+            times[1].push(began.elapsed().as_secs_f64());
+        }
+        let [exact, reference] = times.map(|mut times| median(&mut times));
+        println!(
+            "{count} samples: exact {exact:.2} s, reference {reference:.2} s, ratio {:.2}",
+            exact / reference
+        );
+    }
     Ok(count)
 }
 

@@ -68,25 +68,25 @@ impl Agenda {
         let words = firsts
             .zip(0..)
             .map(|(when, index)| u64::from(when) << 32 | index);
-        sort_words(words, known.len(), &mut self.order);
+        let has_same = sort_words(words, known.len(), &mut self.order);
 
         // Those with the same first bits, which are rare, are compared as a whole.
-        let mut first = 0;
-        while first + 1 < self.order.len() {
-            let is_same = |word: &u64| word >> 32 == self.order[first] >> 32;
-            let count = self.order[first..]
-                .iter()
-                .take_while(|word| is_same(word))
-                .count();
-            if count > 1 {
-                let same = &mut self.order[first..first + count];
-                same.sort_unstable_by_key(|word| known[*word as u32 as usize]);
-            }
-            first += count;
+        if has_same {
+            self.order_same(level);
         }
         self.deciding = Some(level);
         self.done = 0;
-        known.len()
+        self.order.len()
+    }
+
+    /// Puts what has the same first bits in order.
+    #[cold]
+    fn order_same(&mut self, level: u32) {
+        let known = &self.levels[level as usize];
+        let is_same = |a: &u64, b: &u64| a >> 32 == b >> 32;
+        for same in self.order.chunk_by_mut(is_same) {
+            same.sort_unstable_by_key(|word| known[*word as u32 as usize]);
+        }
     }
 
     /// Returns whether nothing is known to arrive with a level and those after it.
@@ -95,17 +95,40 @@ impl Agenda {
     }
 
     /// Returns what arrives next with the level.
+    #[inline]
     pub(crate) fn next(&mut self) -> Option<Arriving> {
+        if !self.sudden.is_empty() {
+            return self.next_of_both();
+        }
+        self.next_known()
+    }
+
+    /// Returns what arrives next of what was known when the level began.
+    #[inline]
+    fn next_known(&mut self) -> Option<Arriving> {
         let level = self.deciding?;
-        let known = self.order.get(self.done);
-        let known = known.map(|&entry| &self.levels[level as usize][entry as u32 as usize]);
-        let sudden = self.sudden.peek().map(|Reverse(sudden)| sudden);
+        let &word = self.order.get(self.done)?;
+        self.done += 1;
+        Some(self.levels[level as usize][word as u32 as usize])
+    }
+
+    /// Returns what arrives next, be it known when the level began or not.
+    #[inline(never)]
+    fn next_of_both(&mut self) -> Option<Arriving> {
+        let level = self.deciding?;
+        let Some(Reverse(sudden)) = self.sudden.peek() else {
+            return self.next_known();
+        };
         // A question that came up late still comes in its turn: an earlier dart has its answer first.
-        if sudden.is_some_and(|sudden| known.is_none_or(|known| sudden < known)) {
+        let is_next = self.order.get(self.done).is_none_or(|&word| {
+            let when = u64::from(sudden.dart.arrival.when());
+            when < word >> 32
+                || when == word >> 32 && *sudden < self.levels[level as usize][word as u32 as usize]
+        });
+        if is_next {
             return self.sudden.pop().map(|Reverse(sudden)| sudden);
         }
-        self.done += 1;
-        known.copied()
+        self.next_known()
     }
 }
 
@@ -115,8 +138,8 @@ const LEVEL_BITS: u32 = 2 + 26 + 32;
 /// Puts words of one level, as [`Agenda::begin`] makes them, into `out` in ascending order.
 ///
 /// Ranks are uniform draws: one pass puts each word about where it belongs, and few are left to be moved past each other. That
-/// takes a quarter of the instructions of a sort that only compares.
-fn sort_words(words: impl Iterator<Item = u64> + Clone, count: usize, out: &mut Vec<u64>) {
+/// takes a quarter of the instructions of a sort that only compares. Returns whether two words have the same upper half.
+fn sort_words(words: impl Iterator<Item = u64> + Clone, count: usize, out: &mut Vec<u64>) -> bool {
     // As many buckets as words, or up to twice as many.
     let bits = count.next_power_of_two().ilog2();
     let bucket = |word: u64| ((word & ((1 << LEVEL_BITS) - 1)) >> (LEVEL_BITS - bits)) as usize;
@@ -140,6 +163,7 @@ fn sort_words(words: impl Iterator<Item = u64> + Clone, count: usize, out: &mut 
         *at += 1;
     }
 
+    let mut has_same = false;
     for index in 1..count {
         let word = out[index];
         let mut at = index;
@@ -148,7 +172,10 @@ fn sort_words(words: impl Iterator<Item = u64> + Clone, count: usize, out: &mut 
             at -= 1;
         }
         out[at] = word;
+        // Of words with the same upper half, any but the first meets another one of them when it comes.
+        has_same |= at > 0 && out[at - 1] >> 32 == word >> 32;
     }
+    has_same
 }
 
 #[cfg(test)]
@@ -166,10 +193,12 @@ mod tests {
                         level << LEVEL_BITS | u64::from(drawn) << 32 | u64::from(index)
                     };
                     let mut sorted = vec![3];
-                    sort_words((0..count).map(word), count as usize, &mut sorted);
+                    let has_same = sort_words((0..count).map(word), count as usize, &mut sorted);
                     let mut expected: Vec<u64> = (0..count).map(word).collect();
                     expected.sort_unstable();
                     assert_eq!(sorted, expected);
+                    let meets = |pair: &[u64]| pair[0] >> 32 == pair[1] >> 32;
+                    assert_eq!(has_same, expected.windows(2).any(meets));
                 }
             }
         }

@@ -8,6 +8,8 @@
 
 use std::sync::{Mutex, PoisonError};
 
+use rayon::prelude::*;
+
 use crate::engine::parallel::window_maker::parts;
 use crate::lattice::{Domain, Point, R, Rect, Window};
 
@@ -34,7 +36,7 @@ impl Agreement {
     /// Returns whether each window had around itself what all windows together have there: `points`, in canonical order.
     pub(super) fn holds(&self, domain: &Domain, points: &[Point]) -> bool {
         let windows = self.windows.lock().unwrap_or_else(PoisonError::into_inner);
-        windows.iter().all(|held| {
+        windows.par_iter().all(|held| {
             let mut made = Vec::with_capacity(held.around.len());
             for strip in strips(&held.window) {
                 for part in parts(domain, &strip) {

@@ -147,7 +147,8 @@ impl MarkedCells {
         for row in rows {
             let mut marks = self.row_of(piece, row);
             for column in columns.clone() {
-                if !is_closed(column, row) {
+                // Losses lie close together, so that many cells are marked already.
+                if !marks.has(column) && !is_closed(column, row) {
                     marks.mark(column, out);
                 }
             }
@@ -221,6 +222,12 @@ struct MarkedRow<'a> {
 }
 
 impl MarkedRow<'_> {
+    /// Returns whether a cell is marked.
+    #[inline]
+    const fn has(&self, column: i32) -> bool {
+        self.marks[(column - self.first_column) as usize]
+    }
+
     /// Marks a cell, and appends it to `out` if it was not marked before.
     #[inline]
     fn mark(&mut self, column: i32, out: &mut Vec<PieceCell>) {

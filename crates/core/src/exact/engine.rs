@@ -9,7 +9,7 @@
 
 pub(super) mod recorded;
 
-use glam::{I64Vec2, IVec2};
+use glam::I64Vec2;
 
 use self::recorded::KeptLevels;
 
@@ -295,23 +295,15 @@ impl<'a> ExactTiling<'a> {
         let history = self.history;
         let ExactTile { rect, symmetry, .. } = self.tiles[tile as usize];
 
-        for waiting in history.waiting(pattern) {
-            let IVec2 { x, y } = symmetry.turn(waiting.offset);
-            let dart_place = Point::new(place.x + x, place.y + y);
-            // Outside of the tile another block has darts of its own.
-            if rect.contains(dart_place) {
-                let dart = PlacedDart {
-                    arrival: waiting.arrival,
-                    source: history.source(pattern, waiting.offset),
-                    place: self.present.in_domain(tile, dart_place),
-                };
-                self.agenda.add(dart, What::Dart(tile));
-                recorder.record(RunEvent::Wake {
-                    point: dart.place,
-                    behind,
-                });
-            }
-        }
+        // Outside of the tile another block has darts of its own.
+        history.each_waiting_in(&rect, pattern, place, symmetry, |mut dart, _| {
+            dart.place = self.present.in_domain(tile, dart.place);
+            self.agenda.add(dart, What::Dart(tile));
+            recorder.record(RunEvent::Wake {
+                point: dart.place,
+                behind,
+            });
+        });
     }
 
     /// Decides what arrives with a level, in order.

@@ -8,7 +8,7 @@ use crate::lattice::{Domain, Point, R, Rect};
 
 /// How far from the unknown late darts are thrown. Nearer, where most samples are doubtful, all late darts count as unknown,
 /// which spares following them. Of early samples farther than this fewer than one in a hundred was doubtful.
-pub(crate) const LATE_MARGIN: i32 = 3 * R;
+const LATE_MARGIN: i32 = 3 * R;
 
 /// Farther than any place of a frame with a halo is from its ends.
 const FAR: i32 = 1 << 29;
@@ -118,7 +118,8 @@ impl Ground {
     }
 
     /// Returns the part of the plane in which late darts are known, if it is not all.
-    fn late_known(&self) -> Option<Rect> {
+    #[inline]
+    pub(crate) fn late_known(&self) -> Option<Rect> {
         let Rect { min, max } = self.known?;
         Some(Rect {
             min: Point::new(min.x + LATE_MARGIN, min.y + LATE_MARGIN),

@@ -6,12 +6,12 @@ use glam::IVec2;
 
 use crate::error::SampleError;
 use crate::exact::bare::MARK_SIDE;
-use crate::exact::darts::{Arrival, PatternDarts};
+use crate::exact::darts::{Arrival, PatternDarts, PlacedDart};
 use crate::exact::filter::SampleFilter;
 use crate::grid::SampleGrid;
 use crate::lattice::{Point, R, Rect, covers_offset};
 use crate::parameters::PatternSpec;
-use crate::pattern::Pattern;
+use crate::pattern::{Pattern, Symmetry};
 use crate::progress::{Meter, Observer};
 use crate::stage::Stage;
 use crate::stages::disks::{farthest, tiling_cells};
@@ -27,33 +27,101 @@ const THROW_BITS: u32 = 3;
 #[derive(Clone, Copy)]
 struct Refused {
     rank: u32,
-    /// The x of its offset from its first blocker, and below it the throw, counted over all levels that are kept.
-    right_and_throw: i32,
-    /// The y of its offset.
-    up: i32,
+    /// From the highest bit on: how far right of its first blocker it is, counted from R to the left of that; the throw, counted
+    /// over all levels that are kept; and the highest bits of its second blocker.
+    right: u32,
+    /// How far above its first blocker it is, counted from R below that; and the other bits of its second blocker.
+    up: u32,
 }
+
+/// The bits of an offset of at most R, made positive.
+const OFFSET_BITS: u32 = 17;
+
+/// The bits beside an offset and a throw, and beside an offset.
+const SECOND_HIGH: u32 = 32 - OFFSET_BITS - THROW_BITS;
+const SECOND_LOW: u32 = 32 - OFFSET_BITS;
 
 impl Refused {
     /// Returns a dart of level 0 or 1 in the form in which it is kept.
-    fn new(arrival: Arrival, offset: IVec2) -> Self {
+    fn new(arrival: Arrival, offset: IVec2, second: SecondBlocker) -> Self {
         // Level 0 has four throws, level 1 one.
         let throw = 4 * arrival.level() + arrival.throw();
+        let positive = |at: i32| ((at + R) as u32) << SECOND_LOW;
         Self {
             rank: arrival.rank(),
-            right_and_throw: offset.x << THROW_BITS | throw as i32,
-            up: offset.y,
+            right: positive(offset.x) | throw << SECOND_HIGH | second.0 >> SECOND_LOW,
+            up: positive(offset.y) | (second.0 % (1 << SECOND_LOW)),
         }
     }
 
     #[inline]
     const fn arrival(self) -> Arrival {
-        let throw = self.right_and_throw as u32 % (1 << THROW_BITS);
+        let throw = self.right >> SECOND_HIGH & ((1 << THROW_BITS) - 1);
         Arrival::new(throw / 4, throw % 4, self.rank)
     }
 
     #[inline]
     const fn offset(self) -> IVec2 {
-        IVec2::new(self.right_and_throw >> THROW_BITS, self.up)
+        let [x, y] = [self.right, self.up];
+        IVec2::new((x >> SECOND_LOW) as i32 - R, (y >> SECOND_LOW) as i32 - R)
+    }
+
+    #[inline]
+    const fn second(self) -> SecondBlocker {
+        let high = self.right % (1 << SECOND_HIGH);
+        SecondBlocker(high << SECOND_LOW | (self.up % (1 << SECOND_LOW)))
+    }
+}
+
+/// The second sample of the pattern that covers a refused dart and arrived before it, in 27 bits: about where it lies, and the last
+/// eight bits of its number. While it is present, the dart stays refused without its first blocker.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(crate) struct SecondBlocker(u32);
+
+/// The accuracy of where a second blocker lies. Only those so near a block's border are taken for missing in vain.
+const SECOND_UNIT: i32 = 1 << SECOND_UNIT_BITS;
+const SECOND_UNIT_BITS: u32 = 7;
+
+/// The bits of an offset of less than R, made positive, to that accuracy.
+const SECOND_BITS: u32 = (2 * R as u32).ilog2() - SECOND_UNIT_BITS;
+
+impl SecondBlocker {
+    /// No sample.
+    const NONE: Self = Self(1 << (8 + 2 * SECOND_BITS));
+
+    /// How far it may be from [`Self::offset`], on each axis.
+    pub(crate) const REACH: i32 = SECOND_UNIT / 2;
+
+    /// Returns a sample at an offset from the dart.
+    fn new(sample: u32, offset: IVec2) -> Self {
+        // The longest offsets do not fit. A dart so far from its second blocker is taken to have none.
+        if offset.max_element() >= R {
+            return Self::NONE;
+        }
+        let [x, y] = [offset.x, offset.y].map(|at| ((at + R) as u32) >> SECOND_UNIT_BITS);
+        Self(x << (8 + SECOND_BITS) | y << 8 | (sample % 256))
+    }
+
+    /// Returns whether there is one.
+    #[inline]
+    pub(crate) const fn is_some(self) -> bool {
+        self.0 < Self::NONE.0
+    }
+
+    /// Returns about where it lies, counted from the dart.
+    #[inline]
+    pub(crate) const fn offset(self) -> IVec2 {
+        let mask = (1 << SECOND_BITS) - 1;
+        let (x, y) = (self.0 >> (8 + SECOND_BITS) & mask, self.0 >> 8 & mask);
+        // The middle of the places that it may have.
+        let [x, y] = [x << SECOND_UNIT_BITS, y << SECOND_UNIT_BITS];
+        IVec2::new(x as i32 + Self::REACH - R, y as i32 + Self::REACH - R)
+    }
+
+    /// Returns the last eight bits of its number.
+    #[inline]
+    pub(crate) const fn number(self) -> u32 {
+        self.0 % 256
     }
 }
 
@@ -63,6 +131,7 @@ pub(crate) struct WaitingDart {
     pub(crate) arrival: Arrival,
     /// Its offset from its first blocker.
     pub(crate) offset: IVec2,
+    pub(crate) second: SecondBlocker,
 }
 
 /// An early sample that covers all of a cell of [`MARK_SIDE`], in 4 bytes: where it lies to [`COVERING_UNIT`], and the last eight
@@ -193,9 +262,49 @@ impl PatternHistory {
             return false;
         }
         let IVec2 { x, y } = sample.lowest();
-        let lowest = Point::new(column * MARK_SIDE + x, row * MARK_SIDE + y);
-        let highest = Point::new(lowest.x + COVERING_UNIT - 1, lowest.y + COVERING_UNIT - 1);
-        inside.contains(lowest) && inside.contains(highest) && !missing.may_have(sample.0)
+        // Unsigned, an offset to the left or below is far too long. All places that the sample may have must lie inside.
+        let right = (column * MARK_SIDE + x - inside.min.x) as u32;
+        let up = (row * MARK_SIDE + y - inside.min.y) as u32;
+        let within = |extent: i32| (extent - COVERING_UNIT + 1).max(0) as u32;
+        right < within(inside.width())
+            && up < within(inside.height())
+            && !missing.may_have(sample.0)
+    }
+
+    /// Returns the dart that a sample of the pattern is, where a domain has it.
+    #[inline]
+    pub(crate) fn dart(&self, sample: u32, place: Point) -> PlacedDart {
+        PlacedDart {
+            arrival: self.arrival(sample),
+            source: self.pattern.samples()[sample as usize],
+            place,
+        }
+    }
+
+    /// Calls `visit` with the darts of levels 0 and 1 whose first blocker is a sample of the pattern, and which lie in a rectangle.
+    /// The sample lies at `place`, where the pattern is turned by `symmetry`; the darts have their places there, and come with
+    /// their second blockers.
+    #[inline]
+    pub(crate) fn each_waiting_in(
+        &self,
+        rect: &Rect,
+        sample: u32,
+        place: Point,
+        symmetry: Symmetry,
+        mut visit: impl FnMut(PlacedDart, SecondBlocker),
+    ) {
+        for waiting in self.waiting(sample) {
+            let IVec2 { x, y } = symmetry.turn(waiting.offset);
+            let place = Point::new(place.x + x, place.y + y);
+            if rect.contains(place) {
+                let dart = PlacedDart {
+                    arrival: waiting.arrival,
+                    source: self.source(sample, waiting.offset),
+                    place,
+                };
+                visit(dart, waiting.second);
+            }
+        }
     }
 
     /// Returns the place in the pattern at an offset, of at most R, from one of its samples.
@@ -239,6 +348,7 @@ impl PatternHistory {
         self.refused[first..end].iter().map(|refused| WaitingDart {
             arrival: refused.arrival(),
             offset: refused.offset(),
+            second: refused.second(),
         })
     }
 }
@@ -291,21 +401,32 @@ fn blocked(
 
                 let mut first: Option<u32> = None;
                 // The closure returns `false`, so that all samples near are compared.
+                let mut second: Option<u32> = None;
                 grid.any_near(place, R, |near| {
-                    let is_earlier = first.is_none_or(|id| order(near.id) < order(id));
-                    if is_earlier && covers_offset(near.offset) {
-                        first = Some(near.id);
+                    let is_before =
+                        |other: Option<u32>| other.is_none_or(|id| order(near.id) < order(id));
+                    if covers_offset(near.offset) {
+                        if is_before(first) {
+                            (first, second) = (Some(near.id), first);
+                        } else if is_before(second) {
+                            second = Some(near.id);
+                        }
                     }
                     false
                 });
 
                 // Every place is covered by a sample. If the dart became a sample, the first that covers it is itself.
                 let blocker = first.expect("the pattern is maximal");
-                if order(blocker) != (arrival, place.row_major()) {
-                    let offset = pattern
-                        .domain()
-                        .difference(samples[blocker as usize], place);
-                    blocked.push((blocker, Refused::new(arrival, offset)));
+                let own = (arrival, place.row_major());
+                if order(blocker) != own {
+                    let domain = pattern.domain();
+                    let offset = domain.difference(samples[blocker as usize], place);
+                    // A later sample would not have refused it.
+                    let second = second.filter(|&id| order(id) < own);
+                    let second = second.map_or(SecondBlocker::NONE, |id| {
+                        SecondBlocker::new(id, domain.difference(place, samples[id as usize]))
+                    });
+                    blocked.push((blocker, Refused::new(arrival, offset, second)));
                 }
             }
             meter.tick()?;
@@ -337,7 +458,7 @@ mod tests {
             let history = history(side, boundary);
             let domain = history.pattern.domain();
             let samples = history.pattern.samples();
-            let mut waiting = Vec::new();
+            let (mut waiting, mut seconds) = (Vec::new(), 0);
             for (id, sample) in (0..).zip(samples) {
                 for dart in history.waiting(id) {
                     let source = history.source(id, dart.offset);
@@ -346,8 +467,25 @@ mod tests {
                     let covering = (0..)
                         .zip(samples)
                         .filter(|(_, p)| domain.covers(**p, source));
-                    let first = covering.map(|(other, _)| history.arrival(other)).min();
+                    let first = covering
+                        .clone()
+                        .map(|(other, _)| history.arrival(other))
+                        .min();
                     assert_eq!(first, Some(history.arrival(id)));
+
+                    // The second one is about where it is said to be, and there is none only if it would lie R away.
+                    let rest = covering.clone().filter(|(other, _)| *other != id);
+                    let earlier = rest.filter(|(other, _)| history.arrival(*other) < dart.arrival);
+                    let second = earlier.min_by_key(|(other, _)| history.arrival(*other));
+                    let far = second
+                        .is_none_or(|(_, at)| domain.difference(source, *at).max_element() == R);
+                    assert_eq!(!dart.second.is_some(), far);
+                    if let (true, Some((other, at))) = (dart.second.is_some(), second) {
+                        let away = domain.difference(source, *at) - dart.second.offset();
+                        assert!(away.abs().max_element() <= SecondBlocker::REACH);
+                        assert_eq!(dart.second.number(), other % 256);
+                        seconds += 1;
+                    }
                     waiting.push((dart.arrival, source.row_major()));
                 }
             }
@@ -364,7 +502,7 @@ mod tests {
             };
             let refused = thrown.iter().filter(|dart| !is_sample(dart));
             let mut refused: Vec<_> = refused.map(|(a, p)| (*a, p.row_major())).collect();
-            assert!(refused.len() > 500);
+            assert!(refused.len() > 500 && seconds * 3 > refused.len());
             refused.sort_unstable();
             waiting.sort_unstable();
             assert_eq!(waiting, refused);
@@ -379,8 +517,11 @@ mod tests {
         // The longest offsets fit, too.
         for offset in [IVec2::new(R, 0), IVec2::new(-R, 0), IVec2::new(3, -R)] {
             for arrival in [Arrival::new(1, 0, u32::MAX), Arrival::new(0, 3, 7)] {
-                let packed = Refused::new(arrival, offset);
-                assert_eq!((packed.offset(), packed.arrival()), (offset, arrival));
+                for second in [SecondBlocker::NONE, SecondBlocker::new(700, offset / 2)] {
+                    let packed = Refused::new(arrival, offset, second);
+                    assert_eq!((packed.offset(), packed.arrival()), (offset, arrival));
+                    assert_eq!(packed.second(), second);
+                }
             }
         }
         // A sample that covers a cell of several rows is less than R left or right of its lowest place.

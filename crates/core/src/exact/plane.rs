@@ -297,4 +297,64 @@ mod tests {
             assert!(differing[2] > 20 && differing[3] > 0, "{differing:?}");
         }
     }
+
+    /// Counts something by how far from the border it lies, in halves of R.
+    fn count_depth(counts: &mut [u32; 24], depth: i32) {
+        counts[(2 * depth / R) as usize] += 1;
+    }
+
+    /// The evidence for the widths of halos: how far from the end of what is known samples differ from those of the whole, and
+    /// how far from it they are in doubt, by half radii. Both must end before the halo does, by r where windows are compared.
+    #[test]
+    #[ignore = "takes long: tests/run --slow runs it"]
+    fn what_is_unknown_reaches_less_far_than_a_halo() {
+        let (mut differing, mut doubtful, mut border) = ([0; 24], [0; 24], 0);
+        for (seed, leaf) in (0..12).zip([7.0, 20.0, 40.0].into_iter().cycle()) {
+            let parameters = Parameters {
+                width: 480.0,
+                height: 480.0,
+                radius: 1.0,
+                leaf,
+                seed,
+                dihedral: seed % 2 == 1,
+                ..Parameters::default()
+            };
+            let history = PatternHistory::of_spec(&parameters.pattern, &mut Unobserved).unwrap();
+            let points = exact_points(&parameters, &history, &mut Unobserved).unwrap();
+            let all: std::collections::HashSet<Point> = points.iter().copied().collect();
+            let plane = ExactPlane::new(&parameters, &history).unwrap();
+            let mut tiling = SeamTiling::new(&history);
+
+            for window in pieces(&plane.domain.rect(), 24 * R) {
+                border += 4 * 24;
+                // A window without a halo.
+                tiling
+                    .run(&plane.clipper, Ground::alone(&plane.domain, &window, 0))
+                    .unwrap();
+                let (with_tags, mut made) = (false, WindowSamples::default());
+                tiling.emit(&plane.clipper, with_tags, &mut made, None);
+                let made: std::collections::HashSet<Point> = made.points.into_iter().collect();
+                let there = points.iter().filter(|point| window.contains(**point));
+                let lacking = there.filter(|point| !made.contains(point));
+                for point in made.difference(&all).chain(lacking) {
+                    count_depth(&mut differing, window.depth(*point));
+                }
+
+                let ground = Ground::around(&plane.domain, &window, 0);
+                let frame = ground.rect();
+                tiling.run(&plane.clipper, ground).unwrap();
+                for place in tiling.doubtful_places() {
+                    count_depth(&mut doubtful, frame.depth(place));
+                }
+            }
+        }
+
+        println!("{border} r of border: {differing:?} differ, {doubtful:?} in doubt");
+        let deepest = |counts: &[u32; 24]| counts.iter().rposition(|count| *count > 0).unwrap();
+        let (differing, doubtful) = (deepest(&differing), deepest(&doubtful));
+        assert!(differing < 2 * (ALONE_HALO as usize - 1), "{differing}");
+        assert!(doubtful < 2 * HALO as usize, "{doubtful}");
+        // Control: narrow halos would not do.
+        assert!(differing > 4 && doubtful > 6, "{differing} {doubtful}");
+    }
 }

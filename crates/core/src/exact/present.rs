@@ -141,11 +141,10 @@ impl<'a> PresentSamples<'a> {
     /// Returns the dart that a sample is.
     pub(crate) fn dart(&self, sample: &ArrivedSample) -> PlacedDart {
         match sample.pattern() {
-            Some(pattern) => PlacedDart {
-                arrival: self.history.arrival(pattern),
-                source: self.history.pattern().samples()[pattern as usize],
-                place: self.in_domain(sample.tile, sample.place),
-            },
+            Some(pattern) => {
+                let place = self.in_domain(sample.tile, sample.place);
+                self.history.dart(pattern, place)
+            }
             None => self.inserted[(sample.number - FIRST_INSERTED) as usize],
         }
     }

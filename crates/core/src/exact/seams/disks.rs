@@ -330,48 +330,65 @@ impl DiskLists {
         halves: [[[i32; 2]; 2]; 2],
         latest: u32,
     ) -> [u32; 2] {
-        let certain = self.quarters(simd, cell, halves, latest, DOUBTFUL - 1);
         // Nearly all samples are certain.
-        if certain == ALL_QUARTERS || !self.has_doubtful {
+        if !self.has_doubtful {
+            return [self.quarters::<S, false>(simd, cell, halves, latest), 0];
+        }
+        let certain = self.quarters::<S, true>(simd, cell, halves, latest);
+        if certain == ALL_QUARTERS {
             return [certain, 0];
         }
-        let all = self.quarters(simd, cell, halves, latest, u32::MAX);
+        let all = self.quarters::<S, false>(simd, cell, halves, latest);
         [certain, all & !certain]
     }
 
-    /// Returns a bit for each quarter that one sample with a `when` of at most `latest` and an id of at most `last_id` covers.
+    /// Returns a bit for each quarter that one sample with a `when` of at most `latest` covers; of doubtful ones none if only
+    /// those that are `CERTAIN` count.
     #[inline(always)]
-    fn quarters<S: Simd>(
+    fn quarters<S: Simd, const CERTAIN: bool>(
         &self,
         simd: S,
         cell: usize,
         [[left, right], [bottom, top]]: [[[i32; 2]; 2]; 2],
         latest: u32,
-        last_id: u32,
     ) -> u32 {
-        let mut covered = 0;
+        let too_far = i32x8::splat(simd, R + 1);
+        // How far beyond R the nearest sample has the farthest place of each quarter, as differences of squares. They are looked
+        // at once, behind the last group: most cells have two groups, and whether the first one suffices cannot be foreseen.
+        let mut beyond = [i32x8::splat(simd, i32::MAX); 4];
         let mut index = self.cells[cell].first as usize;
         while index != 0 {
             let group = &self.groups[index];
             let whens = u32x8::simd_from(simd, group.whens);
-            let ids = u32x8::simd_from(simd, group.ids);
-            let early = whens.simd_le(u32x8::splat(simd, latest))
-                & ids.simd_le(u32x8::splat(simd, last_id));
+            let mut counts = whens.simd_le(u32x8::splat(simd, latest));
+            if CERTAIN {
+                let ids = u32x8::simd_from(simd, group.ids);
+                counts &= ids.simd_lt(u32x8::splat(simd, DOUBTFUL));
+            }
+
             let xs = i32x8::simd_from(simd, group.xs);
             let ys = i32x8::simd_from(simd, group.ys);
-            let (left, right) = (farther(simd, xs, left), farther(simd, xs, right));
-            let (bottom, top) = (farther(simd, ys, bottom), farther(simd, ys, top));
-
-            let bit =
-                |near: mask32x8<S>, quarter: u32| u32::from((near & early).any_true()) << quarter;
-            covered |= bit(are_within(simd, left, bottom), 0)
-                | bit(are_within(simd, right, bottom), 1)
-                | bit(are_within(simd, left, top), 2)
-                | bit(are_within(simd, right, top), 3);
-            if covered == ALL_QUARTERS {
-                break;
+            // Samples that do not count are too far to the left and to the right.
+            let across = |half| {
+                let across = counts.select(farther(simd, xs, half), too_far).min(too_far);
+                across * across - R_SQUARED as i32
+            };
+            let up = |half| {
+                let up = farther(simd, ys, half).min(too_far);
+                up * up
+            };
+            let (left, right, bottom, top) = (across(left), across(right), up(bottom), up(top));
+            let of_group = [left + bottom, right + bottom, left + top, right + top];
+            for (beyond, of_group) in beyond.iter_mut().zip(of_group) {
+                *beyond = beyond.min(of_group);
             }
             index = self.nexts[index] as usize;
+        }
+
+        let mut covered = 0;
+        for (quarter, beyond) in (0..).zip(beyond) {
+            let is_covered = beyond.simd_le(i32x8::splat(simd, 0)).any_true();
+            covered |= u32::from(is_covered) << quarter;
         }
         covered
     }

@@ -6,7 +6,7 @@ use crate::engine::parallel::clip::Clipper;
 use crate::exact::agenda::What;
 use crate::exact::darts::Arrival;
 use crate::exact::history::LATE_LEVEL;
-use crate::exact::seams::SeamTiling;
+use crate::exact::seams::{Fate, SeamTiling};
 use crate::lattice::{Point, R, Rect, Rect64, covers_offset};
 
 /// Places in which darts that are not thrown may have become samples: only a doubtful sample covers all of them.
@@ -23,6 +23,13 @@ impl SeamTiling<'_> {
         let window = &self.ground.frame.window;
         let meets = |zone: &Zone| Rect64::from(zone.rect).within(window).is_some();
         self.doubtful.iter().any(|place| window.contains(*place)) || self.zones.iter().any(meets)
+    }
+
+    /// Returns where doubtful samples are, and the lowest places of zones.
+    #[cfg(test)]
+    pub(in crate::exact) fn doubtful_places(&self) -> impl Iterator<Item = Point> {
+        let zones = self.zones.iter().map(|zone| zone.rect.min);
+        self.doubtful.iter().copied().chain(zones)
     }
 
     /// Returns whether a late dart that is not thrown may cover a sample of the pattern.
@@ -59,6 +66,10 @@ impl SeamTiling<'_> {
     #[inline(never)]
     pub(super) fn doubt(&mut self, id: u32) -> bool {
         self.doubt_inserted(id);
+        let sample = &self.samples[id as usize];
+        let (place, is_lost) = (sample.place, false);
+        self.fates
+            .add(sample.tile, sample.number, Fate { place, is_lost });
         self.release(id);
         true
     }

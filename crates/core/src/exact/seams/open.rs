@@ -8,8 +8,8 @@ use crate::exact::agenda::What;
 use crate::exact::bare::{MARK_SIDE, PieceCell};
 use crate::exact::darts::{Arrival, DrawnDart, LANES, PlacedDart};
 use crate::exact::pieces::SourcePiece;
-use crate::exact::seams::SeamTiling;
 use crate::exact::seams::disks::{ALL_QUARTERS, Coverage};
+use crate::exact::seams::{SeamTiling, in_domain};
 use crate::lattice::{Point, R, Rect};
 
 /// A cell of the pattern in a piece. Its side goes with the level.
@@ -122,18 +122,24 @@ impl SeamTiling<'_> {
             (min.x + half).clamp(bounds.min.x, bounds.max.x - 1),
             (min.y + half).clamp(bounds.min.y, bounds.max.y - 1),
         );
-        let cell = self.whole_cell(clipper, middle, tile);
+        let cell = self.disks.cell(middle);
         let latest = Arrival::new(from.level(), 0, 0).when() - 1;
         let halves = [xs, ys];
-        let [covered, doubtful] = self.disks.covered_quarters(simd, cell, halves, latest);
-        if covered == ALL_QUARTERS {
-            return;
+        let mut quarters = self.disks.covered_quarters(simd, cell, halves, latest);
+        // Samples deep in the block are listed only where those near the border do not cover all of the cell.
+        if quarters[0] != ALL_QUARTERS && self.make_whole(clipper, cell, middle, tile) {
+            quarters = self.disks.covered_quarters(simd, cell, halves, latest);
         }
+        let [covered, doubtful] = quarters;
 
-        for (quarter, (column, row)) in [(0, 0), (1, 0), (0, 1), (1, 1)].into_iter().enumerate() {
+        let mut rest = ALL_QUARTERS & !covered;
+        while rest != 0 {
+            let quarter = rest.trailing_zeros();
+            rest &= rest - 1;
+            let (column, row) = (quarter as usize % 2, quarter as usize / 2);
             let ([left, right], [bottom, top]) = (xs[column], ys[row]);
             // At the border of a piece some quarters have no places.
-            if covered >> quarter & 1 == 1 || left > right || bottom > top {
+            if left > right || bottom > top {
                 continue;
             }
             if doubtful >> quarter & 1 == 1 {
@@ -200,7 +206,7 @@ impl SeamTiling<'_> {
                 let dart = PlacedDart {
                     arrival,
                     source,
-                    place: self.in_domain(piece.tile, place),
+                    place: in_domain(self.tiles[piece.tile as usize].moved, place),
                 };
                 // `after` is the dart of a lost sample, which refused later darts alone: other samples cover the earlier ones.
                 if after.is_none_or(|after| dart > *after) {

@@ -1,0 +1,183 @@
+//! What is decided near seams, in the order of arrival: which samples of the pattern are lost, and which darts become samples.
+
+use fearless_simd::Simd;
+use glam::IVec2;
+
+use crate::engine::parallel::clip::Clipper;
+use crate::exact::agenda::What;
+use crate::exact::darts::PlacedDart;
+use crate::exact::history::{LATE_LEVEL, SecondBlocker};
+use crate::exact::present::FIRST_INSERTED;
+use crate::exact::seams::disks::Coverage;
+use crate::exact::seams::{Fate, ListedSample, MissingSample, SeamTile, SeamTiling, in_domain};
+use crate::lattice::{Point, R, Rect};
+
+impl SeamTiling<'_> {
+    /// Puts on the agenda the darts whose first blocker, a sample of the pattern at `place`, is missing.
+    pub(super) fn wake(&mut self, tile: u32, place: Point, pattern: u32) {
+        let history = self.history;
+        let SeamTile {
+            rect,
+            ref whole,
+            symmetry,
+            moved,
+            ref missing,
+            ..
+        } = self.tiles[tile as usize];
+        let inside = surely_inside(whole);
+        // Outside of the tile another block has darts of its own.
+        history.each_waiting_in(&rect, pattern, place, symmetry, |mut dart, second| {
+            let IVec2 { x, y } = symmetry.turn(second.offset());
+            let blocker = Point::new(dart.place.x + x, dart.place.y + y);
+            dart.place = in_domain(moved, dart.place);
+            // While its second blocker is present, it stays refused.
+            let is_refused =
+                second.is_some() && inside.contains(blocker) && !missing.may_have(second.number());
+            if is_refused {
+                self.deferred.add(tile, second.number(), dart);
+            } else {
+                self.agenda.add(dart, What::Dart(tile));
+            }
+        });
+    }
+
+    /// Decides what arrives with a level, in order.
+    #[inline(always)]
+    pub(super) fn settle<S: Simd>(&mut self, simd: S, clipper: &Clipper, level: u32) {
+        self.agenda.begin(level);
+        while let Some(next) = self.agenda.next() {
+            match next.what {
+                What::Sample(id) => self.decide_sample(simd, clipper, id, &next.dart),
+                What::Dart(tile) => self.decide_dart(simd, clipper, &next.dart, tile),
+            }
+        }
+    }
+
+    /// Loses a sample of the pattern if an earlier one covers it. Everything earlier is final.
+    #[inline(always)]
+    fn decide_sample<S: Simd>(&mut self, simd: S, clipper: &Clipper, id: u32, dart: &PlacedDart) {
+        let ListedSample { place, tile, .. } = self.samples[id as usize];
+        let cell = self.whole_cell(clipper, place, tile);
+        let is_earlier = |other: u32| other != id && self.dart(other) < *dart;
+        let when = dart.arrival.when();
+        let is_changed = match self.disks.coverage(simd, cell, place, when, is_earlier) {
+            Coverage::Certain => self.disks.remove(simd, place) && self.lose(id),
+            coverage => {
+                let is_doubtful =
+                    coverage == Coverage::Doubtful || self.is_in_doubt(place, dart.arrival);
+                is_doubtful && self.disks.doubt(simd, place) && self.doubt(id)
+            }
+        };
+
+        let level = dart.arrival.level();
+        if is_changed && level >= LATE_LEVEL {
+            // Darts of the cells that its disk touches and that are earlier were refused by other samples.
+            let first = self.open.len();
+            self.cut_fresh(simd, clipper, level, dart.arrival);
+            self.throw(simd, clipper, first, level, Some(dart));
+        }
+    }
+
+    /// Keeps account of a lost sample, which has been removed from the lists. Returns `true`.
+    #[inline(never)]
+    fn lose(&mut self, id: u32) -> bool {
+        let sample = &mut self.samples[id as usize];
+        let is_deep = std::mem::replace(&mut sample.is_left_out, true);
+        let ListedSample {
+            place,
+            tile,
+            number,
+            ..
+        } = *sample;
+        self.lost.push(MissingSample { place, is_deep });
+        let is_lost = true;
+        self.fates.add(tile, number, Fate { place, is_lost });
+        self.release(id);
+        true
+    }
+
+    /// Opens what a sample that is lost or doubtful refused.
+    pub(super) fn release(&mut self, id: u32) {
+        let ListedSample {
+            place,
+            tile,
+            number,
+            ..
+        } = self.samples[id as usize];
+        self.tiles[tile as usize].missing.add(number);
+        // It may be the second blocker of darts whose first one is missing.
+        for dart in self.deferred.of(tile, number) {
+            self.agenda.add(dart, What::Dart(tile));
+        }
+
+        // The darts that it refused are decided again, and its disk may be bare. Cells are marked in its own block alone: in
+        // other blocks its disk reaches only cells within r of the border, and all of those are marked.
+        self.wake(tile, place, number);
+        // Cells that another sample covers stay closed; should it be lost, its disk marks them.
+        let (history, tile) = (self.history, &self.tiles[tile as usize]);
+        for piece in tile.first_piece..tile.end_piece {
+            // The disk lies beside most pieces of a block that crosses the pattern's end.
+            if self.bounds[piece as usize].depth(place) < -R {
+                continue;
+            }
+            let inside = self.marked.pieces()[piece as usize].sources_around(&tile.whole, R);
+            let is_closed = |column, row| history.is_covered(column, row, &inside, &tile.missing);
+            self.marked
+                .mark_disk(piece, place, is_closed, &mut self.fresh);
+        }
+    }
+
+    /// Makes a dart a sample, unless it is one or an earlier sample covers it.
+    #[inline(always)]
+    fn decide_dart<S: Simd>(&mut self, simd: S, clipper: &Clipper, dart: &PlacedDart, tile: u32) {
+        let place = self.in_frame(tile, dart.place);
+        let cell = self.whole_cell(clipper, place, tile);
+        let when = dart.arrival.when();
+        let mut is_present = false;
+        let is_earlier = |other: u32| {
+            let order = self.dart(other).cmp(dart);
+            is_present |= order.is_eq();
+            order.is_le()
+        };
+        let coverage = self.disks.coverage(simd, cell, place, when, is_earlier);
+        // The dart of a present sample does not become a second sample.
+        if coverage == Coverage::Certain || is_present {
+            return;
+        }
+        let is_doubtful = coverage == Coverage::Doubtful || self.is_in_doubt(place, dart.arrival);
+
+        // Samples of the pattern that arrive later may be covered by it: they are decided again when their turn comes.
+        let mut later = Vec::new();
+        self.disks
+            .each_later(simd, cell, place, when, |id| later.push(id));
+        for id in later {
+            let other = self.dart(id);
+            if self.samples[id as usize].pattern().is_some() && other > *dart {
+                self.agenda.add(other, What::Sample(id));
+            }
+        }
+
+        let id = self.samples.len() as u32;
+        self.samples.push(ListedSample {
+            place,
+            tile,
+            number: FIRST_INSERTED + self.inserted.len() as u32,
+            is_left_out: false,
+        });
+        self.inserted.push(*dart);
+        self.disks.add(place, when, id);
+        if is_doubtful {
+            self.disks.doubt(simd, place);
+            self.doubt_inserted(id);
+        }
+    }
+}
+
+/// Returns the places about which a second blocker that is said to lie there surely lies in a rectangle.
+fn surely_inside(rect: &Rect) -> Rect {
+    let reach = SecondBlocker::REACH;
+    Rect {
+        min: Point::new(rect.min.x + reach, rect.min.y + reach),
+        max: Point::new(rect.max.x - reach, rect.max.y - reach),
+    }
+}

@@ -1,0 +1,193 @@
+//! What is laid down: the samples of each block that are near its border, and those deeper ones that are asked about.
+
+use glam::I64Vec2;
+
+use crate::engine::parallel::clip::{Clipper, PlacedBlock};
+use crate::exact::agenda::What;
+use crate::exact::filter::SampleFilter;
+use crate::exact::pieces::pieces;
+use crate::exact::seams::disks::DOUBTFUL;
+use crate::exact::seams::{Fate, ListedSample, SeamTile, SeamTiling};
+use crate::lattice::{Point, R, Rect, Rect64, covers_offset};
+use crate::pattern::Symmetry;
+
+/// Samples deeper in their block than this are listed only where they are asked about. So deep no disk touches a cell that two
+/// blocks share, so that a cell's list has deep samples of one block alone.
+pub(super) const DEEP: i64 = 5 * R as i64 / 2;
+
+/// No place of a frame is so far from another one, and sums of two still fit.
+const FAR: i64 = 1 << 28;
+
+impl SeamTiling<'_> {
+    /// Adds the tile of the part of a block that lies in the frame.
+    pub(super) fn add_tile(&mut self, block: &PlacedBlock, placed: u32, rect: Rect) {
+        let (tile, first_piece) = (self.tiles.len() as u32, self.bounds.len() as u32);
+        let symmetry = Symmetry(block.symmetry);
+        // Late darts at places that something unknown may cover are not thrown.
+        if let Some(core) = Rect64::from(rect).within(&self.ground.core()) {
+            let start = I64Vec2::from(block.start) + I64Vec2::from(core.min) - block.rect.min;
+            let held = self.history.pattern().domain().rect();
+            for piece in pieces(tile, &core, start, symmetry, &held) {
+                self.bounds.push(piece.placed(&piece.sources));
+                self.marked.add(piece);
+            }
+        }
+
+        let near = |at: I64Vec2| {
+            let at = at.clamp(I64Vec2::splat(-FAR), I64Vec2::splat(FAR));
+            Point::new(at.x as i32, at.y as i32)
+        };
+        let whole = Rect {
+            min: near(block.rect.min),
+            max: near(block.rect.max),
+        };
+        let has_unknown = self.ground.has_unknown();
+        self.tiles.push(SeamTile {
+            block: block.index,
+            placed,
+            rect,
+            whole: if has_unknown { rect } else { whole },
+            symmetry,
+            moved: self.ground.moved(block),
+            first_piece,
+            end_piece: self.bounds.len() as u32,
+            missing: SampleFilter::default(),
+        });
+    }
+
+    /// Lists the samples of the last tile that are near its border. Those around it count as lost from the beginning: the darts
+    /// that they refused are woken.
+    #[inline(always)]
+    pub(super) fn clip(&mut self, clipper: &Clipper, block: &PlacedBlock) {
+        let tile = self.tiles.len() as u32 - 1;
+        let SeamTile { whole, .. } = self.tiles[tile as usize];
+        let target = self.ground.rect();
+
+        for part in Rect64::from(whole).without(&self.interior(&whole)) {
+            clipper.clip(block, &part, &target, |x, y, pattern| {
+                let place = Point::new(x, y);
+                let id = self.list_near(place, tile, pattern);
+                // A sample deeper than r stays, since samples of other blocks cover only places within r of the border.
+                if whole.depth(place) <= R || self.is_late_near_unknown(place, pattern) {
+                    self.agenda.add(self.dart(id), What::Sample(id));
+                }
+            });
+        }
+
+        // A sample at most r outside may be the first blocker of darts inside.
+        let reach = i64::from(R);
+        let around = Rect {
+            min: Point::new(target.min.x - R, target.min.y - R),
+            max: Point::new(target.max.x + R, target.max.y + R),
+        };
+        let whole = Rect64::from(whole);
+        for part in whole.grown(reach, reach).without(&whole) {
+            clipper.clip(block, &part, &around, |x, y, pattern| {
+                self.wake(tile, Point::new(x, y), pattern);
+            });
+        }
+    }
+
+    /// Lists a sample of the pattern in all cells that its disk touches, and returns its id.
+    #[inline(always)]
+    fn list_near(&mut self, place: Point, tile: u32, pattern: u32) -> u32 {
+        let id = self.samples.len() as u32;
+        self.samples.push(ListedSample {
+            place,
+            tile,
+            number: pattern,
+            is_left_out: false,
+        });
+        self.disks
+            .add(place, self.history.arrival(pattern).when(), id);
+        id
+    }
+
+    /// Returns the cell of a place of a tile, whose list has samples deep in the block, too, from now on.
+    #[inline(always)]
+    pub(super) fn whole_cell(&mut self, clipper: &Clipper, place: Point, tile: u32) -> usize {
+        let cell = self.disks.cell(place);
+        self.make_whole(clipper, cell, place, tile);
+        cell
+    }
+
+    /// Lists the samples deep in the block of a tile in the cell of a place, unless it has them. Returns whether it got any.
+    #[inline(always)]
+    pub(super) fn make_whole(
+        &mut self,
+        clipper: &Clipper,
+        cell: usize,
+        place: Point,
+        tile: u32,
+    ) -> bool {
+        !self.disks.make_whole(cell) && self.complete(clipper, cell, place, tile)
+    }
+
+    /// Adds to a cell's list the samples deep in a block whose disks touch the cell. Returns whether there are any.
+    #[inline(never)]
+    fn complete(&mut self, clipper: &Clipper, cell: usize, place: Point, tile: u32) -> bool {
+        let SeamTile { placed, whole, .. } = self.tiles[tile as usize];
+        let min = Point::new(place.x & -R, place.y & -R);
+        // Samples beyond the frame are in no list.
+        let ground = self.ground.rect().max;
+        let around = Rect {
+            min: Point::new((min.x - R).max(0), (min.y - R).max(0)),
+            max: Point::new((min.x + 2 * R).min(ground.x), (min.y + 2 * R).min(ground.y)),
+        };
+        // Most cells that are asked about lie near the border.
+        let interior = self.interior(&whole);
+        if interior.within(&around).is_none() {
+            return false;
+        }
+
+        let (block, before) = (self.blocks[placed as usize], self.samples.len());
+        clipper.clip(&block, &interior, &around, |x, y, pattern| {
+            let at = Point::new(x, y);
+            // Disks of samples in the corners may pass the cell by.
+            let nearest = Point::new(x.clamp(min.x, min.x + R - 1), y.clamp(min.y, min.y + R - 1));
+            if !covers_offset(at - nearest) {
+                return;
+            }
+
+            // It may be lost, or have become doubtful while other cells alone listed it.
+            let fates = self.fates.of(tile, pattern);
+            let mut own = fates.filter(|fate| fate.place == at);
+            let is_doubtful = match own.next() {
+                // What is lost may have been doubtful before, and its last fate comes first.
+                Some(Fate { is_lost: true, .. }) => return,
+                fate => fate.is_some(),
+            };
+
+            let id = self.samples.len() as u32;
+            self.samples.push(ListedSample {
+                place: at,
+                tile,
+                number: pattern,
+                is_left_out: true,
+            });
+            let when = self.history.arrival(pattern).when();
+            let listed = if is_doubtful { id | DOUBTFUL } else { id };
+            self.disks.add_to(cell, at, when, listed);
+        });
+        self.samples.len() > before
+    }
+
+    /// Returns the places that are deeper in a tile than those that are listed; none, at its lowest place, of a small tile.
+    #[inline(always)]
+    pub(super) fn interior(&self, whole: &Rect) -> Rect64 {
+        let deeper = |rect: &Rect, deep: i64| Rect64::from(*rect).grown(-deep - 1, -deep);
+        let Rect64 { mut min, mut max } = deeper(whole, DEEP);
+        // Late samples of the pattern near the end of what is known may depend on what is beyond.
+        if let Some(known) = self.ground.late_known() {
+            let known = deeper(&known, R.into());
+            (min, max) = (min.max(known.min), max.min(known.max));
+        }
+
+        if min.cmplt(max).all() {
+            Rect64 { min, max }
+        } else {
+            let min = I64Vec2::from(whole.min);
+            Rect64 { min, max: min }
+        }
+    }
+}
