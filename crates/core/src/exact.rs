@@ -25,6 +25,7 @@ mod filter;
 mod ground;
 mod history;
 mod lists;
+mod packed;
 mod pieces;
 mod plane;
 mod present;

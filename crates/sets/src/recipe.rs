@@ -18,8 +18,9 @@ use crate::made::{Made, provenance};
 /// The parameters that the reference sampler uses.
 const OF_REFERENCE: [&str; 5] = ["width", "height", "radius", "boundary", "seed"];
 
-/// Below about this many samples the reference sampler takes less time than exact tiling with its pattern, measured on
-/// two cores: of 100,000 samples 0.3 against 0.8 s, of 300,000 both 0.9 s, of 600,000 1.8 against 1.2 s.
+/// Below about this many samples the reference sampler takes less time than exact tiling with its pattern and tables, which take
+/// nearly all of it: for 200,000 samples 0.50 against 0.67 s, for 300,000 0.71 against 0.68 s, for 600,000 1.50 against 0.78 s, with
+/// one thread as with two (`cargo run --release -p tilescope-core --example exact_rates -- 1200 3 5`).
 pub const EXACT_PAYS_FROM: f64 = 300_000.0;
 
 /// What certificates of exact tilings say of the pattern that their blocks share.

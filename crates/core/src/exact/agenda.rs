@@ -34,8 +34,8 @@ pub(crate) struct Agenda {
     order: Vec<u64>,
     /// How much of the level that is being decided is done.
     done: usize,
-    /// The questions of that level that came up since it began.
-    sudden: BinaryHeap<Reverse<Arriving>>,
+    /// Those questions of that level that came up since it began, as words like those of `order`.
+    sudden: BinaryHeap<Reverse<u64>>,
 }
 
 impl Agenda {
@@ -50,13 +50,12 @@ impl Agenda {
     #[inline]
     pub(crate) fn add(&mut self, dart: PlacedDart, what: What) {
         let level = dart.arrival.level();
-        let arriving = Arriving { dart, what };
-
+        let of_level = &mut self.levels[level as usize];
         if self.deciding == Some(level) {
-            self.sudden.push(Reverse(arriving));
-        } else {
-            self.levels[level as usize].push(arriving);
+            let word = word(dart.arrival.when(), of_level.len() as u32);
+            self.sudden.push(Reverse(word));
         }
+        of_level.push(Arriving { dart, what });
     }
 
     /// Begins a level, and returns how much arrives with it as far as that is known.
@@ -65,9 +64,7 @@ impl Agenda {
         // arrivals are sorted, each with its index in one word.
         let known = &self.levels[level as usize];
         let firsts = known.iter().map(|arriving| arriving.dart.arrival.when());
-        let words = firsts
-            .zip(0..)
-            .map(|(when, index)| u64::from(when) << 32 | index);
+        let words = firsts.zip(0..).map(|(when, index)| word(when, index));
         let has_same = sort_words(words, known.len(), &mut self.order);
 
         // Those with the same first bits, which are rare, are compared as a whole.
@@ -106,30 +103,68 @@ impl Agenda {
     /// Returns what arrives next of what was known when the level began.
     #[inline]
     fn next_known(&mut self) -> Option<Arriving> {
-        let level = self.deciding?;
         let &word = self.order.get(self.done)?;
         self.done += 1;
-        Some(self.levels[level as usize][word as u32 as usize])
+        Some(self.question(word))
     }
 
-    /// Returns what arrives next, be it known when the level began or not.
+    /// Returns the question of a word of the level that is being decided.
+    #[inline]
+    fn question(&self, word: u64) -> Arriving {
+        let level = self.deciding.expect("a level has begun");
+        self.levels[level as usize][word as u32 as usize]
+    }
+
+    /// Returns what arrives next, be it known when the level began or not: a question that came up late still comes in its turn.
     #[inline(never)]
     fn next_of_both(&mut self) -> Option<Arriving> {
-        let level = self.deciding?;
-        let Some(Reverse(sudden)) = self.sudden.peek() else {
-            return self.next_known();
-        };
-        // A question that came up late still comes in its turn: an earlier dart has its answer first.
-        let is_next = self.order.get(self.done).is_none_or(|&word| {
-            let when = u64::from(sudden.dart.arrival.when());
-            when < word >> 32
-                || when == word >> 32 && *sudden < self.levels[level as usize][word as u32 as usize]
-        });
-        if is_next {
-            return self.sudden.pop().map(|Reverse(sudden)| sudden);
+        let &Reverse(sudden) = self.sudden.peek()?;
+        match self.order.get(self.done) {
+            Some(known) if known >> 32 < sudden >> 32 => return self.next_known(),
+            Some(known) if known >> 32 == sudden >> 32 => return self.next_of_same(sudden),
+            _ => {}
         }
-        self.next_known()
+        self.sudden.pop();
+        let is_same = |Reverse(other): &Reverse<u64>| other >> 32 == sudden >> 32;
+        if self.sudden.peek().is_some_and(is_same) {
+            self.sudden.push(Reverse(sudden));
+            return self.next_of_same(sudden);
+        }
+        Some(self.question(sudden))
     }
+
+    /// Returns the first of all questions that have the same first bits as a word, compared as a whole.
+    #[cold]
+    fn next_of_same(&mut self, word: u64) -> Option<Arriving> {
+        let mut same = Vec::new();
+        while let Some(&Reverse(other)) = self.sudden.peek()
+            && other >> 32 == word >> 32
+        {
+            same.push(other);
+            self.sudden.pop();
+        }
+        let first = (0..same.len()).min_by_key(|&index| self.question(same[index]))?;
+
+        // What is known has its order already.
+        let known = self
+            .order
+            .get(self.done)
+            .filter(|known| **known >> 32 == word >> 32);
+        let is_known_first =
+            known.is_some_and(|&known| self.question(known) <= self.question(same[first]));
+        let found = if is_known_first {
+            self.next_known()
+        } else {
+            Some(self.question(same.swap_remove(first)))
+        };
+        self.sudden.extend(same.into_iter().map(Reverse));
+        found
+    }
+}
+
+/// Returns the word of a question: the first bits of its arrival, then its index in the level.
+fn word(when: u32, index: u32) -> u64 {
+    u64::from(when) << 32 | u64::from(index)
 }
 
 /// Bits of a word that count arrivals of a level: its throws, 26 bits of ranks, and the 32 bits of an index below.

@@ -195,8 +195,8 @@ impl PatternDarts {
         let [firsts, seconds] = threefry2x32_20_by_eight(throw_key, places);
         let (firsts, seconds): ([u32; LANES], [u32; LANES]) = (firsts.into(), seconds.into());
 
-        // Which cell each dart is of, and its number there.
-        let mut darts = [(0, 0); LANES * POISSON.len()];
+        // Which cell each dart is of, and its number there, in bytes: the whole array is cleared for each eight cells.
+        let mut darts = [(0_u8, 0_u8); LANES * POISSON.len()];
         let mut count = 0;
         for (cell, &word) in firsts.iter().enumerate().take(mins.len()) {
             let thrown = if level == LAST_LEVEL {
@@ -205,7 +205,7 @@ impl PatternDarts {
                 poisson(word)
             };
             for number in 0..thrown {
-                darts[count] = (cell, number);
+                darts[count] = (cell as u8, number as u8);
                 count += 1;
             }
         }
@@ -216,8 +216,10 @@ impl PatternDarts {
             let (mut key_firsts, mut key_seconds) = ([0; LANES], [0; LANES]);
             let mut numbers = [0; LANES];
             for (lane, &(cell, number)) in held.iter().enumerate() {
+                // The remainder changes nothing, but shows the compiler that the index is in range.
+                let cell = cell as usize % LANES;
                 (key_firsts[lane], key_seconds[lane]) = (firsts[cell], seconds[cell]);
-                numbers[lane] = number;
+                numbers[lane] = number.into();
             }
             let keys = [
                 u32x8::simd_from(simd, key_firsts),
@@ -233,10 +235,11 @@ impl PatternDarts {
                     halves[lane] >> 16 >> shift,
                     (halves[lane] & 0xffff) >> shift,
                 );
-                let place = Point::new(mins[cell].x + right as i32, mins[cell].y + up as i32);
+                let min = mins[cell as usize];
+                let place = Point::new(min.x + right as i32, min.y + up as i32);
                 if self.rect.contains(place) {
                     out.push(DrawnDart {
-                        cell: cell as u32,
+                        cell: cell.into(),
                         arrival: Arrival::new(level, 0, ranks[lane]),
                         place,
                     });

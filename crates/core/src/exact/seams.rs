@@ -15,6 +15,7 @@ mod decide;
 mod disks;
 mod doubt;
 mod emit;
+mod halves;
 mod keyed;
 mod lay;
 mod open;

@@ -4,6 +4,7 @@
 use fearless_simd::prelude::*;
 use fearless_simd::{Simd, i32x8, mask32x8, u32x8};
 
+use crate::exact::seams::halves::Halves;
 use crate::lattice::{Point, R, R_SQUARED};
 
 /// Samples that are looked at together.
@@ -320,84 +321,80 @@ impl DiskLists {
     }
 
     /// Returns a bit for each quarter of a square that one certain sample with a `when` of at most `latest` covers: left before
-    /// right, below before above. `xs` and `ys` are the first and the last column or row of each half; `cell` is that of the
-    /// middle. Then the same for quarters that only a doubtful sample covers.
+    /// right, below before above. `halves` has those of its columns and those of its rows; `cell` is that of the middle. Then the
+    /// same for quarters that only a doubtful sample covers.
     #[inline(always)]
     pub(super) fn covered_quarters<S: Simd>(
         &self,
         simd: S,
         cell: usize,
-        halves: [[[i32; 2]; 2]; 2],
+        halves: [impl Halves; 2],
         latest: u32,
     ) -> [u32; 2] {
         // Nearly all samples are certain.
         if !self.has_doubtful {
-            return [self.quarters::<S, false>(simd, cell, halves, latest), 0];
+            let covered = self.quarters(simd, cell, halves, latest, false);
+            return [covered, 0];
         }
-        let certain = self.quarters::<S, true>(simd, cell, halves, latest);
+        let certain = self.quarters(simd, cell, halves, latest, true);
         if certain == ALL_QUARTERS {
             return [certain, 0];
         }
-        let all = self.quarters::<S, false>(simd, cell, halves, latest);
+        let all = self.quarters(simd, cell, halves, latest, false);
         [certain, all & !certain]
     }
 
     /// Returns a bit for each quarter that one sample with a `when` of at most `latest` covers; of doubtful ones none if only
-    /// those that are `CERTAIN` count.
+    /// the certain ones count.
     #[inline(always)]
-    fn quarters<S: Simd, const CERTAIN: bool>(
+    fn quarters<S: Simd>(
         &self,
         simd: S,
         cell: usize,
-        [[left, right], [bottom, top]]: [[[i32; 2]; 2]; 2],
+        [across, up]: [impl Halves; 2],
         latest: u32,
+        only_certain: bool,
     ) -> u32 {
         let too_far = i32x8::splat(simd, R + 1);
         // How far beyond R the nearest sample has the farthest place of each quarter, as differences of squares. They are looked
-        // at once, behind the last group: most cells have two groups, and whether the first one suffices cannot be foreseen.
+        // at once, behind the last group: whether the first group suffices cannot be foreseen.
         let mut beyond = [i32x8::splat(simd, i32::MAX); 4];
         let mut index = self.cells[cell].first as usize;
         while index != 0 {
             let group = &self.groups[index];
             let whens = u32x8::simd_from(simd, group.whens);
             let mut counts = whens.simd_le(u32x8::splat(simd, latest));
-            if CERTAIN {
+            if only_certain {
                 let ids = u32x8::simd_from(simd, group.ids);
                 counts &= ids.simd_lt(u32x8::splat(simd, DOUBTFUL));
             }
 
-            let xs = i32x8::simd_from(simd, group.xs);
-            let ys = i32x8::simd_from(simd, group.ys);
+            let [left, right] = across.farther(simd, i32x8::simd_from(simd, group.xs));
+            let [bottom, top] = up.farther(simd, i32x8::simd_from(simd, group.ys));
             // Samples that do not count are too far to the left and to the right.
-            let across = |half| {
-                let across = counts.select(farther(simd, xs, half), too_far).min(too_far);
-                across * across - R_SQUARED as i32
-            };
-            let up = |half| {
-                let up = farther(simd, ys, half).min(too_far);
-                up * up
-            };
-            let (left, right, bottom, top) = (across(left), across(right), up(bottom), up(top));
-            let of_group = [left + bottom, right + bottom, left + top, right + top];
-            for (beyond, of_group) in beyond.iter_mut().zip(of_group) {
-                *beyond = beyond.min(of_group);
-            }
+            let (left, right) = (
+                counts.select(left, too_far).min(too_far),
+                counts.select(right, too_far).min(too_far),
+            );
+            let (bottom, top) = (bottom.min(too_far), top.min(too_far));
+            let (left, right) = (
+                left * left - R_SQUARED as i32,
+                right * right - R_SQUARED as i32,
+            );
+            let (bottom, top) = (bottom * bottom, top * top);
+            beyond[0] = beyond[0].min(left + bottom);
+            beyond[1] = beyond[1].min(right + bottom);
+            beyond[2] = beyond[2].min(left + top);
+            beyond[3] = beyond[3].min(right + top);
             index = self.nexts[index] as usize;
         }
 
-        let mut covered = 0;
-        for (quarter, beyond) in (0..).zip(beyond) {
-            let is_covered = beyond.simd_le(i32x8::splat(simd, 0)).any_true();
-            covered |= u32::from(is_covered) << quarter;
-        }
-        covered
+        let bit = |quarter: usize| {
+            let is_covered = beyond[quarter].simd_le(i32x8::splat(simd, 0)).any_true();
+            u32::from(is_covered) << quarter
+        };
+        bit(0) | bit(1) | bit(2) | bit(3)
     }
-}
-
-/// Returns how far the farther end of a range is from each of eight coordinates.
-#[inline(always)]
-fn farther<S: Simd>(simd: S, at: i32x8<S>, [first, last]: [i32; 2]) -> i32x8<S> {
-    (at - first).max(i32x8::splat(simd, last) - at)
 }
 
 #[inline(always)]

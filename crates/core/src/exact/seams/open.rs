@@ -9,6 +9,7 @@ use crate::exact::bare::{MARK_SIDE, PieceCell};
 use crate::exact::darts::{Arrival, DrawnDart, LANES, PlacedDart};
 use crate::exact::pieces::SourcePiece;
 use crate::exact::seams::disks::{ALL_QUARTERS, Coverage};
+use crate::exact::seams::halves::{CutHalves, EqualHalves};
 use crate::exact::seams::{SeamTiling, in_domain};
 use crate::lattice::{Point, R, Rect};
 
@@ -100,59 +101,92 @@ impl SeamTiling<'_> {
         &mut self,
         simd: S,
         clipper: &Clipper,
-        OpenCell { min, piece, tile }: OpenCell,
+        open: OpenCell,
         level: u32,
         from: Arrival,
     ) {
-        let (side, bounds) = (R >> level, self.bounds[piece as usize]);
-        let half = side / 2;
-        // The first and the last places of both halves, of those that the piece has.
-        let halves = |min: i32, low: i32, end: i32| {
-            [
-                [min.max(low), (min + half).min(end) - 1],
-                [(min + half).max(low), (min + side).min(end) - 1],
-            ]
-        };
-        let xs = halves(min.x, bounds.min.x, bounds.max.x);
-        let ys = halves(min.y, bounds.min.y, bounds.max.y);
+        let (OpenCell { min, piece, tile }, side) = (open, R >> level);
+        let Rect { min: low, max: end } = self.bounds[piece as usize];
+        let is_whole =
+            min.x >= low.x && min.y >= low.y && end.x - min.x >= side && end.y - min.y >= side;
+        if !is_whole {
+            self.quarter_at_border(simd, clipper, open, level, from);
+            return;
+        }
 
         // What covers a quarter covers its corner at the middle. If the middle lies at the border of two lists, the quarter may
         // stay open in vain.
-        let middle = Point::new(
-            (min.x + half).clamp(bounds.min.x, bounds.max.x - 1),
-            (min.y + half).clamp(bounds.min.y, bounds.max.y - 1),
-        );
+        let half = side / 2;
+        let middle = Point::new(min.x + half, min.y + half);
         let cell = self.disks.cell(middle);
-        let latest = Arrival::new(from.level(), 0, 0).when() - 1;
-        let halves = [xs, ys];
+        let latest = last_before(from);
+        let halves = [min.x, min.y].map(|first| EqualHalves { first, half });
         let mut quarters = self.disks.covered_quarters(simd, cell, halves, latest);
         // Samples deep in the block are listed only where those near the border do not cover all of the cell.
         if quarters[0] != ALL_QUARTERS && self.make_whole(clipper, cell, middle, tile) {
             quarters = self.disks.covered_quarters(simd, cell, halves, latest);
         }
-        let [covered, doubtful] = quarters;
 
-        let mut rest = ALL_QUARTERS & !covered;
-        while rest != 0 {
-            let quarter = rest.trailing_zeros();
-            rest &= rest - 1;
-            let (column, row) = (quarter as usize % 2, quarter as usize / 2);
-            let ([left, right], [bottom, top]) = (xs[column], ys[row]);
-            // At the border of a piece some quarters have no places.
-            if left > right || bottom > top {
-                continue;
+        let [covered, doubtful] = quarters;
+        each_quarter(ALL_QUARTERS & !covered, |quarter, right, up| {
+            let min = Point::new(min.x + half * right, min.y + half * up);
+            if doubtful >> quarter & 1 == 1 {
+                let max = Point::new(min.x + half, min.y + half);
+                self.add_zone(clipper, tile, Rect { min, max }, from);
+            } else {
+                self.open.push(OpenCell { min, piece, tile });
+            }
+        });
+    }
+
+    /// Does what [`Self::quarter`] does for a cell that reaches beyond its piece, whose quarters end with the piece.
+    #[inline(always)]
+    fn quarter_at_border<S: Simd>(
+        &mut self,
+        simd: S,
+        clipper: &Clipper,
+        OpenCell { min, piece, tile }: OpenCell,
+        level: u32,
+        from: Arrival,
+    ) {
+        let (half, bounds) = ((R >> level) / 2, self.bounds[piece as usize]);
+        // The first and the last places of both halves, of those that the piece has.
+        let halves = |min: i32, low: i32, end: i32| {
+            [
+                [min.max(low), (min + half).min(end) - 1],
+                [(min + half).max(low), (min + 2 * half).min(end) - 1],
+            ]
+        };
+        let xs = halves(min.x, bounds.min.x, bounds.max.x);
+        let ys = halves(min.y, bounds.min.y, bounds.max.y);
+
+        let middle = Point::new(
+            (min.x + half).clamp(bounds.min.x, bounds.max.x - 1),
+            (min.y + half).clamp(bounds.min.y, bounds.max.y - 1),
+        );
+        let cell = self.whole_cell(clipper, middle, tile);
+        let halves = [xs, ys].map(CutHalves);
+        let [covered, doubtful] =
+            self.disks
+                .covered_quarters(simd, cell, halves, last_before(from));
+
+        each_quarter(ALL_QUARTERS & !covered, |quarter, right, up| {
+            let ([left, right_end], [bottom, top]) = (xs[right as usize], ys[up as usize]);
+            // Some quarters have no places.
+            if left > right_end || bottom > top {
+                return;
             }
             if doubtful >> quarter & 1 == 1 {
                 let rect = Rect {
                     min: Point::new(left, bottom),
-                    max: Point::new(right + 1, top + 1),
+                    max: Point::new(right_end + 1, top + 1),
                 };
                 self.add_zone(clipper, tile, rect, from);
-                continue;
+                return;
             }
-            let min = Point::new(min.x + half * column as i32, min.y + half * row as i32);
+            let min = Point::new(min.x + half * right, min.y + half * up);
             self.open.push(OpenCell { min, piece, tile });
-        }
+        });
     }
 
     /// Throws the darts of a level into the open cells from the one at `first` on, those later than `after`.
@@ -215,6 +249,22 @@ impl SeamTiling<'_> {
             }
         }
     }
+}
+
+/// Calls `visit` with the numbers of the quarters that have a bit, and how many halves right and up they are.
+#[inline(always)]
+fn each_quarter(mut quarters: u32, mut visit: impl FnMut(u32, i32, i32)) {
+    while quarters != 0 {
+        let quarter = quarters.trailing_zeros();
+        // This clears the lowest bit that is set.
+        quarters &= quarters - 1;
+        visit(quarter, (quarter % 2) as i32, (quarter / 2 % 2) as i32);
+    }
+}
+
+/// Returns the last `when` of the levels before that of an arrival.
+fn last_before(from: Arrival) -> u32 {
+    Arrival::new(from.level(), 0, 0).when() - 1
 }
 
 /// Returns the lowest place of a cell of a level in the pattern.
