@@ -19,13 +19,14 @@ impl SeamTiling<'_> {
         let history = self.history;
         let SeamTile {
             rect,
-            ref whole,
             symmetry,
             moved,
             ref missing,
             ..
         } = self.tiles[tile as usize];
-        let inside = surely_inside(whole);
+        // What lies beyond the frame is in no list, and refuses nothing here.
+        let inside = surely_inside(&rect);
+
         // Outside of the tile another block has darts of its own.
         history.each_waiting_in(&rect, pattern, place, symmetry, |mut dart, second| {
             let IVec2 { x, y } = symmetry.turn(second.offset());
