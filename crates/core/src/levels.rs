@@ -18,6 +18,8 @@
 //! |`S_(j+1)`|, contain `S_j` and are part of `S_(j+1)`: distances exceed `r_(j+1)`, and the covering radius is at most that of
 //! `S_j`.
 //!
+//! *Ranks.* Each sample has a number in `[0, 1)`, and those with numbers below any threshold are such a prefix ([`rank`]).
+//!
 //! *Why it is cheap.* Far from seams `S_j` is the block's own clip of `P_j`, since no sample of another block and no inserted sample is near.
 //! There samples are copied without a test ([`region`]). Where `S_(j-1)` has samples that are not of the block's pattern,
 //! each costs the pattern's samples within `r_j` around it, fewer at every level; and pattern samples that are lost at one
@@ -31,6 +33,7 @@ mod gaps;
 mod nested;
 mod pattern;
 mod plane;
+mod rank;
 mod region;
 
 use crate::error::ParameterError;
@@ -39,6 +42,7 @@ use crate::radius::MAX_HALVINGS;
 pub use nested::{Nested, PrefixGuarantee, WithinLevel};
 pub use pattern::NestedPattern;
 pub use plane::{NestedPlane, NestedRequest};
+pub use rank::rank_threshold;
 
 /// The most levels of a run.
 pub const MAX_LEVELS: u32 = MAX_HALVINGS + 1;

@@ -82,6 +82,7 @@ pub use lattice::{
 };
 pub use levels::{
     MAX_LEVELS, Nested, NestedPattern, NestedPlane, NestedRequest, PrefixGuarantee, WithinLevel,
+    rank_threshold,
 };
 pub use method::{sample, sample_recorded};
 pub use parameters::{

@@ -349,7 +349,8 @@ impl NestedPlane {
 
         let levels = collect(&region, &self.domain().rect());
         meter.end()?;
-        Ok(self.in_order(levels))
+        let is_run = true;
+        Ok(self.in_order(levels, is_run))
     }
 
     /// Returns the samples of all `parts`, which lie in the domain, level by level in the order of the whole.
@@ -398,11 +399,12 @@ impl NestedPlane {
         }
 
         meter.end()?;
-        Ok(self.in_order(levels))
+        let is_run = false;
+        Ok(self.in_order(levels, is_run))
     }
 
-    fn in_order(&self, levels: Vec<Vec<Point>>) -> Nested {
-        Nested::in_random_order(*self.domain(), levels, self.key)
+    fn in_order(&self, levels: Vec<Vec<Point>>, is_run: bool) -> Nested {
+        Nested::in_random_order(*self.domain(), levels, self.key, is_run)
     }
 
     /// Returns the samples that each level adds in a window that lies in the domain, or `None` if the whole is computed

@@ -10,7 +10,7 @@ use tilescope_core::stages::blocks::split;
 use tilescope_core::{
     Boundary, Domain, Insertion, Key, Nested, NestedPattern, NestedPlane, Order, ParameterError,
     Parameters, Pattern, PatternSpec, Point, R, SampleError, Search, Sequential, Stream,
-    Unobserved, Variant, circumcentre, on_line,
+    Unobserved, Variant, circumcentre, on_line, rank_threshold,
 };
 use tilescope_tests::{cases, some};
 
@@ -282,7 +282,10 @@ fn windows_and_threads_do_not_matter() {
                 // All windows side by side.
                 let all = plane.domain().window([0.0; 2], plane.domain().size());
                 let tiled = plane.window(&all.unwrap(), &mut Unobserved).unwrap();
-                assert_eq!(tiled, whole, "{parameters:?}");
+                assert_eq!(tiled.points(), whole.points(), "{parameters:?}");
+                assert_eq!(tiled.ends(), whole.ends(), "{parameters:?}");
+                let ranks = whole.ranks().unwrap();
+                assert_eq!(tiled.ranks().unwrap(), ranks, "{parameters:?}");
                 for (low, size) in [
                     ([0.0, 0.0], [20.0, 30.0]),
                     ([133.3, 301.1], [41.7, 3.0]),
@@ -312,6 +315,13 @@ fn windows_and_threads_do_not_matter() {
                         whole.points().iter().copied().filter(shown).collect();
                     assert!(!expected.is_empty());
                     assert_eq!(found.points(), expected, "{parameters:?} {low:?}");
+
+                    let ranked = whole.points().iter().zip(&ranks);
+                    let expected: Vec<f64> = ranked
+                        .filter(|(p, _)| shown(p))
+                        .map(|(_, &rank)| rank)
+                        .collect();
+                    assert_eq!(found.ranks().unwrap(), expected, "{parameters:?} {low:?}");
                 }
             }
         }
@@ -373,6 +383,49 @@ fn every_level_is_valid_and_every_prefix_is_good() {
                 }
             }
         }
+    }
+}
+
+/// In either order ranks ascend, split at the thresholds of the levels, and have a density in proportion to them.
+#[test]
+fn ranks_follow_order_levels_and_density() {
+    for (boundary, levels) in [(Boundary::Periodic, 4), (Boundary::Bounded, 6)] {
+        let parameters = parameters(180.0, boundary, 7, 60.0);
+        let plane = plane(&parameters, levels);
+        let mut nested = plane.whole(&mut Unobserved).unwrap();
+        for by_distance in [false, true] {
+            if by_distance {
+                nested.order_by_distance(&mut Unobserved).unwrap();
+            }
+            let ranks = nested.ranks().unwrap();
+            assert!(ranks.is_sorted() && ranks.iter().all(|rank| (0.0..1.0).contains(rank)));
+            let below = |threshold: f64| ranks.partition_point(|&rank| rank < threshold);
+            for (level, &end) in (0..).zip(nested.ends()) {
+                assert_eq!(below(rank_threshold(level, levels)), end, "level {level}");
+            }
+
+            // Levels have densities that differ by 3%, and the number below a threshold drawn between them varies by its root.
+            for threshold in [0.3, 0.4, 0.6, 0.7, 0.9] {
+                let share = below(threshold) as f64 / ranks.len() as f64;
+                assert!(
+                    (share / threshold - 1.0).abs() < 0.06,
+                    "{threshold}: {share}"
+                );
+            }
+
+            // A run that is cut keeps the ranks of what is left.
+            let mut cut = nested.clone();
+            let count = ranks.len() * 7 / 10;
+            cut.truncate(count);
+            assert_eq!(cut.ranks().unwrap(), ranks[..count]);
+        }
+
+        // A window cannot show which of its samples is the farthest from those of the whole run.
+        let window = plane.domain().window([10.0; 2], [60.0; 2]).unwrap();
+        let mut shown = plane.window(&window, &mut Unobserved).unwrap();
+        assert!(shown.ranks().is_some());
+        shown.order_by_distance(&mut Unobserved).unwrap();
+        assert_eq!(shown.ranks(), None);
     }
 }
 
