@@ -51,6 +51,7 @@ pub mod measures;
 mod monitor;
 mod number;
 mod pairs;
+mod ranks;
 mod region;
 mod report;
 mod solid;
@@ -71,6 +72,7 @@ pub use judge::{Judge, JudgeChoice};
 pub use levels::{PrefixClaim, PrefixReport, verify_levels, verify_prefix};
 pub use monitor::{Control, Progress};
 pub use number::Number;
+pub use ranks::{RankReport, RankedSet, verify_ranks};
 pub use region::{Boundary, Region};
 pub use report::Report;
 pub use solid::{

@@ -6,13 +6,15 @@ use anyhow::{Context, Result, bail, ensure};
 use clap::Args;
 use tilescope_analysis::{JudgeChoice, Region, VerifyOptions};
 use tilescope_formats::{
-    CertifiedLevel, Check, CheckError, ExportContext, Format, Overrides, PointSet, is_valid,
+    CertifiedLevel, Check, CheckError, ExportContext, Exported, Format, Overrides, PointSet,
+    is_valid,
 };
 
 use crate::ground::GroundArguments;
 use crate::options::{JudgeArguments, SetArguments, WITHOUT_CERTIFICATE, formats, hinted};
 use crate::paths::{InFile, check_inputs_stay, check_target, named};
 use crate::progress::verifying;
+use crate::ranks::{self, RankArguments};
 use crate::solid::{self, Slice};
 use crate::{interrupt, output, verdict_code};
 
@@ -37,6 +39,8 @@ pub struct ConvertArguments {
     /// distance of the sample above the plane
     #[arg(long, value_name = "AXIS=PLACE", value_parser = Slice::parse)]
     slice: Option<Slice>,
+    #[command(flatten)]
+    ranks: RankArguments,
 }
 
 const EXAMPLES: &str = "\
@@ -48,6 +52,8 @@ whatever the verdict; exit code 1 means that the set is not valid for the radius
 Examples:
   tilescope convert set.csv set.npy
   tilescope convert theirs.txt set.ply --radius 0.01
+  tilescope convert levels.csv third.csv --rank 0.33
+  tilescope convert levels.csv painted.csv --rank-image dark.png
   tilescope convert balls.ply balls.npy
   tilescope convert balls.ply disks.csv --slice z=5";
 
@@ -57,7 +63,8 @@ pub fn run(arguments: &ConvertArguments) -> Result<u8> {
     let path = &arguments.output;
     // The paths are checked before the input is read, which may take long.
     check_target(path, arguments.to, "--to")?;
-    check_inputs_stay(path, [arguments.input.as_path()])?;
+    let painted = arguments.ranks.rank_image.as_deref();
+    check_inputs_stay(path, painted.into_iter().chain([arguments.input.as_path()]))?;
     output::note_left_out(&arguments.set, &arguments.input);
 
     let (input, given) = (arguments.input.as_path(), &arguments.set);
@@ -67,17 +74,28 @@ pub fn run(arguments: &ConvertArguments) -> Result<u8> {
     if solid::is_in_space(given, input) {
         let is_given = true;
         let ground = arguments.ground.option().map(|name| (name, is_given));
-        solid::refuse(ground.as_slice(), solid::PLANAR)?;
+        let kept = arguments.ranks.option().map(|name| (name, is_given));
+        let planar: Vec<_> = ground.into_iter().chain(kept).collect();
+        solid::refuse(&planar, solid::PLANAR)?;
         return solid::check::convert([input, path], arguments.to, given, &arguments.judge);
+    }
+
+    if let Some(outcome) = of_ranks(arguments) {
+        return outcome;
     }
 
     let (set, context) = read(arguments)?;
     let exported = verifying(|control| tilescope_formats::export(path, &set, &context, control))
         .in_file(path)?;
 
-    let (report, certificate) = (exported.report, named(&exported.certificate_path));
+    report(&exported)
+}
+
+/// Prints the verdict on a file that was written, and returns the code for it.
+pub fn report(exported: &Exported) -> Result<u8> {
+    let (report, certificate) = (&exported.report, named(&exported.certificate_path));
     let levels = &exported.certificate.levels;
-    let verdict = output::verdict_text(&report, levels);
+    let verdict = output::verdict_text(report, levels);
     let (count, radius) = (report.count, report.radius);
 
     let warnings: String = (exported.warnings.iter())
@@ -86,7 +104,29 @@ pub fn run(arguments: &ConvertArguments) -> Result<u8> {
     output::emit(&format!(
         "{count} samples, r = {radius}\n{verdict}{warnings}certificate    {certificate}\n"
     ))?;
-    Ok(verdict_code(is_valid(&report, levels)))
+    Ok(verdict_code(is_valid(report, levels)))
+}
+
+/// Writes the samples that are kept by their ranks, if any are to be left out.
+fn of_ranks(arguments: &ConvertArguments) -> Option<Result<u8>> {
+    let paths = [arguments.input.as_path(), arguments.output.as_path()];
+    let context_of = |context| ExportContext {
+        format: arguments.to,
+        verify: arguments.judge.options(),
+        ..context
+    };
+
+    let kept = &arguments.ranks;
+    if let Some(below) = kept.rank {
+        return Some(ranks::keep_below(paths, &arguments.set, below, context_of));
+    }
+    let painted = kept.rank_image.as_deref()?;
+    Some(ranks::keep_painted(
+        paths,
+        &arguments.set,
+        painted,
+        context_of,
+    ))
 }
 
 /// Returns the set, and the statements of the new file's certificate.
@@ -111,7 +151,13 @@ fn read(arguments: &ConvertArguments) -> Result<(PointSet, ExportContext)> {
         Err(CheckError::NoRadius | CheckError::NoRegion(_)) => uncertified(arguments)?,
         read => {
             let (set, check) = read.map_err(hinted).in_file(path)?;
-            (set, certified(check, path)?)
+            let mut context = certified(check, path)?;
+            // Ranks stand in a column of the file, beside the levels that its certificate states.
+            if !context.levels.is_empty() {
+                let ranks = ranks::of_file(path, &arguments.set)?;
+                context.ranks = ranks.unwrap_or_default().into();
+            }
+            (set, context)
         }
     };
 

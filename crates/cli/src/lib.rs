@@ -34,6 +34,7 @@ mod output;
 mod parameters;
 mod paths;
 mod progress;
+mod ranks;
 mod reproduce;
 mod sample;
 mod sample_arguments;

@@ -37,9 +37,9 @@ pub struct SampleArguments {
     pub space: SpaceArguments,
     /// Only the samples of the set in this rectangle, X0 <= x < X1 and Y0 <= y < Y1, without making the
     /// rest. In a periodic domain it may cross the border or lie beyond it; in a bounded domain a rectangle
-    /// that reaches the upper border includes it
+    /// that reaches the upper border includes it. With --levels the file has level and rank of each sample, as the whole set
     #[arg(long, num_args = 4, value_names = ["X0", "Y0", "X1", "Y1"],
-        conflicts_with_all = ["shuffle", "resume", "no_verify", "levels"])]
+        conflicts_with_all = ["shuffle", "resume", "no_verify"])]
     pub window: Option<Vec<f64>>,
     /// KDRT; exact tiling, which has no bias at seams; or the reference sampler, which makes a maximal set from scratch and,
     /// of the arguments above, uses only radius or count, sides, boundary and seed. If not given KDRT, and the reference sampler
@@ -92,6 +92,7 @@ Examples:
   tilescope sample --exactly 10000 --levels 6 --out set.csv
   tilescope sample --radius 2 --width 100 --height 80 --origin 500000 5400000 --out trees.csv
   tilescope sample --radius 2e-5 --window 0.5 0.5 0.502 0.502
+  tilescope sample --radius 1e-4 --levels 6 --window 0.5 0.5 0.52 0.52 --out part.csv
   tilescope sample --radius 0.002 --search 2          the experiment that leaves gaps: exit code 1
   tilescope sample --count 100000 --method exact --out exact.npy
   tilescope sample --count 5000 --method reference --json

@@ -15,7 +15,7 @@ use crate::ground::GroundArguments;
 use crate::options::{JudgeArguments, SetArguments, hinted};
 use crate::paths::{InFile, named};
 use crate::progress::verifying;
-use crate::{interrupt, output, solid, thinned, verdict_code};
+use crate::{interrupt, output, ranks, solid, thinned, verdict_code};
 
 /// Arguments of `tilescope verify`.
 #[derive(Debug, Args)]
@@ -35,6 +35,10 @@ pub struct VerifyArguments {
     /// Judge only the first N samples of a set with nested levels: whether they hold what its certificate states
     #[arg(long, value_name = "N", conflicts_with_all = ["radius"])]
     prefix: Option<usize>,
+    /// Judge only the samples of a set with nested levels whose ranks are below T, a number from above 0 to 1: whether they are
+    /// samples of one level, and hold another one whole
+    #[arg(long, value_name = "T", conflicts_with_all = ["radius", "prefix", "source", "no_certificate"])]
+    rank: Option<f64>,
     /// Print one JSON object
     #[arg(long)]
     json: bool,
@@ -56,6 +60,7 @@ Examples:
   tilescope verify theirs.txt --radius 0.01
   tilescope verify survey.csv --radius 2 --width 90 --height 60 --columns easting northing
   tilescope verify levels.npy --prefix 1000
+  tilescope verify levels.csv --rank 0.3
   tilescope verify trees.csv --radius 2 --width 100 --height 80 --boundary bounded --origin 500000 5400000
   tilescope verify field.ply --radius-image grey.png
   tilescope verify thinned.ply --source cloud.ply
@@ -73,6 +78,16 @@ pub fn run(arguments: &VerifyArguments) -> Result<u8> {
     }
     if let Some(count) = arguments.prefix {
         return prefix(arguments, count);
+    }
+    if let Some(below) = arguments.rank {
+        let options = arguments.judge.options();
+        return ranks::judge(
+            &arguments.file,
+            &arguments.set,
+            below,
+            &options,
+            arguments.json,
+        );
     }
     let (file, set) = (&arguments.file, &arguments.set);
     let source = arguments.source.as_deref();
@@ -101,6 +116,7 @@ pub fn run(arguments: &VerifyArguments) -> Result<u8> {
 fn in_space(arguments: &VerifyArguments) -> Result<u8> {
     let given = [
         ("--prefix", arguments.prefix.is_some()),
+        ("--rank", arguments.rank.is_some()),
         ("--source", arguments.source.is_some()),
     ];
     let is_given = true;

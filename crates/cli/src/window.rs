@@ -1,5 +1,7 @@
 //! `tilescope sample --window`: makes a part of a set without the rest.
 
+mod nested;
+
 use std::fmt::Write;
 use std::time::Instant;
 
@@ -7,7 +9,8 @@ use anyhow::{Context, Result, ensure};
 use serde_json::json;
 use tilescope_analysis::{CutReport, Region, VerifyOptions, verify_cut};
 use tilescope_core::{
-    Domain, ExactPlane, MAXIMAL_DENSITY, PatternHistory, Plane, Progress, R, Window, WindowMaker,
+    Domain, ExactPlane, MAXIMAL_DENSITY, PatternHistory, Plane, Progress, R, WidenedWindow, Window,
+    WindowMaker,
 };
 use tilescope_formats::{PointSet, positions_digest};
 use tilescope_sets::{Facts, facts_of_exact, region};
@@ -30,6 +33,9 @@ pub fn run(arguments: &SampleArguments, asked: &[f64]) -> Result<u8> {
     let mut watch = Stopwatch::start();
     let mut recipe = arguments.run.recipe()?;
 
+    if let Some(request) = arguments.nested.request()? {
+        return nested::run(arguments, corners, &recipe, request);
+    }
     match arguments.method() {
         SamplingMethod::Kdrt => {
             ensure!(
@@ -71,11 +77,75 @@ pub fn run(arguments: &SampleArguments, asked: &[f64]) -> Result<u8> {
 /// Makes a window of a plane, judges, saves and reports it.
 fn show(
     arguments: &SampleArguments,
-    [left, bottom, right, top]: [f64; 4],
+    corners: [f64; 4],
     plane: &impl WindowMaker,
     facts: &Facts,
 ) -> Result<u8> {
     let domain = *plane.domain();
+    let window = checked_window(&domain, corners)?;
+
+    // The time is that of the points alone, without their verdict.
+    let began = Instant::now();
+    let points = plane.observed_window(&window, &mut |_: Progress| interrupt::flow())?;
+    let seconds = began.elapsed().as_secs_f64();
+    // Whether a place of the window is covered may depend on samples outside of it.
+    let widened = plane.widened(&window, &mut |_: Progress| interrupt::flow())?;
+    let report = judge(&widened, domain.radius())?;
+
+    // A conflict counts wherever it is in the part around the window that was judged, but a gap only in the window: around it
+    // the cut makes gaps.
+    let count = points.len();
+    let set = PointSet::from_points(domain.users_from_lattice(&points));
+    let mut object = json!({
+        "method": facts.method,
+        "parameters": facts.parameters,
+        "window": corners,
+        "radius": domain.radius(),
+        "count": count,
+        "positions_digest": positions_digest(&set.points),
+        "seconds": seconds,
+        "conflicts": report.whole.conflicts,
+        "gaps": report.gaps,
+        "min_distance_r": report.whole.min_distance / report.whole.radius,
+        "conflict_free": report.whole.conflict_free(),
+        "maximal": report.gaps == 0,
+        "valid": report.valid(),
+        "file": null,
+    });
+
+    let mut text = text(corners, &domain, count, seconds, &report);
+    if let Some(file) = save(arguments, &set, facts, &mut text)? {
+        object["file"] = json!(file);
+    }
+    output::report(arguments.json, || object, || text)?;
+    Ok(verdict_code(report.valid()))
+}
+
+/// Saves the samples of a window, if there is a file for them, and adds a line about it. Returns the file's name.
+fn save(
+    arguments: &SampleArguments,
+    set: &PointSet,
+    facts: &Facts,
+    text: &mut String,
+) -> Result<Option<String>> {
+    let Some(path) = &arguments.out else {
+        return Ok(None);
+    };
+    let file = named(path);
+    ensure!(
+        !set.is_empty(),
+        "{file}: no sample lies in the window, and files have at least one"
+    );
+    save_unverified(set, path, &arguments.context(facts))?;
+    let _ = writeln!(
+        text,
+        "file           {file} (a part of a set has no certificate)"
+    );
+    Ok(Some(file))
+}
+
+/// Returns the window between two corners. Refuses one without a place of the domain, and one with too many samples.
+fn checked_window(domain: &Domain, [left, bottom, right, top]: [f64; 4]) -> Result<Window> {
     let window = domain.window([left, bottom], [right, top])?;
     for (axis, name) in ["width", "height"].into_iter().enumerate() {
         let [low, high] = [[left, right], [bottom, top]][axis];
@@ -87,47 +157,7 @@ fn show(
         );
     }
     check_size(&window)?;
-
-    // The time is that of the points alone, without their verdict.
-    let began = Instant::now();
-    let points = plane.observed_window(&window, &mut |_: Progress| interrupt::flow())?;
-    let seconds = began.elapsed().as_secs_f64();
-    let report = judge(plane, &window)?;
-
-    // A conflict counts wherever it is in the part around the window that was judged, but a gap only in the window: around it
-    // the cut makes gaps.
-    let count = points.len();
-    let set = PointSet::from_points(domain.users_from_lattice(&points));
-    let file = arguments.out.as_ref().map(|path| named(path));
-    let object = json!({
-        "method": facts.method,
-        "parameters": facts.parameters,
-        "window": [left, bottom, right, top],
-        "radius": domain.radius(),
-        "count": count,
-        "positions_digest": positions_digest(&set.points),
-        "seconds": seconds,
-        "conflicts": report.whole.conflicts,
-        "gaps": report.gaps,
-        "min_distance_r": report.whole.min_distance / report.whole.radius,
-        "conflict_free": report.whole.conflict_free(),
-        "maximal": report.gaps == 0,
-        "valid": report.valid(),
-        "file": file,
-    });
-
-    let mut text = text([left, bottom, right, top], &domain, count, seconds, &report);
-    if let (Some(path), Some(file)) = (&arguments.out, &file) {
-        ensure!(
-            count > 0,
-            "{file}: no sample lies in the window, and files have at least one"
-        );
-        save_unverified(&set, path, &arguments.context(facts))?;
-        let remark = "a part of a set has no certificate";
-        let _ = writeln!(text, "file           {file} ({remark})");
-    }
-    output::report(arguments.json, || object, || text)?;
-    Ok(verdict_code(report.valid()))
+    Ok(window)
 }
 
 fn check_size(window: &Window) -> Result<()> {
@@ -142,13 +172,12 @@ fn check_size(window: &Window) -> Result<()> {
     Ok(())
 }
 
-/// Returns the report of a window in lines.
-fn text(
+/// Returns the first lines of a window's report: where it is, and how many samples it has.
+fn head(
     [left, bottom, right, top]: [f64; 4],
     domain: &Domain,
     count: usize,
     seconds: f64,
-    report: &CutReport,
 ) -> String {
     // The border of a bounded domain belongs to the windows that reach it.
     let end = |high: f64, axis: usize| {
@@ -157,15 +186,27 @@ fn text(
     };
     let (x, y) = (end(right, 0), end(top, 1));
     let (region, r) = (output::region_text(&region(domain)), domain.radius());
-
-    let whole = &report.whole;
     format!(
         "window         [{left}, {right}{x} x [{bottom}, {top}{y} of {region}, r = {r}\n\
-         samples        {count} in {:.2} ms\n\
-         conflict-free  {}   min distance {} r\n\
+         samples        {count} in {:.2} ms\n",
+        seconds * 1e3
+    )
+}
+
+/// Returns the report of a window in lines.
+fn text(
+    corners: [f64; 4],
+    domain: &Domain,
+    count: usize,
+    seconds: f64,
+    report: &CutReport,
+) -> String {
+    let whole = &report.whole;
+    let head = head(corners, domain, count, seconds);
+    format!(
+        "{head}conflict-free  {}   min distance {} r\n\
          maximal        {}\n\
          verdict        {}\n",
-        seconds * 1e3,
         output::conflicts_answer(whole.conflicts),
         output::compared(whole.min_distance / whole.radius, 1.0, 9).0,
         output::answer(report.gaps == 0, report.gaps),
@@ -173,13 +214,11 @@ fn text(
     )
 }
 
-/// Judges a window of a plane by the samples in it and around it.
-fn judge(plane: &impl WindowMaker, window: &Window) -> Result<CutReport> {
-    // Whether a place of the window is covered may depend on samples outside of it. The part around has ends of its own,
-    // also where the domain is periodic.
-    let cut = plane.widened(window, &mut |_: Progress| interrupt::flow())?;
+/// Judges a window of a plane by the samples in it and around it, for a radius.
+fn judge(cut: &WidenedWindow, radius: f64) -> Result<CutReport> {
+    // The part around has ends of its own, also where the domain is periodic.
     let is_periodic = false;
-    let asked = (Region::new(cut.size, is_periodic), plane.domain().radius());
+    let asked = (Region::new(cut.size, is_periodic), radius);
     let options = VerifyOptions::default();
     verifying(|control| verify_cut(&cut.positions, asked, cut.window, &options, control))
         .context(NO_VERDICT)

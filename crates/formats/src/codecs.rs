@@ -23,6 +23,7 @@ mod utk;
 mod xyz;
 
 use std::borrow::Cow;
+use std::sync::Arc;
 
 use tilescope_analysis::Region;
 
@@ -37,7 +38,7 @@ use crate::text::as_utf8;
 
 pub use self::drawing::{Dots, Drawing};
 pub use self::geojson::may_be_degrees;
-pub use self::kept::{KeptRows, keep_rows, read_column};
+pub use self::kept::{KeptRows, keep_rows, read_column, read_ranks};
 
 /// What a caller can say about some bytes before they are decoded.
 #[derive(Clone, Copy, Debug, Default)]
@@ -294,11 +295,16 @@ pub fn encode(set: &PointSet, target: &Target) -> Result<Vec<u8>, FormatError> {
     encode_certified(set, target, None, &Columns::default())
 }
 
+/// The name of the column of ranks, and of the property of features.
+pub(crate) const RANK: &str = "rank";
+
 /// What formats with columns hold of each point besides its position and its provenance.
 #[derive(Clone, Debug, Default)]
 pub(crate) struct Columns {
     /// Its level, from 0; nothing if there are no levels.
     pub levels: Vec<u32>,
+    /// Its rank, a number in [0, 1); nothing if there are no ranks.
+    pub ranks: Arc<[f64]>,
     /// Its radius; nothing if all have the same.
     pub radii: Vec<f64>,
     /// How a picture shows it.
@@ -307,7 +313,7 @@ pub(crate) struct Columns {
 
 impl Columns {
     pub fn is_empty(&self) -> bool {
-        self.levels.is_empty() && self.radii.is_empty()
+        self.levels.is_empty() && self.ranks.is_empty() && self.radii.is_empty()
     }
 }
 
@@ -323,6 +329,7 @@ pub(crate) fn encode_certified(
         return Err(FormatError::Empty { format });
     }
     check_provenance(set)?;
+    check_ranks(&columns.ranks, set.len())?;
     check_target(target)?;
 
     // These are all points of the file, so that the first is point 0.
@@ -360,6 +367,20 @@ fn check_provenance(set: &PointSet) -> Result<(), FormatError> {
             points: set.len(),
         }),
         _ => Ok(()),
+    }
+}
+
+/// Refuses ranks of another number than the points', and ones that are no number in [0, 1), which no sample has.
+fn check_ranks(ranks: &[f64], points: usize) -> Result<(), FormatError> {
+    if !ranks.is_empty() && ranks.len() != points {
+        return Err(FormatError::Ranks {
+            found: ranks.len(),
+            points,
+        });
+    }
+    match ranks.iter().find(|rank| !(0.0..1.0).contains(*rank)) {
+        Some(&rank) => Err(FormatError::Rank { rank }),
+        None => Ok(()),
     }
 }
 

@@ -350,6 +350,20 @@ pub enum FormatError {
         /// The number of points in the set.
         points: usize,
     },
+    /// Ranks of another number than the points'.
+    #[error("{found} ranks for {points} points")]
+    Ranks {
+        /// The number of ranks.
+        found: usize,
+        /// The number of points in the set.
+        points: usize,
+    },
+    /// A rank that no sample can have.
+    #[error("a rank is {}; it must be at least 0 and below 1", Number(*.rank))]
+    Rank {
+        /// The rank.
+        rank: f64,
+    },
     /// A radius or region that cannot be written or used.
     #[error("{name} is {}; it must be finite and above 0", Number(*.value))]
     Parameter {

@@ -54,6 +54,9 @@ pub struct ExportContext {
     /// The claims about the points to the end of each level, if the set has nested levels. Formats with columns then
     /// have one that is named level. Streams leave it out.
     pub levels: Vec<PrefixClaim>,
+    /// The rank of each point, if the set has nested levels and their ranks are known. Formats with columns then have one that is
+    /// named rank. Streams leave it out.
+    pub ranks: Arc<[f64]>,
     /// What the set is judged in, if its radius varies or it covers a shape: in the place of `region`, `radius` and other
     /// judges. Formats with columns then have one that is named radius. Streams leave it out.
     pub varying: Option<Arc<VaryingDomain>>,
@@ -81,6 +84,7 @@ impl ExportContext {
             parameters: BTreeMap::new(),
             verify: VerifyOptions::default(),
             levels: Vec::new(),
+            ranks: Arc::default(),
             varying: None,
             made: None,
             drawing: None,
@@ -93,6 +97,7 @@ impl ExportContext {
         let varying = self.varying.as_ref();
         Columns {
             levels: level_column(&ends, points.len()),
+            ranks: Arc::clone(&self.ranks),
             radii: varying.map_or_else(Vec::new, |varying| varying.radii(points)),
             drawing: self.drawing.clone(),
         }
@@ -283,20 +288,21 @@ pub(crate) fn export_through(
 ) -> Result<ExportedBytes, ExportError> {
     let target = target(name, context)?;
 
-    // The points of the first level come first, which shuffling would undo.
-    if let (Some(seed), false) = (context.shuffle_seed, context.levels.is_empty()) {
+    // The points of the first level come first, which shuffling would undo. Ranks are those of the points in this order.
+    let is_ordered = !context.levels.is_empty() || !context.ranks.is_empty();
+    if let (Some(seed), true) = (context.shuffle_seed, is_ordered) {
         return Err(ExportError::ShuffledLevels { seed });
     }
 
     let set = ordered(set, context);
     let columns = context.columns(&set.points);
     let encoded = encode_certified(&set, &target, None, &columns)?;
-    // Levels and radii are not decoded: that they were stored shows only by the bytes.
+    // Levels, ranks and radii are not decoded: that they were stored shows only by the bytes.
     let expected = (!columns.is_empty()).then(|| bytes_digest(&encoded));
     let mut data = store(encoded)?;
     if expected.is_some_and(|expected| expected != bytes_digest(&data)) {
         return Err(ExportError::ReadBack {
-            written: "points with their levels or radii".to_owned(),
+            written: "points with their levels, ranks or radii".to_owned(),
             found: "other bytes".to_owned(),
         });
     }

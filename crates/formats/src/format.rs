@@ -35,7 +35,7 @@ pub enum Format {
     Xyz,
     /// `.json`: positions with the certificate inside.
     Json,
-    /// `.geojson`: a `FeatureCollection` of planar points, with level and radius as properties where there are such.
+    /// `.geojson`: a `FeatureCollection` of planar points, with level, rank and radius as properties where there are such.
     #[serde(rename = "geojson")]
     GeoJson,
     /// `.svg`: a circle for each point, in domain units, y downwards as SVG has it.

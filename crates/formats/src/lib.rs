@@ -55,7 +55,7 @@ pub use check::{
 };
 pub use codecs::{
     CertificateUse, Dots, Drawing, Hint, KeptRows, ReadSet, Target, decode, encode, keep_rows,
-    may_be_degrees, read_column, refuse_degrees,
+    may_be_degrees, read_column, read_ranks, refuse_degrees,
 };
 #[cfg(not(target_arch = "wasm32"))]
 pub use destination::{certificate_beside, destination};

@@ -39,6 +39,8 @@ pub struct Facts {
     pub radius: f64,
     /// The claims on the samples to the end of each level, if it has nested levels.
     pub levels: Vec<PrefixClaim>,
+    /// The rank of each sample, if it has nested levels in an order that gives them.
+    pub ranks: Arc<[f64]>,
     /// Where the lower corner of the region lies, for a shape or an expression in coordinates of their own.
     pub origin: [f64; 2],
     /// What the set is judged in, if its radius varies or it covers a shape.
@@ -59,6 +61,7 @@ impl Facts {
             region: region(domain),
             radius: domain.radius(),
             levels: Vec::new(),
+            ranks: Arc::default(),
             origin: [0.0; 2],
             varying: None,
             made: None,
@@ -73,6 +76,7 @@ impl Facts {
             method: self.method.to_owned(),
             parameters: self.parameters.clone(),
             levels: self.levels.clone(),
+            ranks: Arc::clone(&self.ranks),
             origin: self.origin,
             varying: self.varying.clone(),
             made: self.made,

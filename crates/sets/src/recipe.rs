@@ -213,6 +213,7 @@ impl Recipe {
             set: PointSet::from_points(made.positions()),
             facts: Facts {
                 levels: made.claims().map(PrefixClaim::from).collect(),
+                ranks: made.ranks().unwrap_or_default().into(),
                 ..Facts::new("kdrt", parameters, domain)
             },
         })

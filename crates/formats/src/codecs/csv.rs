@@ -1,7 +1,7 @@
 //! Comma-separated values with the header `x,y`, as they are written. `table` reads them and their dialects.
 
-use super::Columns;
 use super::radii::RADIUS;
+use super::{Columns, RANK};
 use crate::text::{push, push_line};
 
 /// The header of a table that has positions alone.
@@ -19,6 +19,7 @@ pub(super) fn write(points: &[[f64; 2]], columns: &Columns) -> Vec<u8> {
     out.pop();
     let names = [
         ("level", columns.levels.len()),
+        (RANK, columns.ranks.len()),
         (RADIUS, columns.radii.len()),
     ];
     for (name, _) in names.into_iter().filter(|&(_, count)| count > 0) {
@@ -32,6 +33,9 @@ pub(super) fn write(points: &[[f64; 2]], columns: &Columns) -> Vec<u8> {
         out.pop();
         if let Some(level) = columns.levels.get(index) {
             push(&mut out, format_args!(",{level}"));
+        }
+        if let Some(rank) = columns.ranks.get(index) {
+            push(&mut out, format_args!(",{rank}"));
         }
         if let Some(radius) = columns.radii.get(index) {
             push(&mut out, format_args!(",{radius}"));

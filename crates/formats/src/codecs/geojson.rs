@@ -11,7 +11,8 @@ use serde::de::{SeqAccess, Visitor};
 use serde::{Deserialize, Deserializer};
 
 use super::json::{Position, PositionVisitor};
-use super::{Columns, Raw};
+use super::radii::RADIUS;
+use super::{Columns, RANK, Raw};
 use crate::error::{FilePlace, FormatError};
 use crate::format::{Format, Precision};
 use crate::text::push;
@@ -189,13 +190,17 @@ pub(super) fn write(points: &[[f64; 2]], columns: &Columns) -> Vec<u8> {
             ),
         );
 
-        let (level, radius) = (columns.levels.get(index), columns.radii.get(index));
-        if let Some(level) = level {
+        let mut before = "";
+        if let Some(level) = columns.levels.get(index) {
             push(&mut out, format_args!("\"level\": {level}"));
+            before = ", ";
         }
-        if let Some(radius) = radius {
-            let before = level.map_or("", |_| ", ");
-            push(&mut out, format_args!("{before}\"radius\": {radius:?}"));
+        let (rank, radius) = (columns.ranks.get(index), columns.radii.get(index));
+        for (name, value) in [(RANK, rank), (RADIUS, radius)] {
+            if let Some(value) = value {
+                push(&mut out, format_args!("{before}\"{name}\": {value:?}"));
+                before = ", ";
+            }
         }
         out.extend_from_slice(b"}}");
     }
@@ -307,16 +312,17 @@ mod tests {
     }
 
     #[test]
-    fn levels_and_radii_are_properties_of_points() {
+    fn levels_ranks_and_radii_are_properties_of_points() {
         let both = Columns {
             levels: vec![0, 1],
+            ranks: vec![0.125, 0.625].into(),
             radii: vec![0.5, 0.25],
             drawing: None,
         };
         let places = [[1e300, -0.0], [0.1, 1.0 / 3.0]];
         let text = String::from_utf8(super::write(&places, &both)).expect("text");
         let written: serde_json::Value = serde_json::from_str(&text).expect("JSON");
-        let properties = serde_json::json!({ "level": 1, "radius": 0.25 });
+        let properties = serde_json::json!({ "level": 1, "rank": 0.625, "radius": 0.25 });
         assert_eq!(written["features"][1]["properties"], properties);
         let bits = |points: &[[f64; 2]]| points.iter().map(|p| p.map(f64::to_bits)).collect();
         let [back, made]: [Vec<[u64; 2]>; 2] = [bits(&points(&text)), bits(&places)];

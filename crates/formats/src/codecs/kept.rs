@@ -2,7 +2,7 @@
 
 use serde_json::Value;
 
-use super::{Hint, detected, npy, ply, psa, table, utk};
+use super::{Hint, RANK, detected, npy, ply, psa, table, utk};
 use crate::error::{FilePlace, FormatError};
 use crate::format::Format;
 use crate::text::{as_utf8, without_bom};
@@ -76,6 +76,28 @@ pub fn read_column(bytes: &[u8], hint: &Hint<'_>, name: &str) -> Result<Vec<f64>
             format,
             reason: "points have no column beside their coordinates to be ordered by",
         }),
+    }
+}
+
+/// Returns the rank of each point, if the file has a column, or a property, of that name: files of nested levels have one.
+///
+/// # Errors
+///
+/// As [`read_column`], but a file without such a column is none.
+pub fn read_ranks(bytes: &[u8], hint: &Hint<'_>) -> Result<Option<Vec<f64>>, FormatError> {
+    match read_column(bytes, hint, RANK) {
+        // Features have properties one by one. The first one without a number has none of this name, or another program's; one
+        // further on is a fault.
+        Err(
+            FormatError::Header { .. }
+            | FormatError::NotChosen { .. }
+            | FormatError::Row {
+                format: Format::Json,
+                place: FilePlace::Point(0),
+                ..
+            },
+        ) => Ok(None),
+        found => found.map(Some),
     }
 }
 

@@ -7,7 +7,7 @@ use super::ply_header::{Element, Encoding, PlyHeader, Scalar, parse};
 use super::ply_outline::{OutlinedElement, elements};
 use super::radii::RADIUS;
 use super::xyz::planar;
-use super::{Columns, Raw};
+use super::{Columns, RANK, Raw};
 use crate::binary::{self, Cursor, Endian};
 use crate::error::{FilePlace, FormatError, quote};
 use crate::format::{Format, Precision};
@@ -479,8 +479,9 @@ fn header(
     for name in origins.chain(level) {
         push(&mut out, format_args!("property uint {name}\n"));
     }
-    if !columns.radii.is_empty() {
-        push(&mut out, format_args!("property double {RADIUS}\n"));
+    let doubles = [(RANK, columns.ranks.len()), (RADIUS, columns.radii.len())];
+    for (name, _) in doubles.into_iter().filter(|&(_, count)| count > 0) {
+        push(&mut out, format_args!("property double {name}\n"));
     }
     out.extend_from_slice(b"end_header\n");
     out
@@ -505,6 +506,9 @@ pub(super) fn write_ascii(
         }
         if let Some(level) = columns.levels.get(index) {
             push(&mut out, format_args!(" {level}"));
+        }
+        if let Some(rank) = columns.ranks.get(index) {
+            push(&mut out, format_args!(" {rank}"));
         }
         if let Some(radius) = columns.radii.get(index) {
             push(&mut out, format_args!(" {radius}"));
@@ -549,7 +553,7 @@ pub(super) fn push_rows(
     columns: &Columns,
     precision: Precision,
 ) {
-    // Three words of provenance and one of the level take 16 bytes; radii, which few sets have, may make the buffer grow.
+    // Three words of provenance and one of the level take 16 bytes; ranks and radii, which few sets have, may make the buffer grow.
     out.reserve(points.len() * (3 * precision.bytes() + 16));
 
     for (index, &[x, y]) in points.iter().enumerate() {
@@ -561,6 +565,9 @@ pub(super) fn push_rows(
         }
         if let Some(level) = columns.levels.get(index) {
             out.extend_from_slice(&level.to_le_bytes());
+        }
+        if let Some(rank) = columns.ranks.get(index) {
+            out.extend_from_slice(&rank.to_le_bytes());
         }
         if let Some(radius) = columns.radii.get(index) {
             out.extend_from_slice(&radius.to_le_bytes());

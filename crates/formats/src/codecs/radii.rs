@@ -70,7 +70,7 @@ fn of_features(bytes: &[u8]) -> Option<Vec<f64>> {
 
 #[cfg(test)]
 mod tests {
-    use super::super::{Columns, Target, encode_certified};
+    use super::super::{Columns, Hint, Target, encode_certified, read_ranks};
     use super::*;
     use crate::point_set::PointSet;
 
@@ -78,12 +78,15 @@ mod tests {
     fn what_is_written_is_read_and_other_files_have_none() {
         let set = PointSet::from_points(vec![[0.5, 0.25], [0.1, 1.0 / 3.0]]);
         let radii = vec![1.0 / 7.0, 1e-9];
+        // A rank with all of its 33 bits.
+        let ranks = vec![0.0, 1.0 - 1.0 / 8_589_934_592.0];
         for format in Format::ALL {
             let bytes = |columns: &Columns| {
                 encode_certified(&set, &Target::new(format), None, columns).expect("bytes")
             };
             let with = Columns {
                 levels: vec![0, 1],
+                ranks: ranks.clone().into(),
                 radii: radii.clone(),
                 drawing: None,
             };
@@ -94,6 +97,16 @@ mod tests {
             let found = read(&bytes(&with), format).expect("a file");
             assert_eq!(found, has_columns.then(|| radii.clone()), "{format}");
             let found = read(&bytes(&Columns::default()), format).expect("a file");
+            assert_eq!(found, None, "{format}");
+
+            // Ranks are read from the same formats, to the bit, by the name of their column.
+            let hint = Hint {
+                format: Some(format),
+                ..Hint::default()
+            };
+            let found = read_ranks(&bytes(&with), &hint).expect("a file");
+            assert_eq!(found, has_columns.then(|| ranks.clone()), "{format}");
+            let found = read_ranks(&bytes(&Columns::default()), &hint).expect("a file");
             assert_eq!(found, None, "{format}");
         }
     }

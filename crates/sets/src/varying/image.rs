@@ -204,6 +204,18 @@ impl GrayImage {
         [self.columns, self.grey.len() / self.columns]
     }
 
+    /// Returns how dark the pixel at a place is, 0 white and 1 black. The image covers the domain from 0 to `size`.
+    #[must_use]
+    pub fn darkness_at(&self, place: [f64; 2], size: [f64; 2]) -> f64 {
+        let pixels = self.pixels();
+        let [column, row] = [0, 1].map(|axis| {
+            let at = place[axis] / size[axis] * pixels[axis] as f64;
+            // The border of a bounded domain belongs to its last pixel.
+            (at as usize).min(pixels[axis] - 1)
+        });
+        darkness(self.grey[row * self.columns + column])
+    }
+
     /// Returns which pixels are inside as a mask: the opaque ones; if all are opaque, those lighter than half grey.
     pub(super) fn inside(&self) -> Vec<bool> {
         match &self.pixels.alpha {

@@ -53,7 +53,7 @@ fn nested_levels_are_stated_level_by_level_and_their_prefixes_verify() {
         .collect();
     assert!(counts.len() == 4 && counts.is_sorted(), "{made}");
     let text = fs::read_to_string(folder.path().join("set.csv")).unwrap();
-    assert!(text.starts_with("x,y,level\n"), "{text}");
+    assert!(text.starts_with("x,y,level,rank\n"), "{text}");
     json(&folder, &["verify", "set.csv", "--json"], 0);
     let between = (counts[1] + 1).to_string();
     let prefix = ["verify", "set.csv", "--prefix", &between, "--json"];

@@ -11,6 +11,7 @@ mod large_sets;
 mod lessons;
 #[cfg(unix)]
 mod places;
+mod ranks;
 mod reproduce;
 mod script;
 mod solid;

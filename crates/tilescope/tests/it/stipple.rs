@@ -2,12 +2,12 @@
 
 use std::fs;
 
-use png::{BitDepth, ColorType};
+use png::ColorType;
 use predicates::str::contains;
 use serde_json::{Value, json};
 use tempfile::{TempDir, tempdir};
 
-use crate::support::{names, tilescope};
+use crate::support::{image, names, tilescope};
 
 const PHOTO: &[u8] = include_bytes!("images/photo.jpg");
 const PROGRESSIVE: &[u8] = include_bytes!("images/progressive.jpg");
@@ -25,16 +25,6 @@ fn with_photo() -> TempDir {
     let folder = tempdir().unwrap();
     fs::write(folder.path().join("photo.jpg"), PHOTO).unwrap();
     folder
-}
-
-/// Writes an image of 8 bits.
-fn image(folder: &TempDir, name: &str, size: [u32; 2], color: ColorType, data: &[u8]) {
-    let file = fs::File::create(folder.path().join(name)).unwrap();
-    let mut encoder = png::Encoder::new(file, size[0], size[1]);
-    encoder.set_color(color);
-    encoder.set_depth(BitDepth::Eight);
-    let mut writer = encoder.write_header().unwrap();
-    writer.write_image_data(data).unwrap();
 }
 
 fn text(folder: &TempDir, name: &str) -> String {

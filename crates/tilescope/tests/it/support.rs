@@ -7,6 +7,7 @@ use std::fs;
 use std::path::Path;
 
 use assert_cmd::Command;
+use png::{BitDepth, ColorType};
 use tempfile::TempDir;
 
 /// Returns the program, to run in `folder`.
@@ -26,4 +27,14 @@ pub fn names(folder: &Path) -> Vec<String> {
     let mut names: Vec<String> = entries.map(|entry| name(entry).unwrap()).collect();
     names.sort();
     names
+}
+
+/// Writes an image of 8 bits.
+pub fn image(folder: &TempDir, name: &str, size: [u32; 2], color: ColorType, data: &[u8]) {
+    let file = fs::File::create(folder.path().join(name)).unwrap();
+    let mut encoder = png::Encoder::new(file, size[0], size[1]);
+    encoder.set_color(color);
+    encoder.set_depth(BitDepth::Eight);
+    let mut writer = encoder.write_header().unwrap();
+    writer.write_image_data(data).unwrap();
 }

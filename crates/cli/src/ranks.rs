@@ -1,0 +1,312 @@
+//! Ranks of the samples of nested levels: `tilescope verify --rank`, and `convert` with `--rank` and `--rank-image`.
+
+use std::path::Path;
+
+use anyhow::{Context, Result, bail, ensure};
+use clap::Args;
+use serde_json::json;
+use tilescope_analysis::{PrefixClaim, RankedSet, VerifyOptions, verify, verify_ranks};
+use tilescope_formats::{
+    Certificate, CertificateUse, CertifiedLevel, ExportContext, Hint, PointSet, ReadSet,
+    read_ranks, read_whole,
+};
+use tilescope_sets::{GrayImage, Stated};
+
+use crate::ground::{file_name, image};
+use crate::options::SetArguments;
+use crate::paths::{InFile, named};
+use crate::progress::verifying;
+use crate::sample_arguments::save_unverified;
+use crate::{convert, output, verdict_code};
+
+/// The name of the column that has the ranks.
+const RANK: &str = "rank";
+
+/// Which samples of nested levels `convert` keeps.
+#[derive(Debug, Args)]
+pub struct RankArguments {
+    /// Of a set with nested levels and their ranks, keep the samples with ranks below T, a number from above 0 to 1: about so
+    /// large a share of them, evenly spread. The new file has the levels that are left, and ranks from 0 to 1 again
+    #[arg(long, value_name = "T", conflicts_with_all = ["rank_image", "slice", "no_certificate"])]
+    pub rank: Option<f64>,
+    /// Of such a set, keep the samples with ranks below the darkness of a PNG or JPEG image that covers the domain, 0 for white and 1
+    /// for black: as dense as it is dark. No two are closer than the radius of the finest level in use, and no more is
+    /// stated: the file has no certificate
+    #[arg(long, value_name = "IMAGE", conflicts_with_all = ["slice", "no_certificate"])]
+    pub rank_image: Option<std::path::PathBuf>,
+}
+
+impl RankArguments {
+    /// Returns the name of the option that is given, if one is.
+    pub fn option(&self) -> Option<&'static str> {
+        let given = [
+            ("--rank", self.rank.is_some()),
+            ("--rank-image", self.rank_image.is_some()),
+        ];
+        let mut names = given
+            .into_iter()
+            .filter_map(|(name, is_given)| is_given.then_some(name));
+        names.next()
+    }
+}
+
+/// Refuses a threshold below which no rank lies, or above which none does.
+fn check_threshold(below: f64) -> Result<()> {
+    ensure!(
+        below > 0.0 && below <= 1.0,
+        "--rank is {below}; it must be above 0 and at most 1"
+    );
+    Ok(())
+}
+
+/// Returns the ranks in a file, if it has a column of them.
+pub fn of_file(path: &Path, set: &SetArguments) -> Result<Option<Vec<f64>>> {
+    let columns = set.columns.as_deref();
+    // The parser of arguments takes two names or none.
+    let columns = columns.and_then(|columns| <&[String; 2]>::try_from(columns).ok());
+    let name = file_name(path);
+    let hint = Hint {
+        name: &name,
+        format: set.format,
+        columns: columns.map(|columns| columns.each_ref().map(String::as_str)),
+        ..Hint::default()
+    };
+    read_ranks(&read_whole(path)?, &hint).in_file(path)
+}
+
+/// A set of nested levels with the ranks of its samples.
+struct RankedFile {
+    read: ReadSet,
+    certificate: Certificate,
+    ranks: Vec<f64>,
+    levels: Vec<PrefixClaim>,
+}
+
+impl RankedFile {
+    /// Reads a set, its certificate and its ranks. Fails if it has no levels or no column of ranks.
+    fn read(path: &Path, set: &SetArguments, certificate: CertificateUse) -> Result<Self> {
+        let mut read = set.read_as(path, set.set, certificate)?;
+        let name = named(path);
+        let Some(certificate) = read.certificate.take() else {
+            bail!("{name}: there is no certificate, which states the levels of a set");
+        };
+        let levels = certificate.claims();
+        ensure!(
+            !levels.is_empty(),
+            "{name}: the certificate states no levels, of which samples have ranks"
+        );
+
+        let ranks = of_file(path, set)?.with_context(|| {
+            format!("{name}: it has no column {RANK}; csv, ply and geojson files of nested levels have one")
+        })?;
+        // The certificate's levels are about so many samples, and each has to have its rank.
+        ensure!(
+            ranks.len() == read.set.len(),
+            "{name}: there are {} ranks of {} samples",
+            ranks.len(),
+            read.set.len()
+        );
+
+        Ok(Self {
+            read,
+            certificate,
+            ranks,
+            levels,
+        })
+    }
+
+    /// Returns the set as its judge takes it.
+    fn ranked(&self) -> RankedSet<'_> {
+        RankedSet {
+            points: &self.read.set.points,
+            ranks: &self.ranks,
+            region: self.certificate.region,
+            levels: &self.levels,
+            radius: self.certificate.radius.least(),
+        }
+    }
+
+    /// Returns the samples that are kept, with the ranks that they have.
+    fn kept(&self, is_kept: impl Fn(usize) -> bool) -> (PointSet, Vec<f64>) {
+        let kept = (0..self.ranks.len()).filter(|&index| is_kept(index));
+        let (points, ranks) = kept
+            .map(|index| (self.read.set.points[index], self.ranks[index]))
+            .unzip();
+        (PointSet::from_points(points), ranks)
+    }
+
+    /// Returns the statements of a file with some of the samples, which has these levels and this radius.
+    fn context(
+        &self,
+        radius: f64,
+        levels: Vec<PrefixClaim>,
+        ranks: Vec<f64>,
+        kept: (&str, serde_json::Value),
+    ) -> ExportContext {
+        let stated = &self.certificate;
+        // The parameters are those of a larger set, which other samples than these come from.
+        let of = json!(stated.parameters);
+        let parameters = [(kept.0.to_owned(), kept.1), ("of".to_owned(), of)];
+        ExportContext {
+            program: stated.program.clone(),
+            program_version: stated.program_version.clone(),
+            method: stated.method.clone(),
+            parameters: Stated::from(parameters),
+            precision: stated.precision,
+            origin: stated.origin.unwrap_or_default(),
+            levels,
+            ranks: ranks.into(),
+            ..ExportContext::new(stated.region, radius)
+        }
+    }
+}
+
+/// Judges the samples with ranks below a threshold, and prints the verdict.
+pub fn judge(
+    file: &Path,
+    set: &SetArguments,
+    below: f64,
+    options: &VerifyOptions,
+    as_json: bool,
+) -> Result<u8> {
+    check_threshold(below)?;
+    // The file is not compared with its certificate, so that a fault in it is found by the samples that are judged.
+    let ranked = RankedFile::read(file, set, CertificateUse::AsStated)?;
+    ensure!(
+        ranked.ranks.iter().any(|&rank| rank < below),
+        "{}: no sample has a rank below {below}",
+        named(file)
+    );
+
+    let found = verifying(|control| verify_ranks(&ranked.ranked(), below, options, control));
+    // `RankedFile::read` refuses sets without levels, of which nothing is claimed.
+    let report = found.in_file(file)?.context("there are no levels")?;
+
+    let level = CertifiedLevel::of(&report.kept);
+    let (of, misplaced) = (ranked.ranks.len(), report.misplaced);
+    let share = level.count as f64 / of as f64;
+    let mut object = json!(level);
+    object["valid"] = json!(report.valid());
+    object["rank"] = json!(below);
+    object["of"] = json!(of);
+    object["misplaced_ranks"] = json!(misplaced);
+
+    output::report(
+        as_json,
+        || object,
+        || {
+            format!(
+                "ranks below    {below}: {} of {of} samples, {share:.4} of them\n\
+                 \x20  samples   smallest distance above   covering radius up to\n{}\
+                 ranks in place {}\n\
+                 verdict        {}\n",
+                level.count,
+                output::level_row(&level),
+                output::answer(misplaced == 0, misplaced),
+                output::validity(report.valid()),
+            )
+        },
+    )?;
+    Ok(verdict_code(report.valid()))
+}
+
+/// Writes the samples with ranks below a threshold as a set of the levels that are left, and prints its verdict.
+pub fn keep_below(
+    [input, output_path]: [&Path; 2],
+    set: &SetArguments,
+    below: f64,
+    context_of: impl Fn(ExportContext) -> ExportContext,
+) -> Result<u8> {
+    check_threshold(below)?;
+    let ranked = RankedFile::read(input, set, CertificateUse::Checked)?;
+    let name = named(input);
+    // Levels are claims on the first samples, and those that are kept have to be such.
+    ensure!(
+        ranked.ranks.is_sorted(),
+        "{name}: its ranks do not ascend, as those of nested levels do"
+    );
+
+    let (kept, ranks) = ranked.kept(|index| ranked.ranks[index] < below);
+    let view = ranked.ranked();
+    let claim = view
+        .claim(below, kept.len())
+        .context("there are no levels")?;
+    // What covers nothing promises nothing that a certificate could state.
+    ensure!(
+        claim.covering.is_some(),
+        "{name}: of its first level the ranks go up to {}, and samples below {below} hold no whole level",
+        view.finest_threshold(0.0)
+    );
+
+    // In the levels that are left the last one in use has the threshold 1, and ranks are as in a run of these alone.
+    let finest = view.finest_threshold(below);
+    let ranks = ranks.into_iter().map(|rank| rank / finest).collect();
+    let before = ranked
+        .levels
+        .iter()
+        .filter(|level| level.count < claim.count);
+    let levels = before.copied().chain([claim]).collect();
+    let context = context_of(ranked.context(claim.distance, levels, ranks, (RANK, json!(below))));
+
+    let exported =
+        verifying(|control| tilescope_formats::export(output_path, &kept, &context, control));
+    convert::report(&exported.in_file(output_path)?)
+}
+
+/// Writes the samples with ranks below the darkness of an image, and prints what holds for them.
+pub fn keep_painted(
+    [input, output_path]: [&Path; 2],
+    set: &SetArguments,
+    painted: &Path,
+    context_of: impl Fn(ExportContext) -> ExportContext,
+) -> Result<u8> {
+    let ranked = RankedFile::read(input, set, CertificateUse::Checked)?;
+    let picture: GrayImage = image(painted, "--rank-image")?;
+    let region = ranked.certificate.region;
+    let (points, size) = (&ranked.read.set.points, [region.width, region.height]);
+
+    let is_dark = |index: usize| ranked.ranks[index] < picture.darkness_at(points[index], size);
+    let (kept, ranks) = ranked.kept(is_dark);
+    let highest = ranks.iter().copied().fold(0.0, f64::max);
+    ensure!(
+        !kept.is_empty(),
+        "{}: the image keeps no sample, and files have at least one",
+        named(painted)
+    );
+
+    // All that are kept are samples of the level that the highest rank belongs to, whatever their thresholds were.
+    let just_above = highest.next_up();
+    let claim = ranked.ranked().claim(just_above, kept.len());
+    let distance = claim.context("there are no levels")?.distance;
+    let options = VerifyOptions::default();
+    let report = verifying(|control| verify(&kept.points, region, distance, &options, control));
+    let report = report.in_file(output_path)?;
+
+    // These counts serve the column `level` alone: no certificate is written.
+    let mut counts = Vec::new();
+    for level in &ranked.levels {
+        let is_of_level = |index: usize| index < level.count && is_dark(index);
+        let count = (0..points.len())
+            .filter(|&index| is_of_level(index))
+            .count();
+        counts.push(PrefixClaim { count, ..*level });
+    }
+
+    let statement = (RANK, json!(file_name(painted)));
+    let context = context_of(ranked.context(distance, counts, ranks, statement));
+    save_unverified(&kept, output_path, &context)?;
+
+    let apart = report.min_distance >= distance;
+    output::emit(&format!(
+        "{} of {} samples, as dense as {} is dark\n\
+         distance       above {distance} ({})   {}\n\
+         file           {} (of a painted density no more is stated: it has no certificate)\n",
+        kept.len(),
+        points.len(),
+        named(painted),
+        report.min_distance,
+        output::validity(apart),
+        named(output_path)
+    ))?;
+    Ok(verdict_code(apart))
+}
