@@ -2,7 +2,7 @@
 
 use std::sync::Arc;
 
-use numpy::PyReadonlyArray2;
+use numpy::{PyArrayMethods, PyReadonlyArray1, PyReadonlyArray2};
 use pyo3::exceptions::{PyTypeError, PyValueError};
 use pyo3::prelude::*;
 use pyo3::types::PyDict;
@@ -116,6 +116,9 @@ pub struct SetArgument<'py> {
     pub origin: (f64, f64),
     radius: Option<f64>,
     pub levels: Vec<LevelArgument>,
+    /// The rank of each sample, if it is known.
+    #[pyo3(attribute("_ranks"))]
+    ranks: Option<PyReadonlyArray1<'py, f64>>,
     pub method: String,
     /// The field and the shape, if its radius varies or it covers a shape.
     #[pyo3(attribute("_ground"))]
@@ -128,6 +131,15 @@ pub struct SetArgument<'py> {
 impl SetArgument<'_> {
     pub fn points(&self) -> PyResult<&[[f64; 2]]> {
         rows(&self.points)
+    }
+
+    /// Returns the rank of each sample, or nothing if they are not known.
+    pub fn ranks(&self) -> PyResult<Vec<f64>> {
+        let copied = self.ranks.as_ref().map(|ranks| ranks.to_vec());
+        let copied = copied.transpose();
+        copied
+            .map(Option::unwrap_or_default)
+            .map_err(|error| PyValueError::new_err(format!("the ranks have gaps: {error}")))
     }
 
     pub fn region(&self) -> PyResult<Region> {

@@ -11,10 +11,15 @@ pub fn array<T: Element, const N: usize>(
     rows: Vec<[T; N]>,
 ) -> PyResult<Bound<'_, PyArray2<T>>> {
     let count = rows.len();
-    let flat = PyArray1::from_vec(py, rows.into_flattened());
     // A view of an array that cannot be written to cannot be written to either.
+    list(py, rows.into_flattened()).reshape([count, N])
+}
+
+/// Returns a read-only array of shape `(len,)` that takes over the memory of `values`.
+pub fn list<T: Element>(py: Python<'_>, values: Vec<T>) -> Bound<'_, PyArray1<T>> {
+    let flat = PyArray1::from_vec(py, values);
     flat.readwrite().make_nonwriteable();
-    flat.reshape([count, N])
+    flat
 }
 
 /// Returns the rows of an array of shape `(len, N)`.

@@ -12,7 +12,7 @@ use tilescope_core::memory::NoMemory;
 use tilescope_formats::{
     Certificate, CheckError, ExportContext, Format, FormatError, Hint, Mapping, Overrides,
     PointSet, Precision, Provenance, certificate_path, decode, export, export_bytes,
-    export_unverified, positions_digest, read_whole, write_whole,
+    export_unverified, positions_digest, read_ranks, read_whole, write_whole,
 };
 
 use crate::arguments::{SetArgument, claims, format, level_fields, overrides, verify_options};
@@ -135,8 +135,10 @@ fn of_found<'py>(
         "summary": null,
         "certificate": stated,
     });
+    // Ranks are those of the levels that the certificate states.
+    let ranks = stated.and_then(|_| found.ranks.clone()).unwrap_or_default();
     let set = found.in_domain(Some(region)).set;
-    Ok((set_into_python(set, &facts, py)?, ground))
+    Ok((set_into_python(set, ranks, &facts, py)?, ground))
 }
 
 /// A set from a file.
@@ -144,6 +146,8 @@ pub struct FoundSet {
     pub set: PointSet,
     /// The certificate, every statement of which is true.
     pub certificate: Option<Certificate>,
+    /// The rank of each sample, if the file has a column of them and its certificate states levels.
+    ranks: Option<Vec<f64>>,
     /// The position in the file of the domain's lower corner.
     origin: [f64; 2],
     format: Format,
@@ -202,13 +206,29 @@ fn certified(
 
     // An origin that is given is the stated one: another would be a difference. Without either it is 0 0.
     let stated = check.certificate.as_ref().and_then(|stated| stated.origin);
+    let ranks = if check.levels.is_empty() {
+        None
+    } else {
+        ranks(path, overrides.format)?
+    };
     Ok(Some(FoundSet {
         set,
+        ranks,
         origin: overrides.origin.or(stated).unwrap_or_default(),
         certificate: check.certificate,
         format: check.detection.format,
         file_units: None,
     }))
+}
+
+/// Reads the rank of each sample, if the file has a column of them.
+fn ranks(path: &Path, format: Option<Format>) -> Result<Option<Vec<f64>>, Failure> {
+    let name = lossy(path.file_name().unwrap_or_default());
+    let hint = Hint {
+        format,
+        ..Hint::from_name(&name)
+    };
+    Ok(read_ranks(&read_whole(path)?, &hint)?)
 }
 
 /// Reads the positions of a file, in its own unit, and where each sample came from if `with_provenance`. An origin that
@@ -228,6 +248,7 @@ fn bare(path: &Path, overrides: &Overrides, with_provenance: bool) -> Result<Fou
     }
     Ok(FoundSet {
         set: read.set,
+        ranks: None,
         certificate: None,
         origin: overrides.origin.unwrap_or_default(),
         format: read.detection.format,
@@ -334,6 +355,7 @@ fn context(set: &SetArgument<'_>) -> PyResult<ExportContext> {
         method: set.method.clone(),
         parameters,
         levels: claims(&set.levels),
+        ranks: set.ranks()?.into(),
         varying: set.varying(),
         ..ExportContext::new(set.region()?, set.radius()?)
     })

@@ -2,7 +2,7 @@
 
 use std::ops::RangeInclusive;
 
-use numpy::PyArray2;
+use numpy::{PyArray1, PyArray2};
 use pyo3::exceptions::PyValueError;
 use pyo3::prelude::*;
 use serde_json::json;
@@ -14,7 +14,7 @@ use tilescope_core::{
 use tilescope_sets::{Stated, region};
 
 use crate::arguments::RunRequest;
-use crate::arrays::array;
+use crate::arrays::{array, list};
 use crate::failure::Failure;
 use crate::memory::ask_to_judge;
 use crate::task::run;
@@ -26,6 +26,13 @@ enum Windows {
     /// With the number of the last level.
     Nested(NestedPlane, u32),
 }
+
+/// Positions, the ends of levels, and ranks.
+type PythonWindow<'py> = (
+    Bound<'py, PyArray2<f64>>,
+    Vec<usize>,
+    Option<Bound<'py, PyArray1<f64>>>,
+);
 
 /// A plane whose windows can be made.
 #[pyclass(frozen, name = "Plane", module = "tilescope._tilescope")]
@@ -71,16 +78,16 @@ impl PythonPlane {
         .to_string()
     }
 
-    /// Returns the samples in a rectangle, and where each level ends.
+    /// Returns the samples in a rectangle, where each level ends, and the rank of each sample; a plane of one level has no ranks.
     fn window<'py>(
         &self,
         py: Python<'py>,
         rectangle: &Bound<'_, PyAny>,
         progress: Option<Py<PyAny>>,
-    ) -> PyResult<(Bound<'py, PyArray2<f64>>, Vec<usize>)> {
+    ) -> PyResult<PythonWindow<'py>> {
         let window = self.rectangle(rectangle)?;
 
-        let (positions, ends) = run(py, progress, |watch| {
+        let (positions, ends, ranks) = run(py, progress, |watch| {
             let making = match &self.windows {
                 Windows::Single(_) => Making::Sweep,
                 Windows::Nested(..) => Making::Levels,
@@ -94,16 +101,17 @@ impl PythonPlane {
                 Windows::Single(plane) => {
                     let points = plane.observed_window(&window, &mut observer)?;
                     let ends = vec![points.len()];
-                    (plane.domain().users_from_lattice(&points), ends)
+                    (plane.domain().users_from_lattice(&points), ends, None)
                 }
                 Windows::Nested(plane, _) => {
                     let found = plane.window(&window, &mut observer)?;
-                    (found.positions(), found.ends().to_vec())
+                    (found.positions(), found.ends().to_vec(), found.ranks())
                 }
             })
         })?;
 
-        Ok((array(py, positions)?, ends))
+        let ranks = ranks.map(|ranks| list(py, ranks));
+        Ok((array(py, positions)?, ends, ranks))
     }
 
     /// Returns the number of pairs in conflict in a rectangle and around it, and of uncovered places in it, as the

@@ -1,6 +1,6 @@
 //! `sample`: a set by randomized tiling, by exact tiling or by the reference sampler, in memory.
 
-use numpy::PyArray2;
+use numpy::{PyArray1, PyArray2};
 use pyo3::exceptions::PyValueError;
 use pyo3::prelude::*;
 use serde::Deserialize;
@@ -11,7 +11,7 @@ use tilescope_formats::{PointSet, Provenance};
 use tilescope_sets::{Facts, Made, Recipe, VaryingRecipe};
 
 use crate::arguments::{RunRequest, level_fields};
-use crate::arrays::array;
+use crate::arrays::{array, list};
 use crate::domain::GivenDomain;
 use crate::failure::Failure;
 use crate::ground::{FieldArgument, Ground, bare};
@@ -21,30 +21,34 @@ use crate::values::{named, whole};
 /// Sets of more samples do not say where each came from: that would take as much memory again as their positions.
 const MAX_WITH_PROVENANCE: f64 = 1e6;
 
-/// Positions, where each sample came from, and facts as JSON.
+/// Positions, where each sample came from, the rank of each, and facts as JSON.
 pub type PythonSet<'py> = (
     Bound<'py, PyArray2<f64>>,
     Option<Bound<'py, PyArray2<u32>>>,
+    Option<Bound<'py, PyArray1<f64>>>,
     String,
 );
 
 /// Returns a set that was made for Python.
 pub fn into_python(made: Made, py: Python<'_>) -> PyResult<PythonSet<'_>> {
     let facts = facts_of(&made.facts);
-    set_into_python(made.set, &facts, py)
+    set_into_python(made.set, made.facts.ranks.to_vec(), &facts, py)
 }
 
-/// Returns a set and its facts for Python.
+/// Returns a set, its ranks if there are any, and its facts for Python.
 pub fn set_into_python<'py>(
     set: PointSet,
+    ranks: Vec<f64>,
     facts: &Value,
     py: Python<'py>,
 ) -> PyResult<PythonSet<'py>> {
     let row = |from: Provenance| -> [u32; 3] { from.into() };
     let provenance = (set.provenance).map(|all| array(py, all.into_iter().map(row).collect()));
+    let ranks = (!ranks.is_empty()).then(|| list(py, ranks));
     Ok((
         array(py, set.points)?,
         provenance.transpose()?,
+        ranks,
         facts.to_string(),
     ))
 }

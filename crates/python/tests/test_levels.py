@@ -61,6 +61,30 @@ def test_a_prefix_is_what_is_promised(nested):
     assert between.prefix(first.count).levels == (first,)
 
 
+@pytest.mark.parametrize("order", ["random", "farthest"])
+def test_ranks_are_those_of_levels(order):
+    nested = tilescope.sample(radius=0.02, levels=4, order_within=order)
+    assert (nested.rank.shape, nested.rank.flags.writeable) == ((len(nested),), False)
+    assert (np.diff(nested.rank) >= 0).all()
+    assert nested.rank.min() >= 0
+    assert nested.rank.max() < 1
+    for number, level in enumerate(nested.levels):
+        assert (nested.rank < 2.0 ** (number - 3)).sum() == level.count
+    # Without the last two levels the next one has the ranks up to 1.
+    first = nested.prefix(nested.levels[1].count)
+    assert np.array_equal(first.rank, nested.rank[: len(first)] * 4)
+    assert np.array_equal(nested.prefix(len(nested)).rank, nested.rank)
+
+
+def test_painted_by_ranks_samples_keep_the_distance_of_the_level_in_use(nested):
+    # Up to a quarter of the density, two levels are not in use.
+    kept = nested.points[nested.rank < nested.points[:, 0] / 4]
+    report = tilescope.verify(kept, 0.04)
+    assert (report.conflicts, report.maximal) == (0, False)
+    # With all levels in use there are closer ones.
+    assert tilescope.verify(nested.points[nested.rank < nested.points[:, 0]], 0.04).conflicts > 0
+
+
 def test_exactly_so_many_samples():
     for order in ("random", "farthest"):
         exact = tilescope.sample(levels=4, exactly=3000, order_within=order)
@@ -79,7 +103,7 @@ def test_by_distance_every_prefix_covers_better():
 
 
 def test_sets_without_levels_have_none(small):
-    assert (small.levels, small.level, small.verify().levels) == ((), None, ())
+    assert (small.levels, small.level, small.rank, small.verify().levels) == ((), None, None, ())
     with pytest.raises(ValueError, match="the set has no levels"):
         small.prefix(10)
     with pytest.raises(ValueError, match="the set has no levels"):
@@ -137,8 +161,16 @@ def test_files_keep_levels(nested, extension, tmp_path):
     assert tilescope.verify(path).levels == report.levels
     assert tilescope.verify(path, prefix=200).valid
     if extension == "csv":
-        levels = np.loadtxt(path, delimiter=",", skiprows=1)[:, 2]
+        levels, ranks = np.loadtxt(path, delimiter=",", skiprows=1)[:, 2:].T
         assert np.array_equal(levels, nested.level)
+        assert np.array_equal(ranks, nested.rank)
+    if extension in ("csv", "ply"):
+        assert np.array_equal(back.rank, nested.rank)
+        assert not back.rank.flags.writeable
+        assert back.save(tmp_path / f"again.{extension}").valid
+        assert (tmp_path / f"again.{extension}").read_bytes() == path.read_bytes()
+    else:
+        assert back.rank is None
     with pytest.raises(ValueError, match="nested levels cannot be shuffled"):
         nested.save(path, shuffle=1)
 
@@ -204,6 +236,9 @@ def test_windows_have_the_levels_of_the_whole(boundary):
     assert np.array_equal(plane.window(*low, *high), whole.points[inside])
     for number, added in enumerate(plane.window_levels(*low, *high)):
         assert np.array_equal(added, whole.points[inside & (whole.level == number)])
+    points, ranks = plane.window_ranks(*low, *high)
+    assert np.array_equal(points, whole.points[inside])
+    assert np.array_equal(ranks, whole.rank[inside])
     assert plane.is_valid(*low, *high)
 
 
@@ -211,3 +246,5 @@ def test_a_plane_without_levels_has_one():
     plane = tilescope.Plane(radius=0.01)
     (only,) = plane.window_levels(0.1, 0.1, 0.2, 0.2)
     assert np.array_equal(only, plane.window(0.1, 0.1, 0.2, 0.2))
+    with pytest.raises(ValueError, match="the plane has no levels"):
+        plane.window_ranks(0.1, 0.1, 0.2, 0.2)

@@ -460,7 +460,7 @@ class Plane:
     pickled; :mod:`tilescope.distributed` writes all of it, tile by tile.
 
     Parameters are those of :func:`sample`. With `levels` a window has the samples of nested levels, the
-    first level's first, in the order of the whole set.
+    first level's first, in the order of the whole set, and each with the rank that it has there.
 
     Examples
     --------
@@ -575,8 +575,32 @@ class Plane:
         [1756, 1642, 3523]
         """
         with following(progress) as told:
-            samples, ends = self._plane.window((x0, y0, x1, y1), told)
+            samples, ends, _ = self._plane.window((x0, y0, x1, y1), told)
         return np.split(samples, ends[:-1])
+
+    def window_ranks(
+        self, x0: float, y0: float, x1: float, y1: float, *, progress: Progress = False
+    ) -> tuple[npt.NDArray[np.float64], npt.NDArray[np.float64]]:
+        """Returns the samples of a window, as :meth:`window` does, and the rank of each, as :attr:`PointSet.rank` has it.
+
+        Raises
+        ------
+        ValueError
+            As :meth:`window`, and if the plane has no levels.
+
+        Examples
+        --------
+        >>> plane = tilescope.Plane(radius=1e-3, levels=6)
+        >>> points, rank = plane.window_ranks(0.5, 0.5, 0.6, 0.6)
+        >>> painted = points[rank < (points[:, 0] - 0.5) / 0.1]
+        >>> 0.47 < len(painted) / len(points) < 0.53
+        True
+        """
+        with following(progress) as told:
+            samples, _, ranks = self._plane.window((x0, y0, x1, y1), told)
+        if ranks is None:
+            raise ValueError("the plane has no levels, whose samples have ranks; give levels")
+        return samples, ranks
 
     def is_valid(self, x0: float, y0: float, x1: float, y1: float, *, progress: Progress = False) -> bool:
         """Returns whether a window has no conflict and no gap, at any level, judged by the samples in it and around it."""

@@ -44,9 +44,9 @@ def is_to_read(path: str, format: str | None) -> bool:
         return False
 
 
-def encoded(positions: npt.NDArray[np.float64], radii: npt.NDArray[np.float64] | None = None) -> bytes:
-    """Returns the bytes of a file with the column ``geometry`` of points in WKB, without a coordinate system, and with the
-    column ``radius`` if there are radii."""
+def encoded(positions: npt.NDArray[np.float64], further: dict[str, npt.NDArray[Any]] | None = None) -> bytes:
+    """Returns the bytes of a file with the column ``geometry`` of points in WKB, without a coordinate system, and with
+    further columns by their names."""
     arrow, parquet = module("pyarrow", "parquet"), module("pyarrow.parquet", "parquet")
 
     points = np.empty(len(positions), dtype=_POINT)
@@ -62,7 +62,7 @@ def encoded(positions: npt.NDArray[np.float64], radii: npt.NDArray[np.float64] |
     if len(positions):
         described["bbox"] = [*positions.min(axis=0).tolist(), *positions.max(axis=0).tolist()]
     geo = {"version": "1.1.0", "primary_column": "geometry", "columns": {"geometry": described}}
-    columns = {"geometry": column} | ({} if radii is None else {"radius": arrow.array(radii)})
+    columns = {"geometry": column} | {name: arrow.array(values) for name, values in (further or {}).items()}
     fields = [arrow.field(name, one.type, nullable=False) for name, one in columns.items()]
     schema = arrow.schema(fields, metadata={b"geo": json.dumps(geo).encode()})
 

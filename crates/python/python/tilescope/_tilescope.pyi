@@ -11,7 +11,7 @@ from tilescope._progress import ProgressFunction
 from tilescope._report import Level
 
 # Positions, where each sample came from, and facts as JSON.
-MadeSet = tuple[npt.NDArray[np.float64], npt.NDArray[np.uint32] | None, str]
+MadeSet = tuple[npt.NDArray[np.float64], npt.NDArray[np.uint32] | None, npt.NDArray[np.float64] | None, str]
 
 # Positions in space, and facts as JSON.
 MadeSolid = tuple[npt.NDArray[np.float64], str]
@@ -54,7 +54,7 @@ class Plane:
     def facts(self) -> str: ...
     def window(
         self, rectangle: Window, progress: ProgressFunction | None
-    ) -> tuple[npt.NDArray[np.float64], list[int]]: ...
+    ) -> tuple[npt.NDArray[np.float64], list[int], npt.NDArray[np.float64] | None]: ...
     def verify(self, rectangle: Window, progress: ProgressFunction | None) -> tuple[int, int]: ...
 
 def analyze(set: PointSet, progress: ProgressFunction | None) -> dict[str, float | None]: ...
