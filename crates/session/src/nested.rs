@@ -16,6 +16,8 @@ use crate::encoding::as_json;
 pub struct NestedLevels {
     /// The claims on the samples to the end of each level, the coarsest first.
     pub claims: Vec<PrefixClaim>,
+    /// The rank of each sample, in order; nothing if the set was read from a file.
+    pub ranks: Vec<f64>,
     /// What the set was made from; `None` if it was read from a file.
     #[serde(with = "as_json")]
     pub asked: Option<(Parameters, NestedRequest)>,
@@ -37,6 +39,14 @@ impl NestedLevels {
     #[must_use]
     pub fn level_of(&self, id: usize) -> usize {
         self.claims.partition_point(|claim| claim.count <= id)
+    }
+
+    /// Returns how many samples have ranks below a number; `None` if the ranks are not known.
+    #[must_use]
+    pub fn below(&self, rank: f64) -> Option<usize> {
+        // Ranks ascend in the order of the samples, so that these are the first ones.
+        let is_known = !self.ranks.is_empty();
+        is_known.then(|| self.ranks.partition_point(|&other| other < rank))
     }
 
     /// Returns the claim on the first `count` samples.

@@ -35,6 +35,7 @@ pub fn sample(
     all.extend(stated(&request));
     let levels = NestedLevels {
         claims: nested.claims().map(PrefixClaim::from).collect(),
+        ranks: nested.ranks().unwrap_or_default(),
         asked: Some((asked, request)),
         method: "kdrt".to_owned(),
         stated: all,
@@ -78,6 +79,8 @@ pub fn of_file(set: &ReadSet, name: &str, generation: u64) -> Option<Result<Sess
 
         let levels = NestedLevels {
             claims,
+            // Files have them in a column that is not read with the points.
+            ranks: Vec::new(),
             asked: None,
             method: certificate.method.clone(),
             stated: certificate.parameters.clone(),
@@ -125,6 +128,10 @@ mod tests {
         let monitor = Monitor::reporting(|_, _| {});
         let session = sample(&recipe, request, 1, &monitor).unwrap();
         assert_eq!(session.recipe(), recipe);
+        assert_eq!(
+            session.nested.as_ref().unwrap().ranks.len(),
+            session.summary.count
+        );
         session
     }
 
@@ -146,6 +153,9 @@ mod tests {
             (levels.level_of(ends[0] - 1), levels.level_of(ends[0])),
             (0, 1)
         );
+        // Ranks below the thresholds of the levels are those of the levels.
+        let below = [0.25, 0.5, 1.0].map(|rank| levels.below(rank).unwrap());
+        assert_eq!(below.to_vec(), ends);
         let cut = levels.cut(ends[1] + 1);
         assert_eq!((cut.len(), cut[1]), (3, levels.claims[1]));
         assert_eq!(

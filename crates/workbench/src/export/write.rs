@@ -270,7 +270,9 @@ fn samples(
     if let Some(nested) = &session.nested {
         // A moment of nested levels is a prefix of their samples; the certificate names only the levels in it.
         let prefix = moment.and_then(|moment| moment.prefix(session));
-        context.levels = nested.cut(prefix.unwrap_or(session.summary.count));
+        let count = prefix.unwrap_or(session.summary.count);
+        context.levels = nested.cut(count);
+        context.ranks = nested.ranks.get(..count).unwrap_or_default().into();
     }
 
     let set = match moment {

@@ -12,13 +12,15 @@ use super::{MAX_GROUND, MAX_SAMPLES};
 use crate::view::SavedView;
 
 /// How a link names a moment of a run.
-#[derive(Clone, Debug, Default, PartialEq, Eq)]
+#[derive(Clone, Debug, Default, PartialEq)]
 pub enum NamedMoment {
     /// The end of the run.
     #[default]
     End,
     /// After this many events, or of nested levels this many samples.
     Event(usize),
+    /// Of nested levels, the samples with ranks below this number.
+    Rank(f64),
     /// After the stage of this name.
     Stage(String),
 }

@@ -21,7 +21,7 @@ use tilescope_session::words::{grouped, quoted};
 
 use super::content::{LinkContent, NamedMoment};
 use super::parameters::{self, in_links, link_key};
-use super::text::{from_base64, items, named, numbers, pairs, rings_of};
+use super::text::{finite, from_base64, items, named, numbers, pairs, rings_of};
 use super::view::{read_layers, read_scene_view, read_selection};
 use super::warnings::LinkWarnings;
 use super::write::{GROUND, LINKS, NESTED, NINE_SETS};
@@ -32,7 +32,7 @@ use crate::layout;
 use crate::view::{speed, whole_run};
 
 /// The keys of a link besides the parameters of its runs.
-const OTHERS: &str = "v levels exactly order-within radius-expression shape origin combine at stage camera layers colouring look curve select clock speed whole-run loop b break watch mark \
+const OTHERS: &str = "v levels exactly order-within radius-expression shape origin combine at rank stage camera layers colouring look curve select clock speed whole-run loop b break watch mark \
      mark-view layout lesson step practice language";
 
 /// The keys of texts that people write, in which every character counts.
@@ -199,11 +199,15 @@ impl LinkReader {
 
         let at = self.take("at", |text| text.parse().ok());
         let stage = self.take("stage", name);
-        // An event is more exact than a stage, and counts where a link has both.
-        content.moment = match (at, stage) {
-            (Some(cursor), _) => NamedMoment::Event(cursor),
-            (None, Some(stage)) => NamedMoment::Stage(stage),
-            (None, None) => NamedMoment::End,
+        // No rank lies below 0, and all lie below 1.
+        let is_rank = |rank: &f64| *rank > 0.0 && *rank <= 1.0;
+        let rank = self.take("rank", |text| finite(text).filter(is_rank));
+        // An event, or a number of samples, is more exact than a rank, and a rank more than a stage.
+        content.moment = match (at, rank, stage) {
+            (Some(cursor), ..) => NamedMoment::Event(cursor),
+            (None, Some(below), _) => NamedMoment::Rank(below),
+            (None, None, Some(stage)) => NamedMoment::Stage(stage),
+            (None, None, None) => NamedMoment::End,
         };
     }
 

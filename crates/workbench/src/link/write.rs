@@ -118,6 +118,7 @@ impl Writer {
             // A link without a moment shows the end.
             NamedMoment::End => {}
             NamedMoment::Event(cursor) => self.put("at", cursor.to_string()),
+            NamedMoment::Rank(below) => self.put("rank", exact(*below)),
             NamedMoment::Stage(stage) => self.put("stage", escaped(stage)),
         }
     }

@@ -282,6 +282,18 @@ impl RunView {
     /// Goes to the moment of a link; to the end if there is no such moment.
     pub(super) fn take_moment(&mut self, moment: &NamedMoment, warnings: &mut LinkWarnings) {
         let len = self.cursor().map(|(_, len)| len);
+        let nested = self
+            .session
+            .as_ref()
+            .and_then(|session| session.nested.as_ref());
+        let below = match moment {
+            NamedMoment::Rank(below) => nested.and_then(|nested| nested.below(*below)),
+            _ => None,
+        };
+        if let Some(count) = below {
+            return self.jump(count);
+        }
+
         let index = match moment {
             // Nested levels have no stages.
             NamedMoment::Stage(name) if self.prefix().is_none() => self.stage_named(name),
@@ -307,6 +319,9 @@ impl RunView {
             (NamedMoment::Event(_), None, _) => {
                 Some("The link asked for an event, and this run has none".to_owned())
             }
+            (NamedMoment::Rank(below), ..) => Some(format!(
+                "The link asked for ranks below {below}, and only nested levels that are made from parameters have ranks"
+            )),
             (NamedMoment::Stage(name), ..) => {
                 Some(format!("This run has no stage \"{}\"", quoted(name)))
             }

@@ -374,6 +374,30 @@ fn a_link_leads_to_the_same_prefix() {
 }
 
 #[test]
+fn a_link_leads_to_the_samples_below_a_rank() {
+    let mut state = State::new(Arc::new(|| {}));
+    state.settle();
+    state.open_link("levels=3&radius=0.02&rank=0.5");
+    state.settle();
+    let ends = ends_of(session(&state));
+    // Below a half are the samples of the last level but one, and a link to this moment names their number.
+    assert_eq!(state.runs().first.cursor(), Some((ends[1], ends[2])));
+    assert!(state.link().fragment.contains(&format!("at={}", ends[1])));
+    assert!(state.messages().notice.is_none());
+
+    // Not every number is a rank, and a run has none.
+    let (_, warnings) = tilescope_workbench::link::read("levels=3&rank=1.5");
+    assert!(warnings.text().contains("rank"), "{}", warnings.text());
+    state.open_link("radius=0.02&rank=0.5");
+    state.settle();
+    assert!(
+        notice_text(&state).contains("have ranks"),
+        "{}",
+        notice_text(&state)
+    );
+}
+
+#[test]
 fn a_link_to_a_combination_leaves_out_the_levels_that_are_typed() {
     let mut state = State::new(Arc::new(|| {}));
     state.settle();
