@@ -214,11 +214,12 @@ mod tests {
 
     #[test]
     fn ranks_that_were_moved_are_found() {
-        // A sample of the first level with a late rank leaves a gap below every threshold between, and lies in no part of its level.
+        // Samples of the first level with late ranks leave a gap, and lie in no part of their level. A lattice covers within its
+        // spacing without one of its samples, but not without two neighbours.
         let mut lattice = Lattice::new();
-        lattice.ranks[3] = 0.9;
+        lattice.ranks[..2].fill(0.9);
         let found = lattice.judged(0.25);
-        assert_eq!(found.misplaced, 1);
+        assert_eq!(found.misplaced, 2);
         assert!(!found.valid() && !found.kept.report.maximal());
 
         // A sample of the last level with an early rank is in conflict with those of the first.
@@ -257,7 +258,8 @@ mod tests {
         let found = lattice.judged(1.0);
         assert!(found.valid());
         assert_eq!(found.kept.claim.covering, Some(2.0_f64.sqrt()));
-        lattice.levels[2].covering = Some(1.0);
+        // Where the last level is not there, places are 1 from the one before.
+        lattice.levels[2].covering = Some(0.9);
         assert!(!lattice.judged(1.0).valid());
     }
 }

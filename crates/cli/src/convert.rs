@@ -6,8 +6,7 @@ use anyhow::{Context, Result, bail, ensure};
 use clap::Args;
 use tilescope_analysis::{JudgeChoice, Region, VerifyOptions};
 use tilescope_formats::{
-    CertifiedLevel, Check, CheckError, ExportContext, Exported, Format, Overrides, PointSet,
-    is_valid,
+    CertifiedLevel, Check, CheckError, ExportContext, Format, Overrides, PointSet, is_valid,
 };
 
 use crate::ground::GroundArguments;
@@ -80,22 +79,25 @@ pub fn run(arguments: &ConvertArguments) -> Result<u8> {
         return solid::check::convert([input, path], arguments.to, given, &arguments.judge);
     }
 
-    if let Some(outcome) = of_ranks(arguments) {
-        return outcome;
+    if let Some(painted) = painted {
+        return ranks::keep_painted([input, path], given, painted, arguments.to);
     }
 
-    let (set, context) = read(arguments)?;
+    let (set, context) = match arguments.ranks.rank {
+        Some(below) => ranks::set_below(input, given, below)?,
+        None => read(arguments)?,
+    };
+    let context = ExportContext {
+        format: arguments.to,
+        verify: arguments.judge.options(),
+        ..context
+    };
     let exported = verifying(|control| tilescope_formats::export(path, &set, &context, control))
         .in_file(path)?;
 
-    report(&exported)
-}
-
-/// Prints the verdict on a file that was written, and returns the code for it.
-pub fn report(exported: &Exported) -> Result<u8> {
-    let (report, certificate) = (&exported.report, named(&exported.certificate_path));
+    let (report, certificate) = (exported.report, named(&exported.certificate_path));
     let levels = &exported.certificate.levels;
-    let verdict = output::verdict_text(report, levels);
+    let verdict = output::verdict_text(&report, levels);
     let (count, radius) = (report.count, report.radius);
 
     let warnings: String = (exported.warnings.iter())
@@ -104,29 +106,7 @@ pub fn report(exported: &Exported) -> Result<u8> {
     output::emit(&format!(
         "{count} samples, r = {radius}\n{verdict}{warnings}certificate    {certificate}\n"
     ))?;
-    Ok(verdict_code(is_valid(report, levels)))
-}
-
-/// Writes the samples that are kept by their ranks, if any are to be left out.
-fn of_ranks(arguments: &ConvertArguments) -> Option<Result<u8>> {
-    let paths = [arguments.input.as_path(), arguments.output.as_path()];
-    let context_of = |context| ExportContext {
-        format: arguments.to,
-        verify: arguments.judge.options(),
-        ..context
-    };
-
-    let kept = &arguments.ranks;
-    if let Some(below) = kept.rank {
-        return Some(ranks::keep_below(paths, &arguments.set, below, context_of));
-    }
-    let painted = kept.rank_image.as_deref()?;
-    Some(ranks::keep_painted(
-        paths,
-        &arguments.set,
-        painted,
-        context_of,
-    ))
+    Ok(verdict_code(is_valid(&report, levels)))
 }
 
 /// Returns the set, and the statements of the new file's certificate.
@@ -168,8 +148,6 @@ fn read(arguments: &ConvertArguments) -> Result<(PointSet, ExportContext)> {
     context.varying = overrides.varying;
     // An origin cannot be left out of a set with a field or a shape, so that these have to be known first.
     leave_out_origin(arguments, &mut context)?;
-    context.format = arguments.to;
-    context.verify = arguments.judge.options();
     Ok((set, context))
 }
 

@@ -7,7 +7,7 @@ use clap::Args;
 use serde_json::json;
 use tilescope_analysis::{PrefixClaim, RankedSet, VerifyOptions, verify, verify_ranks};
 use tilescope_formats::{
-    Certificate, CertificateUse, CertifiedLevel, ExportContext, Hint, PointSet, ReadSet,
+    Certificate, CertificateUse, CertifiedLevel, ExportContext, Format, Hint, PointSet, ReadSet,
     read_ranks, read_whole,
 };
 use tilescope_sets::{GrayImage, Stated};
@@ -17,7 +17,7 @@ use crate::options::SetArguments;
 use crate::paths::{InFile, named};
 use crate::progress::verifying;
 use crate::sample_arguments::save_unverified;
-use crate::{convert, output, verdict_code};
+use crate::{output, verdict_code};
 
 /// The name of the column that has the ranks.
 const RANK: &str = "rank";
@@ -210,13 +210,12 @@ pub fn judge(
     Ok(verdict_code(report.valid()))
 }
 
-/// Writes the samples with ranks below a threshold as a set of the levels that are left, and prints its verdict.
-pub fn keep_below(
-    [input, output_path]: [&Path; 2],
+/// Returns the samples with ranks below a threshold as a set of the levels that are left, and the statements of its certificate.
+pub fn set_below(
+    input: &Path,
     set: &SetArguments,
     below: f64,
-    context_of: impl Fn(ExportContext) -> ExportContext,
-) -> Result<u8> {
+) -> Result<(PointSet, ExportContext)> {
     check_threshold(below)?;
     let ranked = RankedFile::read(input, set, CertificateUse::Checked)?;
     let name = named(input);
@@ -246,11 +245,8 @@ pub fn keep_below(
         .iter()
         .filter(|level| level.count < claim.count);
     let levels = before.copied().chain([claim]).collect();
-    let context = context_of(ranked.context(claim.distance, levels, ranks, (RANK, json!(below))));
-
-    let exported =
-        verifying(|control| tilescope_formats::export(output_path, &kept, &context, control));
-    convert::report(&exported.in_file(output_path)?)
+    let context = ranked.context(claim.distance, levels, ranks, (RANK, json!(below)));
+    Ok((kept, context))
 }
 
 /// Writes the samples with ranks below the darkness of an image, and prints what holds for them.
@@ -258,7 +254,7 @@ pub fn keep_painted(
     [input, output_path]: [&Path; 2],
     set: &SetArguments,
     painted: &Path,
-    context_of: impl Fn(ExportContext) -> ExportContext,
+    format: Option<Format>,
 ) -> Result<u8> {
     let ranked = RankedFile::read(input, set, CertificateUse::Checked)?;
     let picture: GrayImage = image(painted, "--rank-image")?;
@@ -293,7 +289,10 @@ pub fn keep_painted(
     }
 
     let statement = (RANK, json!(file_name(painted)));
-    let context = context_of(ranked.context(distance, counts, ranks, statement));
+    let context = ExportContext {
+        format,
+        ..ranked.context(distance, counts, ranks, statement)
+    };
     save_unverified(&kept, output_path, &context)?;
 
     let apart = report.min_distance >= distance;
