@@ -263,11 +263,16 @@ fn an_exported_prefix_keeps_its_order_and_opens_as_levels() {
     let path = folder.path().join("prefix.csv");
     write(&mut state, ExportKind::Samples, &path, &[]);
     let text = std::fs::read_to_string(&path).unwrap();
-    let levels: Vec<&str> = text
-        .lines()
-        .map(|line| line.rsplit(',').next().unwrap())
-        .collect();
+    let column = |number| -> Vec<&str> {
+        let cells = text.lines().map(|line| line.split(',').nth(number));
+        cells.map(Option::unwrap).collect()
+    };
+    let levels = column(2);
     assert_eq!((levels[0], levels[1], levels[count]), ("level", "0", "2"));
+    // The ranks of a prefix are those of the run, whose radius its certificate states.
+    let ranks = column(3);
+    let last = original.nested.as_ref().unwrap().ranks[count - 1].to_string();
+    assert_eq!((ranks[0], ranks[count]), ("rank", last.as_str()));
     let stated = certificate(&path);
     assert_eq!(stated.levels.len(), 3);
     assert_eq!(stated.parameters["moment"]["prefix"], count);
