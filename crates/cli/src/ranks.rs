@@ -185,6 +185,7 @@ pub fn judge(
     let level = CertifiedLevel::of(&report.kept);
     let (of, misplaced) = (ranked.ranks.len(), report.misplaced);
     let share = level.count as f64 / of as f64;
+    // A rank in a wrong place is a fault of the file, even where the samples that are kept are as claimed.
     let mut object = json!(level);
     object["valid"] = json!(report.valid());
     object["rank"] = json!(below);
@@ -261,6 +262,7 @@ pub fn keep_painted(
     let region = ranked.certificate.region;
     let (points, size) = (&ranked.read.set.points, [region.width, region.height]);
 
+    // Each sample has the threshold of the pixel under it; white, 0, keeps none.
     let is_dark = |index: usize| ranked.ranks[index] < picture.darkness_at(points[index], size);
     let (kept, ranks) = ranked.kept(is_dark);
     let highest = ranks.iter().copied().fold(0.0, f64::max);
@@ -295,6 +297,7 @@ pub fn keep_painted(
     };
     save_unverified(&kept, output_path, &context)?;
 
+    // Gaps do not count: where the density is low, samples are missing on purpose.
     let apart = report.min_distance >= distance;
     output::emit(&format!(
         "{} of {} samples, as dense as {} is dark\n\

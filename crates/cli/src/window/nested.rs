@@ -23,6 +23,7 @@ pub fn run(
     recipe: &Recipe,
     request: NestedRequest,
 ) -> Result<u8> {
+    // What cannot be is refused before the pattern is made, which takes long.
     check(arguments, recipe, request)?;
     let mut watch = Stopwatch::start();
     let plane = NestedPlane::new(&recipe.parameters, request.levels, &mut watch)?;
@@ -35,6 +36,7 @@ pub fn run(
     let judged = judged(&plane, &window, request.levels)?;
     let is_valid = judged.iter().all(CutReport::valid);
 
+    // The levels are parameters of the run as well: both together make the window again.
     let mut parameters = recipe.stated(plane.domain().radius());
     parameters.extend(stated(&request));
     let set = PointSet::from_points(found.positions());
@@ -61,6 +63,7 @@ pub fn run(
     }
     let _ = writeln!(text, "verdict        {}", output::validity(is_valid));
 
+    // Formats with columns write level and rank of each sample.
     let facts = Facts {
         levels: claims(&found, &plane),
         ranks: found.ranks().unwrap_or_default().into(),
@@ -76,6 +79,7 @@ pub fn run(
 /// Refuses what needs the whole set, and what makes no levels.
 fn check(arguments: &SampleArguments, recipe: &Recipe, request: NestedRequest) -> Result<()> {
     ensure!(arguments.method() == SamplingMethod::Kdrt, "{NEEDS_KDRT}");
+    // A window is made without the whole, which alone shows how many samples a radius gives and which is the farthest.
     ensure!(
         recipe.count.is_none() && request.exactly.is_none(),
         "--count and --exactly would make the whole set to find its radius: with --window and --levels give --radius"
