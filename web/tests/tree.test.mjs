@@ -2,38 +2,14 @@
 // does, and what that costs is counted.
 
 import assert from "node:assert/strict";
-import { readFileSync } from "node:fs";
-import { createRequire } from "node:module";
 import { test } from "node:test";
+import { controls, findings, nameless } from "./controls.mjs";
 import { ask, state, until } from "./harness.mjs";
 import { opened, reused, started } from "./shared.mjs";
-
-/** The checks of axe-core, to be run on a page. */
-const AXE = readFileSync(createRequire(import.meta.url).resolve("axe-core/axe.min.js"), "utf8");
-
-/** The region with the elements. @param {import("playwright-core").Page} page */
-const controls = (page) => page.getByRole("region", { name: "Controls of Tilescope" });
 
 /** Waits until the element with the page's focus has a name like this. @param {import("playwright-core").Page} page @param {RegExp} name */
 async function focused(page, name) {
   await page.waitForFunction((name) => new RegExp(name).test(document.activeElement?.getAttribute("aria-label") ?? document.activeElement?.textContent ?? ""), name.source);
-}
-
-/** The names of the elements that can be used and have none, by their tags. @param {import("playwright-core").Page} page */
-async function nameless(page) {
-  const client = await page.context().newCDPSession(page);
-  const { nodes } = await client.send("Accessibility.getFullAXTree");
-  await client.detach();
-  const used = ["button", "checkbox", "radio", "slider", "spinbutton", "textbox", "combobox", "ComboBoxSelect", "link", "menuitem", "menuitemcheckbox", "option", "image", "dialog"];
-  const without = nodes.filter(({ ignored, role, name }) => !ignored && used.includes(role?.value) && !String(name?.value ?? "").trim());
-  return without.map(({ role }) => role.value);
-}
-
-/** What axe-core finds on a page, each with its first place. @param {import("playwright-core").Page} page */
-async function findings(page) {
-  await page.evaluate(AXE);
-  const violations = await page.evaluate(async () => (await window.axe.run(document)).violations);
-  return violations.map(({ id, nodes }) => `${id}: ${nodes[0].html}`);
 }
 
 /** Counts changes of the elements from now on. @param {import("playwright-core").Page} page */

@@ -4,6 +4,7 @@
 mod buffers;
 mod input;
 mod menu;
+mod objects;
 mod titles;
 
 use eframe::egui_wgpu::RenderState;
@@ -40,6 +41,20 @@ pub struct CanvasContext<'a> {
     is_stage: bool,
     /// Whether panels take a part of the canvas when they open.
     is_compact: bool,
+    /// What the list of objects has.
+    listing: Listing,
+}
+
+/// What the list of the objects in view has.
+#[derive(Clone, Copy, PartialEq, Eq)]
+enum Listing {
+    /// All objects.
+    Whole,
+    /// Nothing, while time runs by itself: objects come and go faster than anybody could read them.
+    Empty,
+    /// There is no list while a question of a lesson is open. Its answers are a list of their own, and objects could give one
+    /// away.
+    Withheld,
 }
 
 impl<'a> CanvasContext<'a> {
@@ -62,6 +77,13 @@ impl<'a> CanvasContext<'a> {
             is_embedded: window.embedding.is_some(),
             is_stage: state.talks().open.is_some(),
             is_compact: window.drawer.arrangement.is_compact(),
+            listing: if state.lessons().open_question().is_some() {
+                Listing::Withheld
+            } else if state.time().playback.is_playing() {
+                Listing::Empty
+            } else {
+                Listing::Whole
+            },
         }
     }
 }
@@ -225,6 +247,18 @@ impl PaneSide<'_> {
         let is_brief = context.look.is_projector();
         if pointer.is_some() {
             hover::show(ui, &painter, &response, subject, palette, is_brief);
+        }
+
+        if context.listing != Listing::Withheld {
+            let list = objects::ObjectList {
+                which: self.which,
+                name: &name,
+                rect,
+                subject,
+                palette,
+                is_empty: context.listing == Listing::Empty,
+            };
+            list.show(ui, commands);
         }
         response
     }

@@ -3,7 +3,7 @@
 
 use egui::{Align2, FontId, Painter, Pos2, Rect, Response, Stroke, StrokeKind, Ui, vec2};
 use glam::DVec2;
-use tilescope_analysis::tessellation::Edge;
+use tilescope_analysis::tessellation::{Edge, GapRegion};
 use tilescope_core::{Origin, Stage, Standing};
 use tilescope_drawing::palette::Palette;
 use tilescope_session::layers::Layer;
@@ -106,7 +106,7 @@ fn pointed_at(subject: &Subject<'_>, rect: Rect, pointer: Pos2) -> Option<Named>
 }
 
 /// Returns the short name and the full description of a sample.
-fn sample(subject: &Subject<'_>, id: u32) -> [String; 2] {
+pub(crate) fn sample(subject: &Subject<'_>, id: u32) -> [String; 2] {
     let shown = subject.shown;
     let number = grouped(id as usize);
     // Nested sets have levels instead of blocks and iterations.
@@ -174,18 +174,20 @@ fn exposed(subject: &Subject<'_>, id: u32) -> Option<String> {
     })
 }
 
+/// Returns whether the moment has what is called a gap: not before elimination, and neither the disks of a prefix of nested
+/// levels nor those of a set in a field have the radius r.
+pub(crate) fn has_gaps(subject: &Subject<'_>) -> bool {
+    let shown = &subject.shown;
+    let is_of_radius_r = shown.session.ground.is_none() && shown.prefix.is_none();
+    is_of_radius_r && shown.stage >= Stage::Eliminate
+}
+
 /// Describes the gap at a position, with its extent from there, in r; `None` if no gap is known there.
 fn gap(subject: &Subject<'_>, position: DVec2) -> Option<(String, f32)> {
     let shown = &subject.shown;
     let size = shown.session.size_radii();
     let is_inside = (position.cmpge(DVec2::ZERO) & position.cmplt(size)).all();
-    // Before elimination nothing is called a gap, and the disks of a prefix of nested levels have another radius, as those of a
-    // set in a field have.
-    if shown.session.ground.is_some()
-        || shown.stage < Stage::Eliminate
-        || !is_inside
-        || shown.prefix.is_some()
-    {
+    if !has_gaps(subject) || !is_inside {
         return None;
     }
 
@@ -198,9 +200,13 @@ fn gap(subject: &Subject<'_>, position: DVec2) -> Option<(String, f32)> {
     });
     let reach = ends.map(|end| end.distance(position));
 
+    Some((gap_text(gap), reach.fold(0.0, f64::max) as f32))
+}
+
+/// Returns the description of a gap.
+pub(crate) fn gap_text(gap: &GapRegion) -> String {
     let (area, deepest) = (gap.area, gap.deepest.1);
-    let text = format!("Gap: area {area:.4} r\u{b2}, deepest {deepest:.4} r");
-    Some((text, reach.fold(0.0, f64::max) as f32))
+    format!("Gap: area {area:.4} r\u{b2}, deepest {deepest:.4} r")
 }
 
 /// Returns the word for the blocks of a session.
@@ -214,17 +220,23 @@ const fn block_name(session: &tilescope_session::Session) -> &'static str {
 /// Returns the short name and the full description of the block at a position, in r; `None` if no block is there.
 fn block(subject: &Subject<'_>, position: DVec2) -> Option<[String; 2]> {
     let made = Made::at(&subject.shown);
-    let blocks = &subject.shown.session.run().blocks;
-    let holds = |rect: &tilescope_core::Rect| {
-        // Half open, so that a place on an edge lies in one block.
-        let axis = |low: i32, high: i32, at: f64| radii(low) <= at && at < radii(high);
-        axis(rect.min.x, rect.max.x, position.x) && axis(rect.min.y, rect.max.y, position.y)
-    };
-
     // While the tree is being built, only the leaves made so far have a name.
-    let leaves = &blocks.leaves[..made.leaves];
-    let number = leaves.iter().position(|leaf| holds(&leaf.rect))?;
-    let leaf = &leaves[number];
+    let leaves = &subject.shown.session.run().blocks.leaves[..made.leaves];
+    let number = leaves.iter().position(|leaf| holds(&leaf.rect, position))?;
+    Some(block_of(subject, number))
+}
+
+/// Returns whether a place, in r, lies in a rectangle.
+fn holds(rect: &tilescope_core::Rect, place: DVec2) -> bool {
+    // Half open, so that a place on an edge lies in one block.
+    let axis = |low: i32, high: i32, at: f64| radii(low) <= at && at < radii(high);
+    axis(rect.min.x, rect.max.x, place.x) && axis(rect.min.y, rect.max.y, place.y)
+}
+
+/// Returns the short name and the full description of a block by its number.
+pub(crate) fn block_of(subject: &Subject<'_>, number: usize) -> [String; 2] {
+    let blocks = &subject.shown.session.run().blocks;
+    let leaf = &blocks.leaves[number];
     let brief = match subject.shown.session.combination {
         Some(_) => format!("Piece {}", grouped(number)),
         None => format!("Block {}", grouped(number)),
@@ -232,14 +244,38 @@ fn block(subject: &Subject<'_>, position: DVec2) -> Option<[String; 2]> {
 
     let sides = [leaf.rect.width(), leaf.rect.height()].map(radii);
     let size = format!("{:.1} \u{d7} {:.1} r", sides[0], sides[1]);
-    // A split comes later in the list than the splits above it in the tree, so that the last one that holds the place
-    // is the one that cut off the leaf. The text counts splits from 1.
-    let last = blocks.splits.iter().rposition(|split| holds(&split.rect));
+    let middle = middle_of(&leaf.rect);
+    // A split comes later in the list than those above it in the tree, so that the last one that holds the middle cut off the
+    // leaf. The text counts splits from 1.
+    let last = blocks
+        .splits
+        .iter()
+        .rposition(|split| holds(&split.rect, middle));
     let full = match last {
         Some(split) => format!("{brief}: {size}, cut off by split {}", grouped(split + 1)),
         None => format!("{brief}: {size}"),
     };
-    Some([brief, full])
+    [brief, full]
+}
+
+/// Returns the place in the middle of a rectangle, in r.
+pub(crate) fn middle_of(rect: &tilescope_core::Rect) -> DVec2 {
+    let middle = |low: i32, high: i32| f64::midpoint(radii(low), radii(high));
+    DVec2::new(
+        middle(rect.min.x, rect.max.x),
+        middle(rect.min.y, rect.max.y),
+    )
+}
+
+/// Shows the tag of an object that the list of objects has chosen, at `at` of the canvas `rect`.
+pub(crate) fn chosen(ui: &Ui, rect: Rect, at: Pos2, text: &str, palette: &Palette) {
+    let named = Named {
+        brief: String::new(),
+        full: String::new(),
+        at,
+        reach: HALO,
+    };
+    tag(&ui.painter_at(rect), rect, &named, text, palette);
 }
 
 /// Draws the text above and to the right of its target, or on another side if there is more room. The side depends on

@@ -18,6 +18,7 @@ mod contrast;
 pub mod hint;
 pub mod hover;
 pub mod instanced;
+pub mod objects;
 pub mod overlay;
 pub mod pane;
 mod raster;

@@ -319,7 +319,22 @@ impl Geometry {
         if !self.is_gap(shown, place) {
             return None;
         }
+        let net = self.asked_net(shown)?;
+        Some(&net.gaps[net.gap_at(place)?])
+    }
 
+    /// Returns all gaps of a moment; none while they are not known. If there are any, they will be known once the moment rests.
+    #[must_use]
+    pub fn gaps(&self, shown: &ShownMoment<'_>) -> &[GapRegion] {
+        // Without borders there is no gap, and nothing has to be computed.
+        let has_gaps = (self.borders(shown))
+            .is_some_and(|borders| !borders.arcs.is_empty() || !borders.lines.is_empty());
+        let net = has_gaps.then(|| self.asked_net(shown)).flatten();
+        net.map_or(&[], |net| &net.gaps)
+    }
+
+    /// Returns the triangulation of a moment, in r. If it is not known yet, it will be once the moment rests.
+    fn asked_net(&self, shown: &ShownMoment<'_>) -> Option<&Tessellation> {
         let Some(net) = self.net.of(key_of(shown)) else {
             // The first call in a frame wakes the window, so that there is a next frame, in which this is called again
             // until the gaps are known.
@@ -329,8 +344,7 @@ impl Geometry {
             }
             return None;
         };
-        let net = net.as_ref()?;
-        Some(&net.gaps[net.gap_at(place)?])
+        net.as_ref()
     }
 
     /// Returns how much of a sample's circle is exposed at a moment, in degrees, if it is the moment computed last.

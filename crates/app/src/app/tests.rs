@@ -675,3 +675,107 @@ fn the_panels_stand_where_they_stood() {
     };
     assert_eq!(remembered(&storage), first.app.state.window().layout);
 }
+
+/// Returns the texts of the options of the list of objects, in their order.
+fn options(window: &Window) -> Vec<String> {
+    let options = window
+        .nodes
+        .iter()
+        .filter(|(_, node)| node.role() == egui::accesskit::Role::ListBoxOption);
+    options
+        .filter_map(|(_, node)| node.label().map(str::to_owned))
+        .collect()
+}
+
+#[test]
+fn objects_in_view_are_chosen_from_a_list_by_keys_and_by_requests() {
+    let mut window = Window::opened([1440.0, 900.0]);
+    window.apply(Command::Time(TimeCommand::Jump(1_000)));
+    window.rest();
+    let all = options(&window);
+    // A dozen of each kind at most, and what is not listed is counted.
+    assert!((20..=45).contains(&all.len()), "{all:?}");
+    for kind in ["Sample ", "Block "] {
+        let count = all.iter().filter(|text| text.starts_with(kind)).count();
+        assert_eq!(count, tilescope_canvas::objects::MAX_OF_KIND, "{all:?}");
+    }
+    assert!(
+        all.iter()
+            .any(|text| text.ends_with("more samples in view")),
+        "{all:?}"
+    );
+
+    // Down leads to the first object and on to the second one; up leads back.
+    let list = window
+        .nodes
+        .iter()
+        .find(|(_, node)| node.author_id() == Some("objects-a"))
+        .map(|(id, _)| *id)
+        .expect("there is a list");
+    let request = |target_node, action| {
+        Event::AccessKitActionRequest(egui::accesskit::ActionRequest {
+            action,
+            target_tree: egui::accesskit::TreeId::ROOT,
+            target_node,
+            data: None,
+        })
+    };
+    window.frame(vec![request(list, egui::accesskit::Action::Focus)]);
+    window.rest();
+    let selected = |window: &Window| {
+        let run = &window.app.state.runs().first;
+        (run.selected, run.place)
+    };
+    assert_eq!(selected(&window), (None, None));
+    let mut seen = Vec::new();
+    for key in [Key::ArrowDown, Key::ArrowDown, Key::ArrowUp] {
+        window.frame(vec![press(key, Modifiers::NONE)]);
+        window.rest();
+        seen.push(selected(&window));
+    }
+    assert_ne!(seen[0], (None, None));
+    assert_ne!(seen[1], seen[0]);
+    assert_eq!(seen[2], seen[0]);
+    // The arrows moved neither the picture nor the time.
+    assert_eq!(window.cursor(), 1_000);
+
+    // A screen reader presses an option.
+    let target = all
+        .iter()
+        .rfind(|text| text.starts_with("Sample "))
+        .unwrap();
+    let option = window
+        .nodes
+        .iter()
+        .find(|(_, node)| node.label() == Some(target))
+        .map(|(id, _)| *id)
+        .unwrap();
+    window.frame(vec![request(option, egui::accesskit::Action::Click)]);
+    window.rest();
+    let (Some(id), None) = selected(&window) else {
+        panic!("{target} is not selected: {:?}", selected(&window));
+    };
+    let number = tilescope_session::words::grouped(id as usize);
+    assert!(target.starts_with(&format!("Sample {number} ")), "{target}");
+
+    // While time runs by itself, and while the pattern is shown, nothing is listed.
+    window.apply(Command::Time(TimeCommand::TogglePlay));
+    assert_eq!(options(&window), Vec::<String>::new());
+    window.apply(Command::Time(TimeCommand::TogglePlay));
+    assert!(!options(&window).is_empty());
+}
+
+#[test]
+fn an_open_question_has_no_list_of_objects() {
+    let mut window = Window::opened([1440.0, 900.0]);
+    let open = LessonCommand::Open("survivors".to_owned());
+    window.apply(Command::Lesson(open));
+    for step in ["one-of-two", "chain"] {
+        window.apply(Command::Lesson(LessonCommand::Go(step.to_owned())));
+        assert!(window.app.state.lessons().open_question().is_some());
+        assert_eq!(options(&window), Vec::<String>::new());
+    }
+    // Without a question there is one.
+    window.apply(Command::Lesson(LessonCommand::Leave));
+    assert!(!options(&window).is_empty());
+}

@@ -257,10 +257,21 @@ fn focused_id() -> Id {
     Id::unique("the canvas that has the focus")
 }
 
-/// Returns whether a canvas has the focus and so receives the arrow keys.
+/// Returns whether a canvas or the list of its objects has the focus and so receives the arrow keys.
 pub fn has_focus(ctx: &Context) -> bool {
     let focused = ctx.memory(egui::Memory::focused);
     focused.is_some() && focused == ctx.data(|data| data.get_temp(focused_id()))
+}
+
+/// Keeps the arrow keys for a canvas or its list, which has the focus: egui would move the focus with them otherwise.
+pub(super) fn keep_arrows(ui: &Ui, response: &Response) {
+    ui.data_mut(|data| data.insert_temp(focused_id(), response.id));
+    let filter = EventFilter {
+        horizontal_arrows: true,
+        vertical_arrows: true,
+        ..EventFilter::default()
+    };
+    ui.memory_mut(|memory| memory.set_focus_lock_filter(response.id, filter));
 }
 
 /// With the keyboard focus on the canvas, arrows pan and Enter selects at its centre. Plus and minus zoom whatever has
@@ -269,15 +280,7 @@ fn keys(ui: &Ui, response: &Response, commands: &mut Vec<ViewCommand>) {
     if !response.has_focus() {
         return;
     }
-    ui.data_mut(|data| data.insert_temp(focused_id(), response.id));
-
-    let filter = EventFilter {
-        horizontal_arrows: true,
-        vertical_arrows: true,
-        ..EventFilter::default()
-    };
-    // The canvas keeps the arrow keys, with which egui would move the focus otherwise.
-    ui.memory_mut(|memory| memory.set_focus_lock_filter(response.id, filter));
+    keep_arrows(ui, response);
 
     let moves = [
         (Key::ArrowLeft, vec2(PAN, 0.0)),
