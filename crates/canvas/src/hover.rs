@@ -281,7 +281,12 @@ pub(crate) fn chosen(ui: &Ui, rect: Rect, at: Pos2, text: &str, palette: &Palett
 /// Draws the text above and to the right of its target, or on another side if there is more room. The side depends on
 /// the position alone, so that the tag does not jump when the text changes.
 fn tag(painter: &Painter, rect: Rect, named: &Named, text: &str, palette: &Palette) {
-    let galley = painter.layout_no_wrap(text.to_owned(), FontId::proportional(12.5), palette.text);
+    let margin = vec2(9.0, 5.0);
+    let font = FontId::proportional(12.5);
+    // In a canvas narrower than the text there are several lines.
+    let room = (rect.width() - 2.0 * margin.x).max(1.0);
+    let galley = painter.layout(text.to_owned(), font, palette.text, room);
+
     // The side is chosen as if the tag had its largest size.
     let to_right = named.at.x + named.reach + MAX_CARD_WIDTH < rect.right();
     let above = named.at.y - named.reach - MAX_CARD_HEIGHT > rect.top();
@@ -295,7 +300,6 @@ fn tag(painter: &Painter, rect: Rect, named: &Named, text: &str, palette: &Palet
     };
     let y = if above { -1.0 } else { 1.0 };
 
-    let margin = vec2(9.0, 5.0);
     let corner = named.at + vec2(x * (named.reach + margin.x), y * (named.reach + margin.y));
     let placed = anchor.anchor_size(corner, galley.size());
 

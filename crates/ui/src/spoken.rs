@@ -174,6 +174,7 @@ const fn role(role: Role) -> &'static str {
         Role::CheckBox => "check box",
         Role::RadioButton => "radio button",
         Role::ComboBox => "drop-down list",
+        Role::ListBox => "list",
         Role::TextInput | Role::MultilineTextInput => "text field",
         Role::SpinButton => "number field",
         Role::Slider => "slider",

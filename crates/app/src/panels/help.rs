@@ -120,7 +120,8 @@ fn keys(ui: &mut Ui, state: &State, palette: &Palette) {
     ui.label(
         "Drag to move, turn the wheel or pinch to zoom. A click selects a sample or a place, a double click flies to its \
          block. The right button opens a menu about what is there. With the canvas focused, arrow keys move it, Enter \
-         selects in its middle, and the menu key opens that menu.",
+         selects in its middle, and the menu key opens that menu. Tab leads on to the list of the objects in view, of which \
+         up and down select one.",
     );
 }
 

@@ -272,6 +272,10 @@ pub(super) fn keep_arrows(ui: &Ui, response: &Response) {
         ..EventFilter::default()
     };
     ui.memory_mut(|memory| memory.set_focus_lock_filter(response.id, filter));
+    // egui keeps them only for what had the focus in the frame before, so that a key in the very next frame would be lost.
+    if response.gained_focus() {
+        ui.ctx().request_repaint();
+    }
 }
 
 /// With the keyboard focus on the canvas, arrows pan and Enter selects at its centre. Plus and minus zoom whatever has
