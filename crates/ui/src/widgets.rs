@@ -104,18 +104,32 @@ pub fn heading(ui: &mut Ui, text: &str) -> Response {
     response
 }
 
+/// Says to screen readers that what stands in a container belongs together, under a name in the language of the window.
+pub fn name_group(container: &Response, name: &str) {
+    let ctx = &container.ctx;
+    ctx.accesskit_node_builder(container.id, |node| node.set_label(name));
+}
+
 /// Shows a name on the left, a number in tabular figures on the right, both in the language of the window.
 pub fn row(ui: &mut Ui, name: &str, value: &str, palette: &Palette) {
+    shown_row(ui, name, value, palette);
+}
+
+/// As [`row`]; returns the row, which for screen readers is a group of this name.
+pub fn shown_row(ui: &mut Ui, name: &str, value: &str, palette: &Palette) -> Response {
     // The row is not clickable, so it may be lower than a button.
     let height = ui.spacing().interact_size.y;
     ui.spacing_mut().interact_size.y = height.min(READ);
-    ui.horizontal(|ui| {
-        ui.label(RichText::new(ui.words(name)).color(palette.muted));
+    let name = ui.words(name);
+    let shown = ui.horizontal(|ui| {
+        ui.label(RichText::new(&name).color(palette.muted));
         ui.with_layout(egui::Layout::right_to_left(egui::Align::Center), |ui| {
             ui.label(RichText::new(ui.words(value)).monospace());
         });
     });
     ui.spacing_mut().interact_size.y = height;
+    name_group(&shown.response, &name);
+    shown.response
 }
 
 /// Draws the symbol of a layer in a kind of session around `at`.

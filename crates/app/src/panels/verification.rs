@@ -15,7 +15,7 @@ use tilescope_session::verification::{Verdict, Witness};
 use tilescope_session::words::{conflicts_in, counted, grouped, significant};
 use tilescope_ui::language::Worded;
 use tilescope_ui::theme::semibold;
-use tilescope_ui::widgets::{Kebab, Known, heading, row, verdict_mark};
+use tilescope_ui::widgets::{Kebab, Known, heading, name_group, row, shown_row, verdict_mark};
 
 use super::common::divide;
 use super::content::{Content, Room};
@@ -190,24 +190,16 @@ pub fn show(ui: &mut Ui, context: &PanelContext<'_>, commands: &mut Vec<Command>
     // A prefix of nested levels is judged by the covering that was promised, which `guarantee` shows above.
     if verdict.is_none_or(|verdict| verdict.claim.is_none()) {
         let tolerance = report.map_or(COVERING_TOLERANCE, |report| report.covering_tolerance);
-        let shown = ui.scope(|ui| {
-            row(
-                ui,
-                "Maximal up to",
-                &format!("{:.6} r", 1.0 + tolerance),
-                palette,
-            );
-        });
-        let shown = shown.response.on_hover_text(ui.words(TOLERATED));
+        let limit = format!("{:.6} r", 1.0 + tolerance);
+        let shown = shown_row(ui, "Maximal up to", &limit, palette);
+        let shown = shown.on_hover_text(ui.words(TOLERATED));
         shown.known_as("covering-limit");
     }
 
     let judges = report.map_or_else(|| "\u{2013}".to_owned(), |report| short(&report.judges));
-    let shown = ui.scope(|ui| row(ui, "Verified by", &judges, palette));
+    let shown = shown_row(ui, "Verified by", &judges, palette);
     if let Some(report) = report {
-        shown
-            .response
-            .on_hover_text(ui.words(Judge::joined(&report.judges)));
+        shown.on_hover_text(ui.words(Judge::joined(&report.judges)));
     }
 
     ui.add_space(4.0);
@@ -293,8 +285,8 @@ fn numbers(ui: &mut Ui, context: &PanelContext<'_>, unit: f64) {
             &count,
         ),
     ] {
-        let shown = ui.scope(|ui| row(ui, name, value, context.palette));
-        shown.response.on_hover_text(ui.words(meaning));
+        let shown = shown_row(ui, name, value, context.palette);
+        shown.on_hover_text(ui.words(meaning));
     }
 }
 
@@ -411,5 +403,6 @@ fn property(
             ui.label(RichText::new(ui.words(text)).monospace().color(color));
         });
     });
+    name_group(&shown.response, &ui.words(name));
     shown.response.on_hover_text(ui.words(meaning));
 }

@@ -4,7 +4,7 @@
 use egui::{RichText, Role, TextEdit, Ui, WidgetInfo};
 use tilescope_debugger::{ExpressionError, LENGTHS, NAMES, NAMES_OF_NEXT};
 use tilescope_drawing::palette::Palette;
-use tilescope_ui::widgets::{Icon, Known, heading, icon_button, row};
+use tilescope_ui::widgets::{Icon, Known, heading, icon_button, shown_row};
 
 use super::common::no_events;
 use super::content::{Content, Room};
@@ -106,9 +106,7 @@ fn scope<'a>(
     ui.scope(|ui| {
         ui.spacing_mut().item_spacing.y = 2.0;
         for (name, value, meaning) in names {
-            ui.scope(|ui| row(ui, name, &value, palette))
-                .response
-                .on_hover_text(meaning);
+            shown_row(ui, name, &value, palette).on_hover_text(meaning);
         }
     });
 }
