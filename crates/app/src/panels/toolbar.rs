@@ -180,7 +180,7 @@ pub fn show_compact(ui: &mut Ui, state: &State, commands: &mut Vec<Command>) {
         button.known_as("menu");
 
         let room = ui.ctx().content_rect().size();
-        Popup::menu(&button)
+        let menu = Popup::menu(&button)
             // A click in this menu opens another one within it, and must not close this one.
             .close_behavior(PopupCloseBehavior::CloseOnClickOutside)
             .show(|ui| {
@@ -192,6 +192,7 @@ pub fn show_compact(ui: &mut Ui, state: &State, commands: &mut Vec<Command>) {
                     .min_scrolled_height(height)
                     .show(ui, |ui| one_menu(ui, state, commands));
             });
+        button.opens_menu(menu.is_some());
 
         if ui.available_width() >= ROOM_FOR_TITLE {
             ui.label(RichText::new("Tilescope").font(FontId::new(17.0, semibold())))
