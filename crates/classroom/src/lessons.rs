@@ -60,6 +60,8 @@ pub enum LessonCommand {
     KeepResults,
     /// Names the learner in saved results.
     Name(String),
+    /// Copies the command that makes a package for course systems of the open lesson.
+    CopyPackaging,
 }
 
 /// Where a lesson comes from.

@@ -102,6 +102,8 @@ pub enum Effect {
     RememberFile(String),
     /// Write a file, or download it.
     Save(NewFile),
+    /// Copy a text to the clipboard.
+    Copy(String),
     /// Close menus and help.
     CloseMenus,
     /// Make a lesson of the scenes, for [`Classroom::present_scenes`].

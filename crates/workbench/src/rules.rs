@@ -272,7 +272,8 @@ const fn lesson(command: &LessonCommand) -> Rules {
         | LessonCommand::SaveResults(_)
         | LessonCommand::ClearResults
         | LessonCommand::KeepResults
-        | LessonCommand::Name(_) => VIEW,
+        | LessonCommand::Name(_)
+        | LessonCommand::CopyPackaging => VIEW,
     }
 }
 

@@ -57,6 +57,12 @@ pub(super) fn add(list: &mut List, state: &State) {
         .on_key(Key::PageUp)
         .refused((learner.index() == 0).then_some("This is the first step."));
     own(list, "Close the lesson", LessonCommand::Leave);
+    let packaging = LessonCommand::CopyPackaging;
+    own(
+        list,
+        "Package for a course system: copy the command",
+        packaging,
+    );
 
     if let Some(question) = state.lessons().open_question() {
         own(list, "Answer the question", LessonCommand::Answer).on_key(Key::Enter);

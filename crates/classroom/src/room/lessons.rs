@@ -169,6 +169,7 @@ impl Classroom {
             // The question whether to clear the results has ended above, and they stay as they are.
             LessonCommand::KeepResults => {}
             LessonCommand::Name(name) => self.lessons.name_learner(&name),
+            LessonCommand::CopyPackaging => self.copy_packaging(context),
         }
     }
 
@@ -292,6 +293,36 @@ impl Classroom {
         if changed.is_some() && changed != open.changed {
             self.open_lesson_file(&path, context);
         }
+    }
+
+    /// Copies the command that makes a package of the open lesson, and says what it is for. A package holds the built page with
+    /// everything that belongs to it, 4 MB, which a window or a page does not have at hand.
+    fn copy_packaging(&self, context: &mut Context) {
+        let Some(open) = &self.lessons.open else {
+            return;
+        };
+        // A page around or a file may have given the name: nothing in it may end the quotes, or be more than a name for a shell.
+        let safe = |text: &str| -> String {
+            let is_plain = |c: char| c.is_alphanumeric() || "-_. /\\:".contains(c);
+            let characters = text.chars();
+            characters
+                .map(|c| if is_plain(c) { c } else { '_' })
+                .collect()
+        };
+        let name = safe(&open.learner.lesson().name);
+        let source = match &open.source {
+            LessonSource::Shipped => name.clone(),
+            // A shell divides words at blanks, and takes those within quotes as they are.
+            LessonSource::File(path) => format!("\"{}\"", safe(&path.display().to_string())),
+            // The program has the text alone. By default the file has the name of the lesson.
+            LessonSource::Text => format!("\"{name}.md\""),
+        };
+
+        let command = format!("tilescope lesson package {source} --scorm 1.2 --out \"{name}.zip\"");
+        context.ask(Effect::Copy(command.clone()));
+        context.tell(format!(
+            "Copied: {command}. In a terminal it makes a package for course systems; --cmi5 or --scorm 2004 make other kinds."
+        ));
     }
 
     /// Removes the results, once the learner has been asked.

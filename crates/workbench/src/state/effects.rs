@@ -344,6 +344,7 @@ impl State {
 
             E::RememberFile(path) => self.files.remember_file(&path),
             E::Save(file) => self.with(|state, context| state.files.save_new(file, context)),
+            E::Copy(text) => self.window.copied = Some(text),
             E::CloseMenus => (self.window.finder, self.window.help) = (None, None),
 
             E::LessonOfScenes => {

@@ -746,3 +746,34 @@ fn answers_are_put_together_on_the_canvas_and_from_the_list() {
     state.apply(inspect);
     assert!(has_inspector(&state));
 }
+
+#[test]
+fn the_command_of_a_package_is_copied_and_holds_nothing_but_names() {
+    let mut state = settled();
+    // Without a lesson there is nothing to package.
+    lesson(&mut state, LessonCommand::CopyPackaging);
+    assert_eq!(state.window.copied, None);
+
+    lesson(&mut state, LessonCommand::Open("survivors".to_owned()));
+    lesson(&mut state, LessonCommand::CopyPackaging);
+    let command = "tilescope lesson package survivors --scorm 1.2 --out \"survivors.zip\"";
+    assert_eq!(state.window.copied.as_deref(), Some(command));
+    let notice = state.messages.notice.as_ref().expect("it says so");
+    assert!(
+        !notice.is_error && notice.text.contains(command),
+        "{}",
+        notice.text
+    );
+
+    // A name that would be more than a name in a terminal.
+    let name = "a\"; touch $HOME/b; `c` \"";
+    lesson(
+        &mut state,
+        LessonCommand::Read(name.to_owned(), TEMPLATE.to_owned()),
+    );
+    lesson(&mut state, LessonCommand::CopyPackaging);
+    let command = state.window.copied.as_deref().unwrap();
+    let start = "tilescope lesson package \"a__ touch _HOME/b_ _c_ _.md\"";
+    assert!(command.starts_with(start), "{command}");
+    assert_eq!(command.matches('"').count(), 4, "{command}");
+}
