@@ -69,10 +69,19 @@ fn gzip(bytes: &[u8]) -> Vec<u8> {
     written.expect("memory can be written to")
 }
 
+/// Returns about how many bytes a text has by brotli: a little more than [`sizes`] says, in a hundredth of the time.
+pub fn quick_len(bytes: &[u8]) -> usize {
+    brotli_at(5, bytes).len()
+}
+
 fn brotli(bytes: &[u8]) -> Vec<u8> {
+    brotli_at(11, bytes)
+}
+
+/// Compresses by brotli; 11 is the highest quality.
+fn brotli_at(quality: i32, bytes: &[u8]) -> Vec<u8> {
     let parameters = brotli::enc::BrotliEncoderParams {
-        // The highest quality.
-        quality: 11,
+        quality,
         // The largest window that browsers accept.
         lgwin: 24,
         size_hint: bytes.len(),
