@@ -66,6 +66,11 @@ let failed = "";
 /** Whether the page shows the texts of lessons; in a frame the page around may bring its own. */
 const hasText = asked.get("text") !== "none";
 
+/** Sends what was answered to the record store that the address names, if it names one. @type {(() => void) | undefined} */
+let follow;
+/** The number of the last answer that was followed. @type {number | undefined} */
+let lastAnswer;
+
 /** The controls of the canvas as elements. */
 const tree = mirror(element("tree"), () => app);
 // Otherwise Shift and Tab would lead from the elements to the canvas, and on through the program.
@@ -77,6 +82,21 @@ const frame = embed ? bridge(namedOrigin(asked.get("origin")), ask) : null;
 /** @param {string | null} value @param {string[]} known @returns {string | null} */
 function oneOf(value, known) {
   return value !== null && known.includes(value) ? value : null;
+}
+
+/** Prepares to send answers to the record store that the address names. A frame tells the page around instead. */
+async function connectStore() {
+  if (embed || !asked.has("endpoint") || follow) {
+    return;
+  }
+  const { makeReporter, namedStore } = await import("./{{asset:report.js}}");
+  try {
+    const store = namedStore(asked);
+    follow = store ? makeReporter(store, () => JSON.parse(app?.statements() ?? "[]")) : undefined;
+  } catch (error) {
+    console.warn(`Tilescope: ${told(error)}`);
+    announce(told(error));
+  }
 }
 
 /** Returns the text input element that the program has put beside the canvas. */
@@ -259,6 +279,11 @@ const hooks = {
       frame?.height(wishedHeight());
     }
     frame ? frame.state(told) : entitle(told);
+    // Deferred, as in `lost`.
+    if (follow && told.answered?.number !== lastAnswer) {
+      lastAnswer = told.answered?.number;
+      setTimeout(follow);
+    }
   },
   /** @param {string} json */
   talk: (json) => followTalk(JSON.parse(json)),
@@ -454,6 +479,7 @@ async function begin(display, reason) {
     field.setAttribute("aria-label", FIELD);
   }
 
+  await connectStore();
   loaded();
   if (!embed) {
     // The program gets keys from the start.

@@ -176,6 +176,15 @@ impl Tilescope {
         }
     }
 
+    /// Returns the answers that are kept, as xAPI statements in JSON. Equal answers have equal ids.
+    pub fn statements(&self) -> String {
+        let page = self.runner.app_mut::<Page>();
+        page.map_or_else(
+            || "[]".to_owned(),
+            |page| page.app.state.lessons().results.xapi().to_string(),
+        )
+    }
+
     /// Stores the settings for the next visit. The page asks for it when it is hidden, as the browser may end it then.
     pub fn keep(&self) {
         if let Some(mut page) = self.runner.app_mut::<Page>() {

@@ -40,6 +40,10 @@ struct Arguments {
     /// need its full address
     #[arg(long, value_name = "ADDRESS", value_parser = address)]
     address: Option<String>,
+    /// The record store, as `https://store.example`, to which the page may send answers where its address names it; without
+    /// this the page's policy refuses every other server
+    #[arg(long, value_name = "ORIGIN", value_parser = store)]
+    xapi: Option<String>,
     /// The most bytes, compressed by brotli, that may be needed to start
     #[arg(long, value_name = "BYTES", default_value_t = budget::MAX_TO_START)]
     most: usize,
@@ -51,6 +55,17 @@ fn address(text: &str) -> Result<String, String> {
         Ok(text.to_owned())
     } else {
         Err("it begins with https:// or http:// and ends with a slash".to_owned())
+    }
+}
+
+fn store(text: &str) -> Result<String, String> {
+    let host = text.strip_prefix("https://").unwrap_or_default();
+    // What would end the directive, or allow more than one server, is refused.
+    let is_host = |c: char| c.is_ascii_alphanumeric() || ".-:".contains(c);
+    if !host.is_empty() && host.chars().all(is_host) {
+        Ok(text.to_owned())
+    } else {
+        Err("it is https:// and a host, perhaps with a port, and no path".to_owned())
     }
 }
 
@@ -92,6 +107,9 @@ fn pack(arguments: &Arguments) -> Result<()> {
         sources.insert(format!("{language}.txt"), page::Source::made(table.into()));
     }
 
+    if let Some(origin) = &arguments.xapi {
+        page::allow_store(&mut sources, origin)?;
+    }
     let address = arguments.address.as_deref().unwrap_or_default();
     site::add(&mut sources, address)?;
     let mut files = page::assemble(&sources, address)?;
@@ -107,4 +125,26 @@ fn pack(arguments: &Arguments) -> Result<()> {
     folder::write(&arguments.out, &packed)?;
     println!("{} is ready", arguments.out.display());
     Ok(())
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_record_store_is_one_host_by_https() {
+        for right in ["https://store.example", "https://lrs.example.org:8443"] {
+            assert_eq!(store(right).as_deref(), Ok(right));
+        }
+        for wrong in [
+            "http://store.example",
+            "https://",
+            "https://store.example/xapi",
+            "https://*",
+            "https://a.example https://b.example",
+            "https://a.example; script-src *",
+        ] {
+            assert!(store(wrong).is_err(), "{wrong}");
+        }
+    }
 }

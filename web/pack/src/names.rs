@@ -59,10 +59,17 @@ pub fn is_later(name: &str) -> bool {
     is_picture(name) || is_table || name.ends_with(".webmanifest") || LATER.contains(&name)
 }
 
-/// The later part of the program, the lessons, the voting card, the notes of a talk, the texts of these two, and what only the
-/// pages before the program use.
-const LATER: [&str; 7] = [
-    LATER_PART, LESSONS, "card.js", "notes.js", "site.css", "site.js", "words.js",
+/// The later part of the program, the lessons, the voting card, the notes of a talk, what sends answers to a record store, the
+/// texts of these three, and what only the pages before the program use.
+const LATER: [&str; 8] = [
+    LATER_PART,
+    LESSONS,
+    "card.js",
+    "notes.js",
+    "report.js",
+    "site.css",
+    "site.js",
+    "words.js",
 ];
 
 /// The file that holds the part of the program that the start does without.

@@ -119,6 +119,29 @@ fn read_folder(folder: &Path) -> Result<Vec<(String, Vec<u8>)>> {
     Ok(files)
 }
 
+/// What the policy of the page allows to connect to.
+const CONNECTS: &str = "connect-src 'self'";
+
+/// Lets the program send answers to the record store of an origin: its policy names no other server otherwise.
+///
+/// # Errors
+/// The page has not exactly one policy.
+pub fn allow_store(sources: &mut BTreeMap<String, Source>, origin: &str) -> Result<()> {
+    let index = sources
+        .get_mut("index.html")
+        .context("there is no file index.html")?;
+    let text = std::str::from_utf8(&index.bytes).context("index.html")?;
+    let policies = text.matches(CONNECTS).count();
+    ensure!(
+        policies == 1,
+        "index.html has \"{CONNECTS}\" {policies} times, not once"
+    );
+    index.bytes = text
+        .replace(CONNECTS, &format!("{CONNECTS} {origin}"))
+        .into_bytes();
+    Ok(())
+}
+
 /// Returns every file under its final name, those of the program first. `address` is the folder's public address, or
 /// empty.
 ///

@@ -141,3 +141,20 @@ fn pictures_for_those_who_link_to_the_page_have_whole_addresses() {
     let index = by_start(&files, "index.html");
     assert_eq!(text(index), format!("https://a.example/t/{picture}"));
 }
+
+#[test]
+fn the_policy_names_a_record_store_once() {
+    let policy = "<meta content=\"connect-src 'self'; base-uri 'none'\">";
+    let mut all = sources(&[("index.html", policy)]);
+    allow_store(&mut all, "https://store.example").unwrap();
+    let text = String::from_utf8(all["index.html"].bytes.clone()).unwrap();
+    assert_eq!(
+        text,
+        "<meta content=\"connect-src 'self' https://store.example; base-uri 'none'\">"
+    );
+    // Without one policy it would not be known which one the browser follows.
+    for wrong in ["", &policy.repeat(2)] {
+        let mut all = sources(&[("index.html", wrong)]);
+        assert!(allow_store(&mut all, "https://store.example").is_err());
+    }
+}
