@@ -23,11 +23,14 @@ const SURROUNDINGS = {
 /** The menus that stand in the bar of the window. @param {import("playwright-core").Page} page */
 const menus = (page) => controls(page).locator("[aria-haspopup=menu]:not([aria-disabled=true])");
 
+/** The list of all actions. @param {import("playwright-core").Page} page */
+const finder = (page) => controls(page).getByRole("dialog").filter({ has: page.getByRole("textbox", { name: "Find an action" }) });
+
 /** Presses an entry of the list of all actions. @param {import("playwright-core").Page} page @param {string} name */
 async function act(page, name) {
   await page.focus("#canvas");
   await page.keyboard.press("Control+k");
-  const list = controls(page).getByRole("dialog");
+  const list = finder(page);
   await list.waitFor();
   await page.keyboard.type(name);
   // The list follows what is typed, a moment later.
@@ -37,13 +40,16 @@ async function act(page, name) {
 
 /** Closes what was opened, until nothing lies over the window. @param {import("playwright-core").Page} page */
 async function close(page) {
+  let looks = 0;
   await until("nothing over the window", async () => {
-    if ((await controls(page).getByRole("dialog").or(controls(page).getByRole("menu")).count()) === 0) {
-      return true;
+    const open = await controls(page).getByRole("dialog").or(controls(page).getByRole("menu")).count();
+    // Elements follow the window a moment later: one look at nothing could be too early.
+    looks = open === 0 ? looks + 1 : 0;
+    if (open > 0) {
+      await page.keyboard.press("Escape");
     }
-    await page.keyboard.press("Escape");
     await page.waitForTimeout(300);
-    return false;
+    return looks > 1;
   });
 }
 
@@ -54,7 +60,7 @@ const STATES = {
   "the list of actions": async (page) => {
     await page.focus("#canvas");
     await page.keyboard.press("Control+k");
-    await controls(page).getByRole("dialog").waitFor();
+    await finder(page).waitFor();
   },
   "the export": async (page) => {
     await act(page, "Export samples");
@@ -62,7 +68,7 @@ const STATES = {
   },
   "the help": async (page) => {
     await act(page, "About Tilescope");
-    await controls(page).getByRole("dialog").waitFor();
+    await until("the sheet alone", async () => (await finder(page).count()) === 0 && (await controls(page).getByRole("dialog").count()) === 1);
   },
 };
 

@@ -64,6 +64,16 @@ impl<'a> CanvasContext<'a> {
         let (runs, appearance, window) = (state.runs(), state.appearance(), state.window());
         let causes = state.analysis().causes(&runs.first, window);
         let clock = state.time().playback.clock;
+
+        // The question comes first: its run does not play, but would list objects otherwise.
+        let listing = if state.lessons().open_question().is_some() {
+            Listing::Withheld
+        } else if state.time().playback.is_playing() {
+            Listing::Empty
+        } else {
+            Listing::Whole
+        };
+
         Self {
             palette: Palette::of(appearance.look),
             look: appearance.look,
@@ -77,13 +87,7 @@ impl<'a> CanvasContext<'a> {
             is_embedded: window.embedding.is_some(),
             is_stage: state.talks().open.is_some(),
             is_compact: window.drawer.arrangement.is_compact(),
-            listing: if state.lessons().open_question().is_some() {
-                Listing::Withheld
-            } else if state.time().playback.is_playing() {
-                Listing::Empty
-            } else {
-                Listing::Whole
-            },
+            listing,
         }
     }
 }

@@ -403,6 +403,8 @@ fn property(
             ui.label(RichText::new(ui.words(text)).monospace().color(color));
         });
     });
+
+    // Before the tooltip, which would be the name of a row that has none.
     name_group(&shown.response, &ui.words(name));
     shown.response.on_hover_text(ui.words(meaning));
 }

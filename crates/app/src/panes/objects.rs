@@ -121,14 +121,18 @@ impl ObjectList<'_> {
         commands: &mut Vec<Command>,
     ) {
         input::keep_arrows(ui, list);
+
         let count = objects.listed.len();
         let press = |key| ui.input_mut(|input| input.count_and_consume_key(Modifiers::NONE, key));
+        // Several presses may fall into one slow frame.
         let (down, up) = (press(Key::ArrowDown), press(Key::ArrowUp));
         let target = match selected {
             Some(at) => (at + down).saturating_sub(up),
             // Down leads to the first object, and up to the last one.
             None => (down + count).saturating_sub(up + usize::from(down > 0)) % count.max(1),
         };
+
+        // Beyond the last object there is none, and the last one stays.
         if down + up > 0
             && let Some(object) = objects.listed.get(target.min(count.max(1) - 1))
         {

@@ -51,6 +51,7 @@ impl Weights {
             code[usize::from(is_later)].extend_from_slice(function.body.as_bytes());
         }
 
+        // Crates are compressed one by one: what they have in common counts for each of them.
         let weighed = codes.into_iter().map(|(name, [first, later])| {
             let weight = Weight {
                 bytes: [first.len(), later.len()],
@@ -71,6 +72,7 @@ impl fmt::Display for Weights {
             .iter()
             .map(|(name, weight)| (name.as_str(), *weight))
             .collect();
+        // The largest code first, wherever it is: that is where something can be saved.
         let sum = |weight: &Weight| weight.bytes[0] + weight.bytes[1];
         rows.sort_by_key(|(_, weight)| std::cmp::Reverse(sum(weight)));
 
