@@ -174,6 +174,39 @@ test("the focus of page and program follow each other, and keys stay the program
   await page.waitForFunction(() => !document.getElementById("tree").contains(document.activeElement));
 });
 
+test("samples, gaps and blocks are explored and selected by a list", async (t) => {
+  const { page } = await reused(t);
+  const tree = controls(page);
+  await ask(page, { do: "seek", stage: "eliminate" });
+  const list = tree.getByRole("listbox", { name: "Canvas of samples: Objects in view" });
+  for (const name of [/^Gap: area .* r², deepest .* r, at /, /^Sample \d+ (of|from the margin of) block \d+: /, /^Block \d+: /]) {
+    await list.getByRole("option", { name }).first().waitFor();
+  }
+  await list.getByRole("option", { name: /^[\d,]+ more samples in view$/, disabled: true }).waitFor();
+  const selected = list.getByRole("option", { selected: true });
+  assert.equal(await selected.count(), 0);
+
+  // What is pressed is selected in the program, and the inspector shows it.
+  const sample = list.getByRole("option", { name: /^Sample / }).first();
+  const number = (await sample.textContent()).match(/[\d,]+/)[0];
+  await sample.press("Enter");
+  await tree.getByRole("heading", { name: "Selected sample" }).waitFor();
+  await tree.getByRole("group", { name: "Id", exact: true }).filter({ hasText: number }).waitFor();
+  await until("the selection", async () => (await selected.count()) === 1 && (await selected.textContent()).startsWith(`Sample ${number} `));
+
+  // Arrows choose the next one, and the focus stays with the list.
+  await until("the focus on the list", () => list.evaluate((one) => one === document.activeElement));
+  await page.keyboard.press("ArrowDown");
+  await until("the next one", async () => (await selected.count()) === 1 && !(await selected.textContent()).startsWith(`Sample ${number} `));
+  assert.equal(await list.getAttribute("aria-activedescendant"), await selected.getAttribute("id"));
+
+  // An open question has answers, and no list that could give one away.
+  await ask(page, { do: "lesson", open: "survivors", step: "one-of-two" });
+  await state(page, (told) => told.ready && told.lesson?.question);
+  await until("no list", async () => (await list.count()) === 0);
+  await ask(page, { do: "lesson", act: "leave" });
+});
+
 test("elements lie over their pictures, where the pointer finds what is drawn", async (t) => {
   const { page } = await reused(t);
   await ask(page, { do: "seek", event: 1000 });
