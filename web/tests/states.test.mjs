@@ -101,8 +101,13 @@ for (const [surrounding, { settings, clip, isBetween }] of Object.entries(SURROU
       await until("menus", async () => (await menus(page).count()) > 0);
       const names = await menus(page).evaluateAll((all) => all.map((one) => one.textContent || one.ariaLabel));
       for (const [index, name] of names.entries()) {
-        await menus(page).nth(index).press("Enter");
-        await controls(page).getByRole("menu").waitFor();
+        await until("the menu", async () => {
+          // On a busy machine the Escape that closed what was open before may arrive only now, and close the menu.
+          const opened = await controls(page).getByRole("menu").count();
+          await (opened === 0 && menus(page).nth(index).press("Enter"));
+          await page.waitForTimeout(500);
+          return opened > 0;
+        });
         await isClean(page, `the menu ${name}, ${look}, ${surrounding}`);
         await close(page);
       }
@@ -123,8 +128,7 @@ for (const [surrounding, { settings, clip, isBetween }] of Object.entries(SURROU
     }
 
     // Negative control: an element without a name is found by both.
-    await page.evaluate(() => document.querySelector("#tree button").replaceChildren());
-    await page.evaluate(() => document.querySelector("#tree button").removeAttribute("aria-label"));
+    await page.evaluate(() => document.getElementById("tree").append(document.createElement("button")));
     assert.deepEqual(await nameless(page), ["button"]);
     assert.match(String(await findings(page)), /^button-name/);
   });
