@@ -726,7 +726,6 @@ fn objects_in_view_are_chosen_from_a_list_by_keys_and_by_requests() {
         })
     };
     window.frame(vec![request(list, egui::accesskit::Action::Focus)]);
-    window.rest();
     let selected = |window: &Window| {
         let run = &window.app.state.runs().first;
         (run.selected, run.place)
@@ -741,6 +740,9 @@ fn objects_in_view_are_chosen_from_a_list_by_keys_and_by_requests() {
     assert_ne!(seen[0], (None, None));
     assert_ne!(seen[1], seen[0]);
     assert_eq!(seen[2], seen[0]);
+    // The first key came in the frame after the focus, and has not moved it.
+    let focused = window.ctx.memory(egui::Memory::focused);
+    assert_eq!(focused.map(|id| id.accesskit_id()), Some(list));
     // The arrows moved neither the picture nor the time.
     assert_eq!(window.cursor(), 1_000);
 

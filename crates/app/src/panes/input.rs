@@ -4,7 +4,8 @@
 //! together with Ctrl, and fingers move the picture by two.
 
 use egui::{
-    Context, Event, EventFilter, Id, Key, Modifiers, PointerButton, Pos2, Response, Ui, Vec2, vec2,
+    Context, Event, EventFilter, FocusDirection, Id, Key, Modifiers, PointerButton, Pos2, Response,
+    Ui, Vec2, vec2,
 };
 use glam::DVec2;
 use tilescope_core::Standing;
@@ -272,9 +273,19 @@ pub(super) fn keep_arrows(ui: &Ui, response: &Response) {
         ..EventFilter::default()
     };
     ui.memory_mut(|memory| memory.set_focus_lock_filter(response.id, filter));
-    // egui keeps them only for what had the focus in the frame before, so that a key in the very next frame would be lost.
-    if response.gained_focus() {
-        ui.ctx().request_repaint();
+
+    // egui heeds that only from the second frame with the focus on. In a slow window a key may come before.
+    let is_arrow = ui.input(|input| {
+        let arrows = [
+            Key::ArrowLeft,
+            Key::ArrowRight,
+            Key::ArrowUp,
+            Key::ArrowDown,
+        ];
+        arrows.into_iter().any(|key| input.key_pressed(key))
+    });
+    if is_arrow {
+        ui.memory_mut(|memory| memory.move_focus(FocusDirection::None));
     }
 }
 
