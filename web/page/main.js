@@ -84,7 +84,7 @@ function oneOf(value, known) {
   return value !== null && known.includes(value) ? value : null;
 }
 
-/** Prepares to send answers to the record store that the address names. A frame tells the page around instead. */
+/** Prepares to send answers to the record store that the address names. A frame reports to the page around instead. */
 async function connectStore() {
   if (embed || !asked.has("endpoint") || follow) {
     return;

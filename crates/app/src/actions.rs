@@ -602,6 +602,7 @@ fn colours(list: &mut List, state: &State) {
     ] {
         let command = Command::Appearance(AppearanceCommand::Colour(colouring));
         let kind = state.runs().first.kind();
+
         let refusal = match kind {
             SessionKind::Nested => "Samples of nested levels have neither block nor origin.",
             SessionKind::Varying => {
@@ -612,6 +613,7 @@ fn colours(list: &mut List, state: &State) {
                 "Only nested levels have levels."
             }
         };
+
         // A colouring that the run cannot show would be drawn as another one, so that it is refused.
         list.add(name, command)
             .refused((colouring.of(kind) != colouring).then_some(refusal))

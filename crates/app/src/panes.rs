@@ -227,11 +227,7 @@ impl PaneSide<'_> {
 
         let note_on_samples = pane.paint(ui, rect, subject, palette);
         // Only run A has passes of the GPU, whose buffers have rows.
-        let rows = match self.which {
-            Which::First => context.rows,
-            Which::Second => None,
-        };
-        let note = match rows {
+        let note = match context.rows.filter(|_| self.which == Which::First) {
             Some(rows) => buffers::show(ui, rect, subject, &rows, palette, marks, note_on_samples),
             None => note_on_samples,
         };
@@ -254,16 +250,25 @@ impl PaneSide<'_> {
         }
 
         if context.listing != Listing::Withheld {
-            let list = objects::ObjectList {
-                which: self.which,
-                name: &name,
-                rect,
-                subject,
-                palette,
-                is_empty: context.listing == Listing::Empty,
-            };
-            list.show(ui, commands);
+            self.list(context, subject, &name).show(ui, commands);
         }
         response
+    }
+
+    /// Returns the list of the objects in view, for the keyboard and for screen readers.
+    fn list<'a>(
+        &self,
+        context: &CanvasContext<'a>,
+        subject: &'a Subject<'a>,
+        name: &'a str,
+    ) -> objects::ObjectList<'a> {
+        objects::ObjectList {
+            which: self.which,
+            name,
+            rect: self.rect,
+            subject,
+            palette: context.palette,
+            is_empty: context.listing == Listing::Empty,
+        }
     }
 }

@@ -258,11 +258,10 @@ impl HandoutTask {
             }
         }
 
-        if self.notes {
-            for note in &step.notes {
-                let note = inline(open.learner.speaker_note(note));
-                let _ = writeln!(html, "<p class=\"note\">{note}</p>");
-            }
+        let notes = step.notes.iter().filter(|_| self.notes);
+        for note in notes {
+            let note = inline(open.learner.speaker_note(note));
+            let _ = writeln!(html, "<p class=\"note\">{note}</p>");
         }
 
         html.push_str("</section>\n");

@@ -288,12 +288,7 @@ pub(crate) fn export_through(
 ) -> Result<ExportedBytes, ExportError> {
     let target = target(name, context)?;
 
-    // The points of the first level come first, which shuffling would undo. Ranks are those of the points in this order.
-    let is_ordered = !context.levels.is_empty() || !context.ranks.is_empty();
-    if let (Some(seed), true) = (context.shuffle_seed, is_ordered) {
-        return Err(ExportError::ShuffledLevels { seed });
-    }
-
+    check_order(context)?;
     let set = ordered(set, context);
     let columns = context.columns(&set.points);
     let encoded = encode_certified(&set, &target, None, &columns)?;
@@ -349,6 +344,15 @@ pub(crate) fn export_through(
         certificate,
         report,
     })
+}
+
+/// Refuses to shuffle levels: the points of the first level come first, and ranks are those of the points in this order.
+fn check_order(context: &ExportContext) -> Result<(), ExportError> {
+    let is_ordered = !context.levels.is_empty() || !context.ranks.is_empty();
+    match context.shuffle_seed {
+        Some(seed) if is_ordered => Err(ExportError::ShuffledLevels { seed }),
+        _ => Ok(()),
+    }
 }
 
 /// The set in the order in which it is written.

@@ -317,6 +317,7 @@ fn settle_radius(
             Err(refused("both exactly and radius are given; give one"))
         }
         (Some(_), Some(_)) => Err(refused("both count and radius are given; give one")),
+
         (None, None) => Err(refused("neither count nor radius is given; give one")),
         (Some(count), None) => {
             // The radius is searched for later. Its estimate is near enough to find wrong arguments by.

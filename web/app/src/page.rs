@@ -693,8 +693,7 @@ fn preferred<'a>(languages: impl IntoIterator<Item = &'a String>) -> String {
     found.unwrap_or("en").to_owned()
 }
 
-/// Returns the address of the page without its fragment and without the parameters of an embedded page: a link opens
-/// the whole app.
+/// Returns the address of the page for links: without its fragment, and without the parameters that links leave out.
 fn address() -> Option<String> {
     let location = web_sys::window()?.location();
     let (origin, path) = (location.origin().ok()?, location.pathname().ok()?);
@@ -704,12 +703,16 @@ fn address() -> Option<String> {
         .split('&')
         .filter(|pair| {
             let name = pair.split('=').next().unwrap_or_default();
-            !matches!(name, "" | "embed" | "origin")
+            !NOT_IN_LINKS.contains(&name)
         })
         .collect();
     let question = if kept.is_empty() { "" } else { "?" };
     Some(format!("{origin}{path}{question}{}", kept.join("&")))
 }
+
+/// Parameters of the address that links leave out: those of an embedded page, and those of a record store, with which others
+/// could write there.
+const NOT_IN_LINKS: [&str; 7] = ["", "embed", "origin", "endpoint", "auth", "actor", "registration"];
 
 /// Returns the name of a backend.
 fn name_of(backend: wgpu::Backend) -> &'static str {

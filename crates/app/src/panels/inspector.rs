@@ -246,13 +246,7 @@ fn sample(
         }
     }
 
-    let standing = match shown.standing(id) {
-        Standing::Absent => "not there yet",
-        Standing::Tiled => "tiled, undecided",
-        Standing::Valid => "valid",
-        Standing::Eliminated { .. } => "eliminated",
-        Standing::Dropped => "outside the domain",
-    };
+    let standing = standing_name(shown.standing(id));
     row(ui, "At this moment", standing, palette);
 
     match run.samples.fates[id as usize] {
@@ -260,6 +254,16 @@ fn sample(
         Fate::Kept => row(ui, "In the end", "kept", palette),
         Fate::Dropped => row(ui, "In the end", "dropped", palette),
         Fate::Eliminated { by } => others(ui, "Eliminated by", &[by], palette, commands),
+    }
+}
+
+const fn standing_name(standing: Standing) -> &'static str {
+    match standing {
+        Standing::Absent => "not there yet",
+        Standing::Tiled => "tiled, undecided",
+        Standing::Valid => "valid",
+        Standing::Eliminated { .. } => "eliminated",
+        Standing::Dropped => "outside the domain",
     }
 }
 

@@ -222,11 +222,7 @@ fn show_line(
     let palette = context.palette;
     let tag = now.tag(id);
 
-    let gutter_width = if is_for_fingers(ui.ctx()) {
-        FINGER - 4.0
-    } else {
-        GUTTER
-    };
+    let gutter_width = gutter_width(ui);
     let indent = gutter_width + 10.0 * line.indentation as f32;
     // Each line keeps the room for a remark, so that its text does not wrap anew when it has one. In a narrow panel 40
     // points, a chosen number, are left for the text.
@@ -280,6 +276,15 @@ fn show_line(
         commands.push(Command::Time(run_to));
     }
     rect
+}
+
+/// Returns the width of the column of breakpoints.
+fn gutter_width(ui: &Ui) -> f32 {
+    if is_for_fingers(ui.ctx()) {
+        FINGER - 4.0
+    } else {
+        GUTTER
+    }
 }
 
 /// Returns the description of a line for screen readers.

@@ -132,6 +132,27 @@ pub struct PatternDarts {
     throws: Vec<Throw>,
 }
 
+/// Returns of each dart of at most eight cells of a level which cell it is of and its number there, given the words that
+/// decide how many darts a cell has, and how many darts there are.
+#[inline(always)]
+fn numbered(words: &[u32], level: u32) -> ([(u8, u8); LANES * POISSON.len()], usize) {
+    // Bytes, since the whole array is cleared for each eight cells.
+    let mut darts = [(0_u8, 0_u8); LANES * POISSON.len()];
+    let mut count = 0;
+    for (cell, &word) in words.iter().enumerate() {
+        let thrown = if level == LAST_LEVEL {
+            1
+        } else {
+            poisson(word)
+        };
+        for number in 0..thrown {
+            darts[count] = (cell as u8, number as u8);
+            count += 1;
+        }
+    }
+    (darts, count)
+}
+
 impl PatternDarts {
     /// Returns the darts of the pattern that `spec` describes.
     pub fn of_spec(spec: &PatternSpec) -> Result<Self, ParameterError> {
@@ -195,21 +216,7 @@ impl PatternDarts {
         let [firsts, seconds] = threefry2x32_20_by_eight(throw_key, places);
         let (firsts, seconds): ([u32; LANES], [u32; LANES]) = (firsts.into(), seconds.into());
 
-        // Which cell each dart is of, and its number there, in bytes: the whole array is cleared for each eight cells.
-        let mut darts = [(0_u8, 0_u8); LANES * POISSON.len()];
-        let mut count = 0;
-        for (cell, &word) in firsts.iter().enumerate().take(mins.len()) {
-            let thrown = if level == LAST_LEVEL {
-                1
-            } else {
-                poisson(word)
-            };
-            for number in 0..thrown {
-                darts[count] = (cell as u8, number as u8);
-                count += 1;
-            }
-        }
-
+        let (darts, count) = numbered(&firsts[..mins.len()], level);
         // A coordinate has 16 random bits, of which a cell takes the highest.
         let shift = 16 - throw.side().ilog2();
         for held in darts[..count].chunks(LANES) {

@@ -213,12 +213,7 @@ impl State {
                 Effect::Issue(command) => self.dispatch(*command),
 
                 // What the window shows.
-                Effect::Inspect => {
-                    // A selection may answer an open question: `inspect` then gets no run.
-                    let question = self.classroom.lessons.open_question();
-                    let run = self.runs.get(which).filter(|_| question.is_none());
-                    self.window.inspect(run);
-                }
+                Effect::Inspect => self.inspect(which),
                 Effect::OpenPanel(panel) => self.window.open_panel(panel),
                 Effect::Layout(layout) => self.window.layout = layout,
                 Effect::BringPanels => self.past.bring_panels(&mut self.window),
@@ -271,6 +266,14 @@ impl State {
                 Effect::GiveBack => self.give_back(),
             }
         }
+    }
+
+    /// Opens the inspector on the selection of a run.
+    fn inspect(&mut self, which: Which) {
+        // A selection may answer an open question: the window then gets no run.
+        let question = self.classroom.lessons.open_question();
+        let run = self.runs.get(which).filter(|_| question.is_none());
+        self.window.inspect(run);
     }
 
     /// Starts a run of `recipe` by `engine`.
