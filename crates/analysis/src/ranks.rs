@@ -7,7 +7,7 @@ use crate::monitor::Control;
 use crate::region::Region;
 use crate::verify::VerifyOptions;
 
-/// Samples with ranks, and what is claimed of the samples to the end of each level.
+/// Samples with ranks, and the claims about the samples to the end of each level.
 #[derive(Clone, Copy, Debug)]
 pub struct RankedSet<'a> {
     /// The positions, those of the first level first.
@@ -229,7 +229,7 @@ mod tests {
         assert_eq!(found.misplaced, 1);
         assert!(found.kept.report.min_distance < 2.0);
 
-        // Exchanged ranks of one level are as good as before; what is no number never is.
+        // Exchanged ranks of one level are as good as before; NaN lies in the part of no level.
         let mut lattice = Lattice::new();
         lattice.ranks.swap(1, 2);
         assert!(lattice.judged(0.25).valid());

@@ -47,7 +47,7 @@ impl<T: Witness> Worst<T> {
         }
     }
 
-    /// Takes a witness, unless as many as are wanted are worse.
+    /// Takes a witness, unless `limit` others are known to be worse.
     pub fn push(&mut self, witness: T) {
         if (self.mildest.as_ref()).is_some_and(|mildest| witness.rank(mildest).is_ge()) {
             return;

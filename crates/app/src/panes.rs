@@ -178,7 +178,7 @@ struct PaneSide<'a> {
     subject: Option<Subject<'a>>,
 }
 
-/// Describes a picture by its moment, for those who do not see it. A pointer over it names what lies there instead.
+/// Describes a picture by its moment, for those who do not see it. A pointer over it names the object there instead.
 fn describe(ui: &Ui, response: &egui::Response, subject: &Subject<'_>) {
     let moment = ui.words(happened(Some(&subject.shown)));
     ui.ctx()

@@ -174,8 +174,8 @@ fn exposed(subject: &Subject<'_>, id: u32) -> Option<String> {
     })
 }
 
-/// Returns whether the moment has what is called a gap: not before elimination, and neither the disks of a prefix of nested
-/// levels nor those of a set in a field have the radius r.
+/// Returns whether uncovered places of the moment count as gaps: not before elimination, and neither the disks of a
+/// prefix of nested levels nor those of a set in a field have the radius r.
 pub(crate) fn has_gaps(subject: &Subject<'_>) -> bool {
     let shown = &subject.shown;
     let is_of_radius_r = shown.session.ground.is_none() && shown.prefix.is_none();

@@ -13,7 +13,8 @@ use tilescope_session::words::counted;
 
 use crate::hover;
 
-/// As many objects of a kind are listed. Nobody listens to hundreds, and zooming in brings the others.
+/// The list has at most this number of objects of a kind. Hundreds take too long to hear, and zooming in brings the
+/// others.
 pub const MAX_OF_KIND: usize = 12;
 /// More samples in view are not looked through for the nearest ones: that would take longer than a millisecond in each frame.
 const MAX_LOOKED_AT: usize = 20_000;
@@ -38,7 +39,7 @@ pub struct Object {
 pub struct Objects {
     /// Those that are listed: gaps, samples, blocks.
     pub listed: Vec<Object>,
-    /// How many others of each kind are in view, in English; nothing of a kind that is listed as a whole.
+    /// How many others of each kind are in view, in English; a kind that is listed as a whole has no entry.
     pub more: Vec<String>,
 }
 

@@ -186,7 +186,7 @@ fn picture_options(
     })
 }
 
-/// Returns the scene of a set in the plane: its samples and what was asked for besides.
+/// Returns the scene of a set in the plane: its samples and the parts that the arguments add.
 fn scene(arguments: &DrawArguments, read: &ReadSet, region: Region) -> Result<Scene> {
     let given = &arguments.set;
     let (set, certificate) = (&read.set, read.certificate.as_ref());

@@ -250,7 +250,7 @@ pub fn set_below(
     Ok((kept, context))
 }
 
-/// Writes the samples with ranks below the darkness of an image, and prints what holds for them.
+/// Writes the samples with ranks below the darkness of an image, and prints a verdict on their distance.
 pub fn keep_painted(
     [input, output_path]: [&Path; 2],
     set: &SetArguments,

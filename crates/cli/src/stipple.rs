@@ -1,4 +1,4 @@
-//! `tilescope stipple`: dots as dense as an image is dark, exactly as many as are asked for.
+//! `tilescope stipple`: dots as dense as an image is dark, in exactly the number that is asked for.
 
 use std::f64::consts::PI;
 use std::path::PathBuf;

@@ -43,7 +43,7 @@ impl Labelled {
 }
 
 /// Returns the rectangle of each mark's label. Of the places that a label can have it takes the one that covers least:
-/// of `taken`, of the other marks, of the labels before it, and of what lies outside `frame`; of equally good ones the
+/// of `taken`, of the other marks, of the labels before it, and of the area outside `frame`; of equally good ones the
 /// first.
 #[must_use]
 pub fn places(marks: &[Labelled], taken: &[Rect], frame: Rect) -> Vec<Rect> {

@@ -36,7 +36,7 @@ impl Speaker {
         }
     }
 
-    /// Announces what has changed since the tree of the frame before.
+    /// Announces the changes since the tree of the frame before.
     fn follow(&mut self, tree: &TreeUpdate) {
         let now = SpokenFocus::of(tree);
         let spoken = now.as_ref().and_then(|now| now.since(self.before.as_ref()));

@@ -329,8 +329,8 @@ impl Pool {
         Some(Arc::clone(&slot.busy.as_ref()?.task.monitor))
     }
 
-    /// Takes the outcome of a worker's task. `kept` has the sessions that the worker keeps; it keeps none if it says
-    /// nothing of them.
+    /// Takes the outcome of a worker's task. `kept` has the sessions that the worker keeps; it keeps none if `kept` is
+    /// `None`.
     fn finish(&self, worker: &Worker, bytes: Vec<u8>, kept: Option<Vec<u64>>) {
         let busy = {
             let mut inner = self.0.borrow_mut();

@@ -213,7 +213,7 @@ impl<'a> Search<'a> {
             .arcs
             .iter()
             .map(|arc| (arc.toward, arc.least / arc.toward.length()));
-        // An arc whose line does not meet the circle covers nothing of it.
+        // An arc whose line does not meet the circle covers no part of it.
         arcs.filter(|(_, cos)| *cos < 1.0).collect()
     }
 

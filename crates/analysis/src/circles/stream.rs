@@ -170,7 +170,7 @@ impl CircleBands {
         Ok(())
     }
 
-    /// Judges some rows of the samples held, and adds what is found to the findings so far.
+    /// Judges some rows of the samples held, and adds their findings to those so far.
     fn judge(
         &mut self,
         question: &Question,

@@ -612,7 +612,7 @@ impl LiveCover {
         }
         let vertices = self.taken[slot as usize].vertices.iter();
         let covered = vertices.map(|vertex| vertex.covered_arc(self.limit));
-        // An edge that does not reach the circle covers nothing of it.
+        // An edge that does not reach the circle covers no part of it.
         let arcs: Vec<_> = covered.filter(|(_, cos)| *cos < 1.0).collect();
         open_arcs(&arcs)
     }

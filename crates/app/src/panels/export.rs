@@ -124,7 +124,7 @@ impl Sheet<'_> {
         });
     }
 
-    /// Returns what is written for the chosen kind, in words.
+    /// Returns a description of the export of the chosen kind, in words.
     fn explanation(&self) -> String {
         match self.form.kind {
             ExportKind::Result if self.in_browser => {

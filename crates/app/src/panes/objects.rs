@@ -1,5 +1,5 @@
 //! The list of the objects in view: a list box without a picture of its own, for screen readers and for the keyboard. Up and
-//! down choose, and what is chosen is selected as by the pointer; Enter opens the inspector.
+//! down choose an object, and it is selected as by the pointer; Enter opens the inspector.
 
 use egui::accesskit::{Action, Role};
 use egui::{Key, Modifiers, Rect, Response, Sense, Ui, UiBuilder, vec2};
@@ -29,7 +29,7 @@ pub struct ObjectList<'a> {
 }
 
 impl ObjectList<'_> {
-    /// Shows the list, and selects what was chosen.
+    /// Shows the list, and selects the object that was chosen.
     pub fn show(&self, ui: &mut Ui, commands: &mut Vec<Command>) {
         let id = ui.scope_id().with(("objects", self.name));
         let response = ui.interact(self.rect, id, Sense::focusable_noninteractive());
@@ -40,7 +40,7 @@ impl ObjectList<'_> {
         });
         response.known_as(format_args!("objects-{}", which_key(self.which)));
 
-        // Without a screen reader and without the focus nobody reads the list.
+        // Without a screen reader and without the focus the list has no reader.
         if self.is_empty || (has_node.is_none() && !response.has_focus()) {
             return;
         }
@@ -52,7 +52,7 @@ impl ObjectList<'_> {
         }
     }
 
-    /// Adds the options to the tree, and carries out what was done to them.
+    /// Adds the options to the tree, and carries out the actions on them.
     fn add_options(
         &self,
         ui: &mut Ui,

@@ -623,7 +623,7 @@ impl Classroom {
         if let Some(open) = &mut self.lessons.open {
             let entries = open.learner.take_entries();
             let is_taken = open.learner.is_taken();
-            // What is answered in a talk is no result of a learner, as the notes of a talk show the answers.
+            // An answer in a talk is no result of a learner, as the notes of a talk show the answers.
             if !open.was_presented && !entries.is_empty() {
                 self.lessons.results.add(entries);
                 self.lessons.mark_unstored();

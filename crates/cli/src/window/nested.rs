@@ -23,7 +23,7 @@ pub fn run(
     recipe: &Recipe,
     request: NestedRequest,
 ) -> Result<u8> {
-    // What cannot be is refused before the pattern is made, which takes long.
+    // An impossible request is refused before the pattern is made, which takes long.
     check(arguments, recipe, request)?;
     let mut watch = Stopwatch::start();
     let plane = NestedPlane::new(&recipe.parameters, request.levels, &mut watch)?;
@@ -111,7 +111,7 @@ fn claims(found: &Nested, plane: &NestedPlane) -> Vec<PrefixClaim> {
         .collect()
 }
 
-/// Returns what was found of a window's samples to the end of a level, for programs.
+/// Returns the findings on a window's samples to the end of a level, for programs.
 fn level_json(count: usize, report: &CutReport) -> Value {
     json!({
         "count": count,

@@ -76,7 +76,7 @@ impl Agenda {
         self.order.len()
     }
 
-    /// Puts what has the same first bits in order.
+    /// Puts the questions with the same first bits in order.
     #[cold]
     fn order_same(&mut self, level: u32) {
         let known = &self.levels[level as usize];
@@ -100,7 +100,7 @@ impl Agenda {
         self.next_known()
     }
 
-    /// Returns what arrives next of what was known when the level began.
+    /// Returns the next of the questions that were known when the level began.
     #[inline]
     fn next_known(&mut self) -> Option<Arriving> {
         let &word = self.order.get(self.done)?;
@@ -145,7 +145,7 @@ impl Agenda {
         }
         let first = (0..same.len()).min_by_key(|&index| self.question(same[index]))?;
 
-        // What is known has its order already.
+        // The questions known when the level began are in order already.
         let known = self
             .order
             .get(self.done)

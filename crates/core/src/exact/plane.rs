@@ -138,7 +138,7 @@ impl WindowMaker for ExactPlane<'_> {
             halo *= 2;
         }
 
-        // Nothing is compared with this window's neighbours, and what is around it is not asked for.
+        // This window is not compared with its neighbours, and the samples around it are not asked for.
         tiling.emit(&self.clipper, with_tags, out, None);
         self.idle.give(tiling);
         Ok(())
@@ -303,8 +303,9 @@ mod tests {
         counts[(2 * depth / R) as usize] += 1;
     }
 
-    /// The evidence for the widths of halos: how far from the end of what is known samples differ from those of the whole, and
-    /// how far from it they are in doubt, by half radii. Both must end before the halo does, by r where windows are compared.
+    /// The evidence for the widths of halos: how far from the border of the known part samples differ from those of the
+    /// whole, and how far from it they are in doubt, by half radii. Both must end before the halo does, by r where
+    /// windows are compared.
     #[test]
     #[ignore = "takes long: tests/run --slow runs it"]
     fn what_is_unknown_reaches_less_far_than_a_halo() {

@@ -1,6 +1,6 @@
 //! The fast engine of exact tiling. It makes windows of the same set as the engine to be read ([`super::engine`]), in the same
-//! order of arrival, and differs in what it touches: *only what is near a seam is worked on*, and the rest of each block is
-//! copied as KDRT's parallel engine copies it.
+//! order of arrival, and differs in the samples it touches: *it works only on those near a seam*, and copies the rest
+//! of each block as KDRT's parallel engine does.
 //!
 //! Samples deeper than [`lay::DEEP`] in their block are not even looked at until a cell that their disks touch is asked about. What
 //! covers a place is read from lists that hold eight samples in a vector ([`disks`]); so is which quarters of a cell one sample
@@ -52,8 +52,8 @@ struct SeamTile {
     placed: u32,
     /// The part of the block in the frame.
     rect: Rect,
-    /// The block, cut off far outside of the frame; if something is unknown, the part in the frame, so that the end of what is
-    /// known is a seam.
+    /// The block, cut off far outside of the frame; if something is unknown, the part in the frame, so that the border
+    /// of the known part is a seam.
     whole: Rect,
     symmetry: Symmetry,
     /// How far it is moved from where the domain has it.
@@ -174,7 +174,7 @@ impl<'a> SeamTiling<'a> {
         Ok(())
     }
 
-    /// Lays down what is near the seams, and follows the differences level by level.
+    /// Lays down the samples near the seams, and follows the differences level by level.
     #[inline(always)]
     fn compute<S: Simd>(&mut self, simd: S, clipper: &Clipper) {
         self.reset();

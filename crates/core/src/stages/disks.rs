@@ -181,7 +181,7 @@ impl DiskGrid {
     }
 
     /// Returns a place that no sample covers, or `None`: an exact proof that the set is maximal on the lattice. A
-    /// sample counts as covering what lies at a squared distance of at most the squared radius plus `slack`.
+    /// sample counts as covering the places at a squared distance of at most the squared radius plus `slack`.
     #[must_use]
     pub fn uncovered_point(&self, slack: i64) -> Option<Point> {
         let radius = self.radius.with_slack(slack);

@@ -313,7 +313,7 @@ impl Mask {
         self.levels[0].class(row as usize, column as usize) == Class::Inside
     }
 
-    /// Returns what is known of the places of a cell. Of a cell wider than all pixels, some may be inside.
+    /// Returns the class of the places of a cell. Of a cell wider than all pixels, some may be inside.
     fn class(&self, Cell { min, side }: Cell) -> Class {
         let size = side.ilog2().saturating_sub(self.bits);
         let shift = self.bits + size;

@@ -179,7 +179,7 @@ impl SolidJudged {
         overrides: &Overrides,
         depth: Option<f64>,
     ) -> Result<Self, CheckError> {
-        // There is no usual depth: a set of which nobody states one is planar.
+        // There is no usual depth: a set without a stated one is planar.
         let of_stated = || stated.and_then(|stated| stated.depth);
         let depth = depth
             .or_else(|| of_stated().map(|Depth(depth)| depth))

@@ -186,8 +186,8 @@ pub fn checkpoint_token(path: &Path) -> Result<Option<Value>, ExportError> {
     Checkpoint::read(&file).map(|found| Some(found.token))
 }
 
-/// The unfinished file, if it is at least as long as the checkpoint says. What was written after the checkpoint is cut
-/// off later.
+/// The unfinished file, if it is at least as long as the checkpoint says. The bytes written after the checkpoint are
+/// cut off later.
 pub(super) fn reopen(path: &Path, checkpoint: &Checkpoint) -> Result<Partial, ExportError> {
     let name = partial_path(path);
     if !name.exists() {

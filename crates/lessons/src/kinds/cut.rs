@@ -215,7 +215,7 @@ impl Interaction for Cut {
             chosen: view.draft.axis() == Some(axis),
             change: DraftCommand::Axis(axis),
             sign: None,
-            // An axis alone is no answer: the list and the lines in the picture show what is right.
+            // An axis alone is no answer: the list and the lines in the picture show the right cut.
             is_right: false,
         });
         let rows = vec![Row {

@@ -109,7 +109,7 @@ impl Task for MeasureReferenceTask {
         };
 
         let measured = set.measured(&|progress| monitor.follow(progress));
-        // A cancelled measurement has no reason, and nobody reads its outcome.
+        // A cancelled measurement has no reason, and no caller reads its outcome.
         measured.map_err(|error| refusal(&error).unwrap_or_default())
     }
 }

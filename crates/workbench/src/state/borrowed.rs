@@ -137,7 +137,7 @@ mod tests {
         let layout = state.window.layout.clone();
         open_template(&mut state);
         assert!(!state.window.shows_sides());
-        // A click that answers opens no panel, and tells nothing about what was clicked.
+        // A click that answers opens no panel, and tells nothing about the clicked object.
         view(&mut state, ViewCommand::Pick(Selection::Sample(3)));
         view(&mut state, ViewCommand::Inspect);
         assert!(!state.window.shows_sides() && !state.window.shows(Panel::Inspector));

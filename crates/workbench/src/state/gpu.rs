@@ -169,7 +169,7 @@ impl GpuState {
     }
 
     /// Returns whether another engine made the run shown than the one that makes the next. False if the CPU alone makes
-    /// what is shown, or if the next are nested levels or a set in a field or a shape: then there is no engine to
+    /// the set shown, or if the next are nested levels or a set in a field or a shape: then there is no engine to
     /// choose.
     #[must_use]
     pub fn differs(&self, run: &RunView, draft: &Draft) -> bool {

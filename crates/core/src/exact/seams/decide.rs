@@ -1,4 +1,5 @@
-//! What is decided near seams, in the order of arrival: which samples of the pattern are lost, and which darts become samples.
+//! The decisions near seams, in the order of arrival: which samples of the pattern are lost, and which darts become
+//! samples.
 
 use fearless_simd::Simd;
 use glam::IVec2;
@@ -24,7 +25,7 @@ impl SeamTiling<'_> {
             ref missing,
             ..
         } = self.tiles[tile as usize];
-        // What lies beyond the frame is in no list, and refuses nothing here.
+        // Samples beyond the frame are in no list, and refuse no dart here.
         let inside = surely_inside(&rect);
 
         // Outside of the tile another block has darts of its own.

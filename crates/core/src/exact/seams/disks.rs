@@ -30,7 +30,7 @@ struct DiskGroup {
     ids: [u32; LANES],
 }
 
-/// What is added to the ids of doubtful samples.
+/// The bit that marks the ids of doubtful samples.
 pub(super) const DOUBTFUL: u32 = 1 << 31;
 
 /// Whether a dart is covered.

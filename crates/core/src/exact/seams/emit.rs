@@ -1,4 +1,5 @@
-//! What a window has in the end: the interiors of its blocks, copied eight samples at a time, and what was decided near seams.
+//! The samples of a window in the end: those in the interiors of its blocks, copied eight at a time, and those that the
+//! decisions near seams left or added.
 
 use fearless_simd::{Simd, dispatch};
 

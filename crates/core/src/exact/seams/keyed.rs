@@ -1,6 +1,6 @@
 //! Lists of what belongs to samples of a tile, found by the tile and the last bits of a sample's number.
 
-/// How many lists there are. A power of two, and about as many as a window has entries.
+/// How many lists there are. A power of two, and about the number of a window's entries.
 const LISTS: usize = 4096;
 
 /// Behind the last entry of a list.

@@ -1,4 +1,4 @@
-//! What is laid down: the samples of each block that are near its border, and those deeper ones that are asked about.
+//! The samples that are laid down: those of each block near its border, and those deeper ones that are asked about.
 
 use glam::I64Vec2;
 
@@ -153,7 +153,7 @@ impl SeamTiling<'_> {
             let fates = self.fates.of(tile, pattern);
             let mut own = fates.filter(|fate| fate.place == at);
             let is_doubtful = match own.next() {
-                // What is lost may have been doubtful before, and its last fate comes first.
+                // A lost sample may have been doubtful before, and its last fate comes first.
                 Some(Fate { is_lost: true, .. }) => return,
                 fate => fate.is_some(),
             };
@@ -177,7 +177,7 @@ impl SeamTiling<'_> {
     pub(super) fn interior(&self, whole: &Rect) -> Rect64 {
         let deeper = |rect: &Rect, deep: i64| Rect64::from(*rect).grown(-deep - 1, -deep);
         let Rect64 { mut min, mut max } = deeper(whole, DEEP);
-        // Late samples of the pattern near the end of what is known may depend on what is beyond.
+        // Late samples of the pattern near the border of the known part may depend on the plane beyond.
         if let Some(known) = self.ground.late_known() {
             let known = deeper(&known, R.into());
             (min, max) = (min.max(known.min), max.min(known.max));

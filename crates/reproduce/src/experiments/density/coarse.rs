@@ -12,8 +12,8 @@ use super::sums::CountSums;
 use crate::control::Control;
 use crate::error::{ReproduceError, Result};
 
-/// Units to r of the lattices. Below 8 a disk is no longer round; above 32 a set takes longer than its share of what is
-/// left out is worth.
+/// Units to r of the lattices. Below 8 a disk is no longer round; above 32 a lattice leaves out too few samples to be
+/// worth the time that a set takes.
 pub const RADII: [u16; 5] = [8, 12, 16, 24, 32];
 /// Side of the torus in radii.
 const SIDE: u16 = 16;

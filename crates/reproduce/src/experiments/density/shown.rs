@@ -62,7 +62,7 @@ fn so_far(found: &DensityResults) -> LineChart {
         ..curve("here", 0, points)
     };
 
-    // Of few batches the interval is far wider than what the chart is about: it would press all else flat.
+    // Of few batches the interval is far wider than the differences in the chart: it would press all else flat.
     let (apart, [low, high]) = found.beside_published(found.density()[0]);
     let end = MILLION * (apart.abs() + 2.5 * (high - low));
     let mut chart = chart("density/so-far", vec![published, here]);

@@ -189,7 +189,7 @@ mod tests {
         for (is_big, value) in (1..=8).flat_map(|value| [(true, value), (false, value)]) {
             assert_eq!(orientation(&exif(is_big, value)), value);
         }
-        // The control: what is none, or cut off, leaves the image as it is.
+        // The control: a number beyond 8, data cut off and empty data leave the image as it is.
         assert_eq!(orientation(&exif(true, 9)), 1);
         assert_eq!(orientation(&exif(true, 6)[..18]), 1);
         assert_eq!(orientation(b""), 1);
