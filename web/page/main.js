@@ -163,8 +163,8 @@ function takeKey(event) {
     return;
   }
 
-  // Keys in the lesson's text do not go to the program.
-  if (event.target instanceof Node && element("lesson").contains(event.target)) {
+  // Keys in the lesson's text and in dialogs of the page do not go to the program.
+  if (event.target instanceof Element && event.target.closest("#lesson, dialog")) {
     return;
   }
 

@@ -57,6 +57,14 @@ async function answer(page) {
   }
 }
 
+/** Answers the question of another run, until it is done. @param {import("playwright-core").Page} page */
+async function answerNext(page) {
+  await ask(page, { do: "lesson", go: "next" });
+  await ask(page, { do: "lesson", open: "survivors", step: "one-of-two", practice: 5 });
+  await state(page, (told) => told.ready && told.lesson?.question && told.answered.done && !told.lesson.feedback);
+  await answer(page);
+}
+
 test("before the first statement the page names the host and asks, and then sends new answers alone", async (t) => {
   const { page, sent, dialog } = await launched(t);
   assert.equal(await dialog.count(), 0);
@@ -77,10 +85,7 @@ test("before the first statement the page names the host and asks, and then send
   assert.match(object.id, /^urn:tilescope:lesson:survivors:/);
 
   // It does not ask again, and sends the next answer alone.
-  await ask(page, { do: "lesson", go: "next" });
-  await ask(page, { do: "lesson", open: "survivors", step: "one-of-two", practice: 5 });
-  await state(page, (told) => told.ready && told.lesson?.question && told.answered.done && !told.lesson.feedback);
-  await answer(page);
+  await answerNext(page);
   await until("the next statement", async () => sent.length === 2);
   assert.equal(await dialog.count(), 0);
   assert.equal(sent[1].statements.length, 1);
@@ -91,10 +96,50 @@ test("after a no nothing is sent", async (t) => {
   const { page, sent, dialog } = await launched(t);
   await answer(page);
   await dialog.waitFor();
+  // An Enter meant for the lesson must not agree.
+  assert.equal(await page.evaluate(() => document.activeElement?.textContent), "Do not send");
   await page.keyboard.press("Escape");
   await until("the end of the question", async () => (await dialog.count()) === 0);
-  await page.waitForTimeout(500);
+  assert.notEqual(await page.evaluate(() => document.activeElement?.tagName), "BODY");
+
+  // Another answer neither asks again nor is sent.
+  await answerNext(page);
+  assert.equal(await dialog.count(), 0);
   assert.deepEqual(sent, []);
+});
+
+test("a name in the list of lessons is shown before it is sent, and a new one asked about again", async (t) => {
+  const query = new URLSearchParams(LAUNCH);
+  query.delete("actor");
+  const { page, sent, dialog } = await launched(t, { query });
+  await ask(page, { do: "lesson", learner: "Grace" });
+  await answer(page);
+  assert.match(await dialog.textContent(), /under this name: Grace/);
+  await dialog.getByRole("button", { name: "Send", exact: true }).click();
+  await until("statements", async () => sent.length === 1);
+  assert.equal(sent[0].statements[0].actor.account.name, "Grace");
+
+  await ask(page, { do: "lesson", learner: "Ada" });
+  await answerNext(page);
+  await dialog.waitFor();
+  assert.match(await dialog.textContent(), /under this name: Ada/);
+  await dialog.getByRole("button", { name: "Send", exact: true }).click();
+  await until("the next statement", async () => sent.length === 2);
+  // The first answer has another id by now, and is not sent again.
+  assert.equal(sent[1].statements.length, 1);
+});
+
+test("a statement in conflict does not keep back the others", async (t) => {
+  const { page, sent, dialog } = await launched(t, { status: [503, 409], expected: [/503/, /409/] });
+  await answer(page);
+  await dialog.getByRole("button", { name: "Send", exact: true }).click();
+  const refused = page.getByRole("dialog", { name: "store.example did not take your answers" });
+  await refused.waitFor();
+  await answerNext(page);
+  await refused.getByRole("button", { name: "Try again" }).click();
+  // Both together are in conflict; one by one the store takes them.
+  await until("statements", async () => sent.length === 2);
+  assert.deepEqual(sent.map(({ statements }) => statements.length), [1, 1]);
 });
 
 test("a store that refuses is named, and tried again when asked", async (t) => {
@@ -122,7 +167,7 @@ for (const endpoint of ["http://store.example/xapi", "https://a:b@store.example/
     const query = new URLSearchParams({ engine: "cpu", play: "", endpoint });
     const { page, sent } = await launched(t, { query, expected: [/names no record store: its address begins with https/] });
     await answer(page);
-    await page.waitForTimeout(500);
+    await answerNext(page);
     assert.equal(await page.locator("dialog").count(), 0);
     assert.deepEqual(sent, []);
   });

@@ -429,14 +429,15 @@ impl Session {
         units::position(self.run().samples.points[id as usize])
     }
 
-    /// Returns whether sample `id` covers a place, in r. None covers a place outside of the domain or its shape.
+    /// Returns whether sample `id` covers a place, in r. Where the radius depends on the place, or the domain is a shape, none
+    /// covers a place outside.
     #[must_use]
     pub fn covers_place(&self, id: u32, at: DVec2) -> bool {
         let run = self.run();
         let Some(locality) = &run.locality else {
             return self.image_near(id, at).distance(at) <= 1.0;
         };
-        // Radii are known at places of the lattice.
+        // A field has a radius at each place of the lattice.
         let place = run.domain.wrap(units::lattice(at));
         place.is_some_and(|place| {
             locality.inside(place) && locality.is_near(place, run.samples.points[id as usize])

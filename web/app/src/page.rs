@@ -712,7 +712,15 @@ fn address() -> Option<String> {
 
 /// Parameters of the address that links leave out: those of an embedded page, and those of a record store, with which others
 /// could write there.
-const NOT_IN_LINKS: [&str; 7] = ["", "embed", "origin", "endpoint", "auth", "actor", "registration"];
+const NOT_IN_LINKS: [&str; 7] = [
+    "",
+    "embed",
+    "origin",
+    "endpoint",
+    "auth",
+    "actor",
+    "registration",
+];
 
 /// Returns the name of a backend.
 fn name_of(backend: wgpu::Backend) -> &'static str {

@@ -158,6 +158,14 @@ impl Context {
     }
 }
 
+/// Opens the inspector on the selection of a run.
+fn inspect(state: &mut State, which: Which) {
+    // A selection may answer an open question: the window then gets no run.
+    let question = state.classroom.lessons.open_question();
+    let run = state.runs.get(which).filter(|_| question.is_none());
+    state.window.inspect(run);
+}
+
 /// Makes the run or the combination of a file.
 fn make(state: &mut State, made: Made) {
     match made {
@@ -213,7 +221,7 @@ impl State {
                 Effect::Issue(command) => self.dispatch(*command),
 
                 // What the window shows.
-                Effect::Inspect => self.inspect(which),
+                Effect::Inspect => inspect(self, which),
                 Effect::OpenPanel(panel) => self.window.open_panel(panel),
                 Effect::Layout(layout) => self.window.layout = layout,
                 Effect::BringPanels => self.past.bring_panels(&mut self.window),
@@ -266,14 +274,6 @@ impl State {
                 Effect::GiveBack => self.give_back(),
             }
         }
-    }
-
-    /// Opens the inspector on the selection of a run.
-    fn inspect(&mut self, which: Which) {
-        // A selection may answer an open question: the window then gets no run.
-        let question = self.classroom.lessons.open_question();
-        let run = self.runs.get(which).filter(|_| question.is_none());
-        self.window.inspect(run);
     }
 
     /// Starts a run of `recipe` by `engine`.

@@ -19,6 +19,7 @@ use tilescope_sets::region;
 #[cfg(not(target_arch = "wasm32"))]
 use super::Notice;
 use super::effects::{Context, Effect};
+use super::link::LinkSource;
 use super::{FileState, Form, Past, RunView, State, WindowState};
 use crate::command::Command;
 use crate::curve::CurveFormat;
@@ -87,10 +88,10 @@ pub fn session_to_keep(state: &State) -> Option<String> {
     }
 
     if run.save_refusal().is_some() {
-        // A session without events can be kept as a link alone, unless that leaves out a part: another set would be reopened.
-        let link = state.link();
-        let is_whole = link.left_out.is_empty();
-        return is_whole.then(|| json!({ "link": link.fragment }).to_string());
+        // A session without events can be kept as a link alone, unless that leaves out a part of the set: another one would be
+        // reopened. Without layouts and the second run it is still the same.
+        let is_same_set = LinkSource::of(state).left_out_of_set().is_empty();
+        return is_same_set.then(|| json!({ "link": state.link().fragment }).to_string());
     }
     String::from_utf8(files::render(&SaveTask::of(state)).ok()?.bytes).ok()
 }

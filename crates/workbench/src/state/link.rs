@@ -9,7 +9,7 @@ use tilescope_session::language::is_english;
 use tilescope_session::words::{counted, grouped, quoted, slug, stage_name};
 
 use super::effects::{Context, Effect};
-use super::{Form, RunView, Runs};
+use super::{Form, RunView, Runs, State};
 use crate::layout::Layout;
 use crate::link::{self, Link, LinkContent, LinkWarnings, NamedMoment};
 use crate::view::SavedView;
@@ -34,7 +34,18 @@ pub(super) struct LinkSource<'a> {
     pub lessons: &'a Lessons,
 }
 
-impl LinkSource<'_> {
+impl<'a> LinkSource<'a> {
+    /// Returns the parts of a state.
+    pub(super) fn of(state: &'a State) -> Self {
+        Self {
+            runs: &state.runs,
+            view: SavedView::of(state),
+            layout: state.past.layout_to_store(&state.window),
+            form: &state.form,
+            lessons: &state.classroom.lessons,
+        }
+    }
+
     /// Returns the link to the run, moment and view that are shown. While the run of an opened link is being made, it is that
     /// link. Cheap enough to be called every frame.
     pub(super) fn link(&self) -> Link {
@@ -49,6 +60,13 @@ impl LinkSource<'_> {
         let mut link = link::write(&content);
         left_out.append(&mut link.left_out);
         Link { left_out, ..link }
+    }
+
+    /// Returns the parts of the set that is shown which a link leaves out: if there are any, it leads to another set.
+    pub(super) fn left_out_of_set(&self) -> Vec<String> {
+        let mut left_out = Vec::new();
+        self.put_run(&mut LinkContent::default(), &mut left_out);
+        left_out
     }
 
     /// Returns the link to the step of the lesson that is open, or that an opened link asks for and that follows; `None`

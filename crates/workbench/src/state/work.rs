@@ -384,14 +384,7 @@ impl State {
     /// link. Cheap enough to be called every frame.
     #[must_use]
     pub fn link(&self) -> Link {
-        LinkSource {
-            runs: &self.runs,
-            view: SavedView::of(self),
-            layout: self.past.layout_to_store(&self.window),
-            form: &self.form,
-            lessons: &self.classroom.lessons,
-        }
-        .link()
+        LinkSource::of(self).link()
     }
 
     /// Opens a link: a fragment with or without its `#`, or a whole address. Parts that are invalid, unknown or
