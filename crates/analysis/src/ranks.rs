@@ -30,7 +30,8 @@ pub struct RankReport {
     pub below: f64,
     /// The claim about the samples that are kept, and the report on them.
     pub kept: PrefixReport,
-    /// How many samples of the whole set have a rank outside of the part of [0, 1) that their level has.
+    /// How many samples of the whole set have a rank outside of the part of [0, 1) that their level has, or none: samples behind
+    /// the last level belong to no part, and of those that the levels state and the set lacks there is no rank.
     pub misplaced: u64,
 }
 
@@ -87,18 +88,24 @@ impl RankedSet<'_> {
         reaching.or(self.levels.last())
     }
 
-    /// Returns how many samples have a rank outside of the part of [0, 1) that their level has.
+    /// Returns how many samples have a rank outside of the part of [0, 1) that their level has, or none of either.
     fn misplaced(&self) -> u64 {
+        let found = self.ranks.len();
         let (mut first, mut begin, mut misplaced) = (0, 0.0, 0);
         for level in self.levels {
             let end = self.threshold(level);
-            let ranks = self.ranks.get(first..level.count).unwrap_or_default();
+            // The set may end within a level: the ranks that it has of that level are judged all the same.
+            let last = level.count.min(found);
+            let ranks = self.ranks.get(first..last).unwrap_or_default();
             // A rank that is no number lies in no part.
             let outside = ranks.iter().filter(|&rank| !(begin..end).contains(rank));
             misplaced += outside.count() as u64;
-            (first, begin) = (level.count, end);
+            (first, begin) = (last, end);
         }
-        misplaced
+
+        // Samples behind the last level, or those that are not there.
+        let stated = self.levels.last().map_or(found, |level| level.count);
+        misplaced + stated.abs_diff(found) as u64
     }
 
     /// Returns the threshold of a level: the square of the finest radius in its own. Radii are stated as rounded numbers, and
@@ -235,6 +242,34 @@ mod tests {
         assert!(lattice.judged(0.25).valid());
         lattice.ranks[63] = f64::NAN;
         assert_eq!(lattice.judged(0.25).misplaced, 1);
+    }
+
+    #[test]
+    fn samples_that_the_levels_do_not_have_are_misplaced() {
+        // A set without its last sample: that one is missing, and ranks of the rest of its level are judged.
+        let mut lattice = Lattice::new();
+        lattice.points.truncate(63);
+        lattice.ranks.truncate(63);
+        assert_eq!(lattice.judged(0.25).misplaced, 1);
+        lattice.ranks[62] = 0.1;
+        assert_eq!(lattice.judged(0.25).misplaced, 2);
+        // Of a set that ends within its second level all ranks of the last one are missing.
+        lattice.points.truncate(20);
+        lattice.ranks.truncate(20);
+        assert_eq!(lattice.judged(0.25).misplaced, 44);
+    }
+
+    #[test]
+    fn samples_behind_the_last_level_are_misplaced() {
+        // The samples that are kept are valid, so that only the count of ranks finds the one that was added.
+        for rank in [f64::NAN, 0.9, 1.0] {
+            let mut lattice = Lattice::new();
+            lattice.points.push([0.5, 0.5]);
+            lattice.ranks.push(rank);
+            let found = lattice.judged(0.25);
+            assert_eq!(found.misplaced, 1, "{rank}");
+            assert!(found.kept.valid() && !found.valid(), "{found:?}");
+        }
     }
 
     #[test]
