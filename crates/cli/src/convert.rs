@@ -14,6 +14,7 @@ use crate::options::{JudgeArguments, SetArguments, WITHOUT_CERTIFICATE, formats,
 use crate::paths::{InFile, check_inputs_stay, check_target, named};
 use crate::progress::verifying;
 use crate::ranks::{self, RankArguments};
+use crate::sample_arguments::leave_out_origin;
 use crate::solid::{self, Slice};
 use crate::{interrupt, output, verdict_code};
 
@@ -79,12 +80,21 @@ pub fn run(arguments: &ConvertArguments) -> Result<u8> {
         return solid::check::convert([input, path], arguments.to, given, &arguments.judge);
     }
 
+    let is_ranked = arguments.ranks.option().is_some();
+    if is_ranked {
+        ranks::refuse_others(given, &arguments.ground)?;
+    }
     if let Some(painted) = painted {
-        return ranks::keep_painted([input, path], given, painted, arguments.to);
+        let options = arguments.judge.options();
+        return ranks::keep_painted([input, path], given, painted, arguments.to, &options);
     }
 
     let (set, context) = match arguments.ranks.rank {
-        Some(below) => ranks::set_below(input, given, below)?,
+        Some(below) => {
+            let (set, mut context) = ranks::set_below(input, given, below)?;
+            leave_out_origin(path, arguments.to, &mut context)?;
+            (set, context)
+        }
         None => read(arguments)?,
     };
     let context = ExportContext {
@@ -131,10 +141,11 @@ fn read(arguments: &ConvertArguments) -> Result<(PointSet, ExportContext)> {
         Err(CheckError::NoRadius | CheckError::NoRegion(_)) => uncertified(arguments)?,
         read => {
             let (set, check) = read.map_err(hinted).in_file(path)?;
+            let format = check.detection.format;
             let mut context = certified(check, path)?;
             // Ranks stand in a column of the file, beside the levels that its certificate states.
             if !context.levels.is_empty() {
-                let ranks = ranks::of_file(path, &arguments.set)?;
+                let ranks = ranks::of_file(path, &arguments.set, format)?;
                 context.ranks = ranks.unwrap_or_default().into();
             }
             (set, context)
@@ -147,26 +158,8 @@ fn read(arguments: &ConvertArguments) -> Result<(PointSet, ExportContext)> {
     }
     context.varying = overrides.varying;
     // An origin cannot be left out of a set with a field or a shape, so that these have to be known first.
-    leave_out_origin(arguments, &mut context)?;
+    leave_out_origin(&arguments.output, arguments.to, &mut context)?;
     Ok((set, context))
-}
-
-/// Leaves an origin out, with a note, where the format to be written cannot hold it.
-fn leave_out_origin(arguments: &ConvertArguments, context: &mut ExportContext) -> Result<()> {
-    let format = Format::to_write(&arguments.output, arguments.to)?;
-    let [x, y] = context.origin;
-    if format.is_unit_torus() && (x != 0.0 || y != 0.0) {
-        // Samples alone may be moved to zero; a shape or a field would then lie elsewhere than they do.
-        ensure!(
-            context.varying.is_none(),
-            "{format} holds positions of the unit torus, without the origin {x} {y} at which the shape or the field lies"
-        );
-        context.origin = [0.0; 2];
-        output::note(&format!(
-            "note: {format} holds positions of the unit torus: the origin {x} {y} is left out"
-        ));
-    }
-    Ok(())
 }
 
 /// Carries the certificate of a checked set over, if it has one.

@@ -122,17 +122,7 @@ impl GroundArguments {
         let recipe = match stated.filter(|stated| stated.is_varying()) {
             Some(stated) => {
                 // With another domain or radius the digests could only differ.
-                let overridden = [
-                    ("--radius", set.radius.is_some()),
-                    ("--width", set.width.is_some()),
-                    ("--height", set.height.is_some()),
-                    ("--boundary", set.boundary.is_some()),
-                ];
-                if let Some((name, _)) = overridden.into_iter().find(|(_, is_given)| *is_given) {
-                    bail!(
-                        "{name} is that of the certificate, to which its field and its shape belong; leave it out"
-                    );
-                }
+                set.refuse_domain("to which its field and its shape belong")?;
                 VaryingRecipe::of_certificate(stated, self.given(set.planar)?)?
             }
             None if self.is_given() => self.foreign(set)?,

@@ -2,7 +2,7 @@
 
 use std::path::Path;
 
-use anyhow::{Result, anyhow};
+use anyhow::{Result, anyhow, bail};
 use clap::Args;
 use clap::builder::{PossibleValue, PossibleValuesParser, TypedValueParser};
 use serde::de::DeserializeOwned;
@@ -140,6 +140,14 @@ pub fn pair(origin: Option<&Vec<f64>>) -> Option<[f64; 2]> {
     origin.and_then(|origin| origin.as_slice().try_into().ok())
 }
 
+/// Refuses the first of some options that is given, where the value is the certificate's. A `clause` says what depends on that value.
+pub fn refuse_stated(options: &[(&str, bool)], clause: &str) -> Result<()> {
+    match options.iter().find(|(_, is_given)| *is_given) {
+        Some((name, _)) => bail!("{name} is that of the certificate, {clause}; leave it out"),
+        None => Ok(()),
+    }
+}
+
 /// What to do about a false certificate.
 pub const WITHOUT_CERTIFICATE: &str = "--no-certificate reads the set without it";
 
@@ -182,6 +190,17 @@ impl SetArguments {
     /// Returns the given origin.
     pub fn origin(&self) -> Option<[f64; 2]> {
         pair(self.origin.as_ref())
+    }
+
+    /// Refuses a radius or a domain beside the certificate's. A `clause` says what depends on these.
+    pub fn refuse_domain(&self, clause: &str) -> Result<()> {
+        let given = [
+            ("--radius", self.radius.is_some()),
+            ("--width", self.width.is_some()),
+            ("--height", self.height.is_some()),
+            ("--boundary", self.boundary.is_some()),
+        ];
+        refuse_stated(&given, clause)
     }
 
     /// Refuses a set, read without a verdict, that seems to be of longitudes and latitudes beyond its domain.

@@ -12,11 +12,12 @@ use tilescope_formats::{
 };
 use tilescope_sets::{GrayImage, Stated};
 
-use crate::ground::{file_name, image};
+use crate::ground::{GroundArguments, file_name, image};
 use crate::options::SetArguments;
 use crate::paths::{InFile, named};
 use crate::progress::verifying;
-use crate::sample_arguments::save_unverified;
+use crate::sample_arguments::{leave_out_origin, save_unverified};
+use crate::solid::refuse;
 use crate::{output, verdict_code};
 
 /// The name of the column that has the ranks.
@@ -59,8 +60,24 @@ fn check_threshold(below: f64) -> Result<()> {
     Ok(())
 }
 
-/// Returns the ranks in a file, if it has a column of them.
-pub fn of_file(path: &Path, set: &SetArguments) -> Result<Option<Vec<f64>>> {
+/// Refuses arguments that would describe another set than the certificate, whose levels are judged, or that no set with ranks
+/// has.
+pub fn refuse_others(set: &SetArguments, ground: &GroundArguments) -> Result<()> {
+    set.refuse_domain("to which its levels belong")?;
+    let is_given = true;
+    let ground = ground.option().map(|name| (name, is_given));
+    refuse(
+        ground.as_slice(),
+        "sets with ranks have one radius and no shape",
+    )
+}
+
+/// Returns the ranks in a file of this format, if it has a column of them.
+pub fn of_file(path: &Path, set: &SetArguments, format: Format) -> Result<Option<Vec<f64>>> {
+    // A file without columns is not read again to find none.
+    if !format.carries_ranks() {
+        return Ok(None);
+    }
     let columns = set.columns.as_deref();
     // The parser of arguments takes two names or none.
     let columns = columns.and_then(|columns| <&[String; 2]>::try_from(columns).ok());
@@ -78,6 +95,8 @@ pub fn of_file(path: &Path, set: &SetArguments) -> Result<Option<Vec<f64>>> {
 struct RankedFile {
     read: ReadSet,
     certificate: Certificate,
+    /// The position in the file of the domain's lower corner.
+    origin: [f64; 2],
     ranks: Vec<f64>,
     levels: Vec<PrefixClaim>,
 }
@@ -96,7 +115,7 @@ impl RankedFile {
             "{name}: the certificate states no levels, of which samples have ranks"
         );
 
-        let ranks = of_file(path, set)?.with_context(|| {
+        let ranks = of_file(path, set, read.detection.format)?.with_context(|| {
             format!("{name}: it has no column {RANK}; csv, ply and geojson files of nested levels have one")
         })?;
         // The certificate's levels are about so many samples, and each has to have its rank.
@@ -107,8 +126,11 @@ impl RankedFile {
             read.set.len()
         );
 
+        // An origin that is given takes the place of the stated one.
+        let origin = set.origin().or(certificate.origin);
         Ok(Self {
             read,
+            origin: origin.unwrap_or_default(),
             certificate,
             ranks,
             levels,
@@ -153,7 +175,7 @@ impl RankedFile {
             method: stated.method.clone(),
             parameters: Stated::from(parameters),
             precision: stated.precision,
-            origin: stated.origin.unwrap_or_default(),
+            origin: self.origin,
             levels,
             ranks: ranks.into(),
             ..ExportContext::new(stated.region, radius)
@@ -256,6 +278,7 @@ pub fn keep_painted(
     set: &SetArguments,
     painted: &Path,
     format: Option<Format>,
+    options: &VerifyOptions,
 ) -> Result<u8> {
     let ranked = RankedFile::read(input, set, CertificateUse::Checked)?;
     let picture: GrayImage = image(painted, "--rank-image")?;
@@ -276,8 +299,7 @@ pub fn keep_painted(
     let just_above = highest.next_up();
     let claim = ranked.ranked().claim(just_above, kept.len());
     let distance = claim.context("there are no levels")?.distance;
-    let options = VerifyOptions::default();
-    let report = verifying(|control| verify(&kept.points, region, distance, &options, control));
+    let report = verifying(|control| verify(&kept.points, region, distance, options, control));
     let report = report.in_file(output_path)?;
 
     // These counts serve the column `level` alone: no certificate is written.
@@ -291,14 +313,15 @@ pub fn keep_painted(
     }
 
     let statement = (RANK, json!(file_name(painted)));
-    let context = ExportContext {
+    let mut context = ExportContext {
         format,
         ..ranked.context(distance, counts, ranks, statement)
     };
+    leave_out_origin(output_path, format, &mut context)?;
     save_unverified(&kept, output_path, &context)?;
 
     // Gaps do not count: where the density is low, samples are missing on purpose.
-    let apart = report.min_distance >= distance;
+    let apart = report.conflict_free();
     output::emit(&format!(
         "{} of {} samples, as dense as {} is dark\n\
          distance       above {distance} ({})   {}\n\

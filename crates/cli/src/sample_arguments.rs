@@ -12,6 +12,7 @@ use tilescope_sets::Facts;
 use crate::engine::EngineArguments;
 use crate::ground::{CoordinateArguments, GroundArguments};
 use crate::options::{JudgeArguments, Names, PRECISIONS, formats, named, pair};
+use crate::output;
 use crate::parameters::RunArguments;
 use crate::paths::InFile;
 use crate::space::SpaceArguments;
@@ -211,6 +212,28 @@ impl SampleArguments {
             ..facts.context()
         }
     }
+}
+
+/// Leaves an origin out, with a note, where the format to be written cannot hold it.
+pub fn leave_out_origin(
+    path: &Path,
+    format: Option<Format>,
+    context: &mut ExportContext,
+) -> Result<()> {
+    let format = Format::to_write(path, format)?;
+    let [x, y] = context.origin;
+    if format.is_unit_torus() && (x != 0.0 || y != 0.0) {
+        // Samples alone may be moved to zero; a shape or a field would then lie elsewhere than they do.
+        ensure!(
+            context.varying.is_none(),
+            "{format} holds positions of the unit torus, without the origin {x} {y} at which the shape or the field lies"
+        );
+        context.origin = [0.0; 2];
+        output::note(&format!(
+            "note: {format} holds positions of the unit torus: the origin {x} {y} is left out"
+        ));
+    }
+    Ok(())
 }
 
 /// Saves a set without a verdict, and so without a certificate.

@@ -14,7 +14,7 @@ use tilescope_sets::GivenRadius;
 use tilescope_sets::thinning::{PointFile, ThinFileError, ThinRecipe};
 
 use crate::ground::{GroundArguments, file_name};
-use crate::options::SetArguments;
+use crate::options::{SetArguments, refuse_stated};
 use crate::paths::InFile;
 use crate::progress::verifying;
 use crate::thin::{COLUMNS, SET, XY, columns, report_json, report_text};
@@ -55,24 +55,22 @@ pub fn run(
     Ok(verdict_code(verdict.passed()))
 }
 
-/// Refuses arguments that would describe another set than the certificate.
+/// Refuses arguments that would describe another set than the certificate, or that no thinned set has.
 fn refuse_others(set: &SetArguments, ground: &GroundArguments) -> Result<()> {
-    let given = [
-        ("--radius", set.radius.is_some()),
-        ("--width", set.width.is_some()),
-        ("--height", set.height.is_some()),
+    let chosen = "by which the points were chosen";
+    set.refuse_domain(chosen)?;
+    let placed = [
         ("--depth", set.depth.is_some()),
-        ("--boundary", set.boundary.is_some()),
         ("--origin", set.origin.is_some()),
+    ];
+    refuse_stated(&placed, chosen)?;
+
+    let shapes = [
         ("--shape", ground.shape.is_some()),
         ("--mask", ground.mask.is_some()),
     ];
-    match given.into_iter().find(|(_, is_given)| *is_given) {
-        Some((name, _)) => {
-            bail!(
-                "{name} is that of the certificate, by which the points were chosen; leave it out"
-            )
-        }
+    match shapes.into_iter().find(|(_, is_given)| *is_given) {
+        Some((name, _)) => bail!("a thinned set has no shape; leave {name} out"),
         None => Ok(()),
     }
 }

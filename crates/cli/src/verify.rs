@@ -80,6 +80,7 @@ pub fn run(arguments: &VerifyArguments) -> Result<u8> {
         return prefix(arguments, count);
     }
     if let Some(below) = arguments.rank {
+        ranks::refuse_others(&arguments.set, &arguments.ground)?;
         let options = arguments.judge.options();
         return ranks::judge(
             &arguments.file,

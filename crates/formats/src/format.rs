@@ -120,6 +120,15 @@ impl Format {
         matches!(self, Self::PlyAscii | Self::PlyBinary | Self::Json)
     }
 
+    /// Whether files of nested levels have the rank of each sample, in a column or as a property.
+    #[must_use]
+    pub fn carries_ranks(self) -> bool {
+        matches!(
+            self,
+            Self::Csv | Self::PlyAscii | Self::PlyBinary | Self::GeoJson
+        )
+    }
+
     /// Whether a file is a head and then a row for each point, so that it can be written and read while the
     /// points pass by.
     #[must_use]

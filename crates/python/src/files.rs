@@ -209,7 +209,7 @@ fn certified(
     let ranks = if check.levels.is_empty() {
         None
     } else {
-        ranks(path, overrides.format)?
+        ranks(path, overrides.format, check.detection.format)?
     };
     Ok(Some(FoundSet {
         set,
@@ -221,8 +221,12 @@ fn certified(
     }))
 }
 
-/// Reads the rank of each sample, if the file has a column of them.
-fn ranks(path: &Path, format: Option<Format>) -> Result<Option<Vec<f64>>, Failure> {
+/// Reads the rank of each sample of a file that was found to be of this format, if it has a column of them.
+fn ranks(path: &Path, format: Option<Format>, found: Format) -> Result<Option<Vec<f64>>, Failure> {
+    // A file without columns is not read again to find none.
+    if !found.carries_ranks() {
+        return Ok(None);
+    }
     let name = lossy(path.file_name().unwrap_or_default());
     let hint = Hint {
         format,
