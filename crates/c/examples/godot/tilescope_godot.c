@@ -20,7 +20,17 @@ typedef struct { void *words[2]; } Points;
 typedef struct { float x, y, width, height; } Rect2;
 typedef struct { float x, y; } Vector2;
 
-/* The number by which Godot knows the signature of `PackedVector2Array.resize`: its extension_api.json lists it. */
+/* An argument of a method: large enough, and placed in memory as each of these types must be. */
+typedef union { Rect2 rect; int64_t whole; double real; } Argument;
+
+/* Libraries for Windows show only the functions that say so. */
+#ifdef _WIN32
+#define EXPORTED __declspec(dllexport)
+#else
+#define EXPORTED
+#endif
+
+/* The number that identifies the signature of `PackedVector2Array.resize`: Godot's extension_api.json lists it. */
 #define RESIZE_HASH 848867239
 
 #define ARGUMENTS_MAX 2
@@ -111,18 +121,19 @@ static void setup(void *unused, GDExtensionClassInstancePtr self, const GDExtens
     *(GDExtensionBool *)result = is_made;
 }
 
-/* Stores the samples of `to`, or of `to` without `from` if that is given. After a failure the array stays empty. */
-static void collect(const Instance *instance, const Rect2 *from, const Rect2 *to, Points *result)
+/* Stores the samples of `to`, or of `to` without `from` if that is given, for a method of this name. After a failure the array
+ * stays empty. */
+static void collect(const char *name, const Instance *instance, const Rect2 *from, const Rect2 *to, Points *result)
 {
     const TilescopeWindow window = window_of(to);
     size_t capacity, count;
     if (tilescope_plane_capacity(instance->plane, &window, &capacity) != TILESCOPE_OK) {
-        complain("window");
+        complain(name);
         return;
     }
     TilescopePoint *points = malloc(capacity * sizeof *points);
     if (!points) {
-        godot.print_error("Tilescope", "There is no memory for the samples", "window", __FILE__, __LINE__, 0);
+        godot.print_error("Tilescope", "There is no memory for the samples", name, __FILE__, __LINE__, 0);
         return;
     }
 
@@ -137,7 +148,7 @@ static void collect(const Instance *instance, const Rect2 *from, const Rect2 *to
     if (status == TILESCOPE_OK) {
         store(result, points, count);
     } else {
-        complain("window");
+        complain(name);
     }
     free(points);
 }
@@ -146,14 +157,14 @@ static void window(void *unused, GDExtensionClassInstancePtr self, const GDExten
                    GDExtensionTypePtr result)
 {
     (void)unused;
-    collect((const Instance *)self, NULL, (const Rect2 *)arguments[0], (Points *)result);
+    collect("window", (const Instance *)self, NULL, (const Rect2 *)arguments[0], (Points *)result);
 }
 
 static void gained(void *unused, GDExtensionClassInstancePtr self, const GDExtensionConstTypePtr *arguments,
                    GDExtensionTypePtr result)
 {
     (void)unused;
-    collect((const Instance *)self, (const Rect2 *)arguments[0], (const Rect2 *)arguments[1], (Points *)result);
+    collect("gained", (const Instance *)self, (const Rect2 *)arguments[0], (const Rect2 *)arguments[1], (Points *)result);
 }
 
 /* A method with the types of its result and arguments. */
@@ -187,8 +198,7 @@ static void call(void *method_of_call, GDExtensionClassInstancePtr self, const G
     }
     error->error = GDEXTENSION_CALL_OK;
 
-    /* A rectangle of four floats is the largest argument. */
-    Rect2 values[ARGUMENTS_MAX];
+    Argument values[ARGUMENTS_MAX];
     GDExtensionConstTypePtr pointers[ARGUMENTS_MAX];
     for (uint32_t i = 0; i < method->count; i++) {
         /* An int may stand for a float, and a `Rect2i` for a `Rect2`. */
@@ -217,8 +227,12 @@ static void call(void *method_of_call, GDExtensionClassInstancePtr self, const G
 
 static GDExtensionObjectPtr create(void *unused)
 {
-    Instance *instance = calloc(1, sizeof *instance);
     (void)unused;
+    /* Before the object, so that no object is left without an instance if there is no memory. */
+    Instance *instance = calloc(1, sizeof *instance);
+    if (!instance) {
+        return NULL;
+    }
     GDExtensionObjectPtr object = godot.construct_object((GDExtensionConstStringNamePtr)&parent_name);
     godot.set_instance(object, (GDExtensionConstStringNamePtr)&class_name, (GDExtensionClassInstancePtr)instance);
     return object;
@@ -269,7 +283,6 @@ static void add(Method *method)
     info.arguments_info = arguments;
     info.arguments_metadata = kinds;
     godot.register_method(library, (GDExtensionConstStringNamePtr)&class_name, &info);
-
 }
 
 static void initialize(void *unused, GDExtensionInitializationLevel level)
@@ -300,8 +313,8 @@ static void deinitialize(void *unused, GDExtensionInitializationLevel level)
 }
 
 /* The entry that tilescope.gdextension names. */
-GDExtensionBool tilescope_godot(GDExtensionInterfaceGetProcAddress look_up, GDExtensionClassLibraryPtr own_library,
-                                GDExtensionInitialization *initialization)
+EXPORTED GDExtensionBool tilescope_godot(GDExtensionInterfaceGetProcAddress look_up, GDExtensionClassLibraryPtr own_library,
+                                         GDExtensionInitialization *initialization)
 {
     library = own_library;
     LOOK_UP(print_error, PrintErrorWithMessage, "print_error_with_message");
