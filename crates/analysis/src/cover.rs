@@ -178,7 +178,7 @@ pub(crate) fn visit(
 }
 
 /// Widens the window of a tile until its sides prove it sufficient, then examines its inside. Returns the places found,
-/// or the visit to be made again once the rows that it wants are held.
+/// or the visit to be made again once the rows that it needs are held.
 fn inspect(
     task: &CoverSearch<'_>,
     Visit { tile, halo, .. }: Visit,

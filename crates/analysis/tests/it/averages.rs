@@ -44,7 +44,6 @@ fn averages_have_the_spread_of_their_sets() {
     ));
 }
 
-/// Both kinds of band hold the true power of noise, 1, with about their stated probability.
 #[test]
 fn averages_of_parts_join_to_that_of_all_curves() {
     let curves = [[1.0, -5.0], [2.0, 5.0], [6.0, 9.0], [4.0, 0.5], [-3.0, 7.0]];
@@ -69,6 +68,7 @@ fn averages_of_parts_join_to_that_of_all_curves() {
     assert!(matches!(short, Err(MeasureError::LengthDiffers { .. })));
 }
 
+/// Both kinds of band hold the true power of noise, 1, with about their stated probability.
 #[test]
 fn bands_hold_the_truth_as_often_as_they_say() {
     let window = FrequencyWindow {

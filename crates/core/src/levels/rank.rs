@@ -1,10 +1,10 @@
 //! Ranks: a number in `[0, 1)` for each sample of nested levels, below which the set may be cut anywhere.
 //!
-//! *Definition.* Let there be levels 0 to J. The samples of `S_j` have the ranks below 2^(j - J), the square of the finest radius in the
-//! radius of level j: a maximal set has about 0.7 samples in a squared radius, so this is about the share of all samples that
-//! `S_j` has. The samples that level j adds share the part of `[0, 1)` that it adds, from the threshold of the level before to its own,
-//! by their *place* in it: the 32-bit word by which their order is drawn. So the samples with ranks below t are evenly spread, their
-//! density is nearly proportional to t, and in the order drawn they are the first ones.
+//! *Definition.* Let there be levels 0 to J. The samples of `S_j` have the ranks below 2^(j - J), the square of the finest radius
+//! in the radius of level j: a maximal set has about 0.7 samples in a squared radius, so this is about the share of all samples
+//! that `S_j` has. The samples that level j adds share the part of `[0, 1)` that it adds, from the threshold of the level before
+//! to its own, by their *place* in it: the 32-bit word by which their order is drawn. So the samples with ranks below t are evenly
+//! spread, their density is nearly proportional to t, and in the order drawn they are the first ones.
 //!
 //! *Equal in windows and whole.* The word is drawn for the lattice point of the sample under the run's key, and depends on no other
 //! sample. In the order by distance the place is the number of samples before it in the level, as a share of
@@ -27,9 +27,8 @@ pub fn rank_threshold(level: u32, levels: u32) -> f64 {
 pub(super) fn rank(level: u32, levels: u32, place: u32) -> f64 {
     let threshold = rank_threshold(level, levels);
     let share = f64::from(place) / PLACES as f64;
-    // The part of the first level begins at 0. Every other one is the upper half of the interval from 0 to its
-    // threshold, as each threshold is twice the one before. All three operations are exact: 33 bits are scaled by
-    // powers of two.
+    // The part of the first level begins at 0. Every other one is the upper half of what lies below its threshold, as each
+    // threshold is twice the one before. All three operations are exact: 33 bits are scaled by powers of two.
     match level {
         0 => threshold * share,
         _ => threshold / 2.0 * (1.0 + share),

@@ -23,7 +23,8 @@ use results::DensityResults;
 use torus::TorusSets;
 
 /// Side of a set's torus, in radii: some hundred times as far as samples are correlated (see `SMALL_SIDES`). A core makes 0.72
-/// million samples a second in sets of these 46,000; 0.80 in sets of 11,000, 0.62 in sets of 730,000 and 0.56 in those of 2.9 million.
+/// million samples a second in sets of these 46,000; 0.80 in sets of 11,000, 0.62 in sets of 730,000 and 0.56 in those of
+/// 2.9 million.
 const SIDE: f64 = 256.0;
 /// Sides of smaller tori, which show from where on the size no longer matters.
 const SMALL_SIDES: [f64; 4] = [10.0, 14.0, 20.0, 40.0];

@@ -541,7 +541,7 @@ impl FileState {
 #[cfg(target_arch = "wasm32")]
 fn write_new(_: &Path, _: &[u8], _: &mut Context) {}
 
-/// Writes a file, and tells its path or why it was not written.
+/// Writes a file, and reports its path or why it was not written.
 #[cfg(not(target_arch = "wasm32"))]
 fn write_new(path: &Path, bytes: &[u8], context: &mut Context) {
     match tilescope_formats::write_whole(path, bytes) {

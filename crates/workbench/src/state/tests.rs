@@ -166,21 +166,30 @@ fn a_failing_verdict_leads_to_its_witness() {
 
 #[test]
 fn a_valid_set_shows_its_extremes() {
+    // Lengths are in r: the nearest samples are a little more than 1 apart, and the largest hole is a little smaller.
+    let is_nearest_pair = |mark: WitnessMark| {
+        let is_pair = matches!(mark.shape, WitnessShape::Pair(_, d) if (1.0..1.01).contains(&d));
+        is_pair && mark.is_valid
+    };
+    let is_largest_hole = |mark: WitnessMark| {
+        let is_hole =
+            matches!(mark.shape, WitnessShape::Circle(_, r) if (0.9..=1.0001).contains(&r));
+        is_hole && mark.is_valid
+    };
+
     let mut state = settled();
     state.apply(Command::View(
         Which::First,
         ViewCommand::FlyToWitness(Witness::Verdict),
     ));
-    assert!(
-        matches!(state.runs.first.witness_mark, Some(WitnessMark { shape: WitnessShape::Pair(_, d), is_valid: true }) if (1.0..1.01).contains(&d))
-    );
+    let mark = state.runs.first.witness_mark;
+    assert!(mark.is_some_and(is_nearest_pair), "{mark:?}");
     state.apply(Command::View(
         Which::First,
         ViewCommand::FlyToWitness(Witness::LargestHole),
     ));
-    assert!(
-        matches!(state.runs.first.witness_mark, Some(WitnessMark { shape: WitnessShape::Circle(_, r), is_valid: true }) if (0.9..=1.0001).contains(&r))
-    );
+    let mark = state.runs.first.witness_mark;
+    assert!(mark.is_some_and(is_largest_hole), "{mark:?}");
 }
 
 #[test]

@@ -21,9 +21,10 @@ pub const PUBLISHED_ERROR: f64 = 2.8e-6 * 4.0 / PI;
 pub const OFF: f64 = 1e-4;
 /// The last level of the control that stops too early. Levels behind it insert three samples in ten thousand.
 pub const UNFINISHED: usize = 10;
-/// The levels by which the later ones are foretold. On coarser ones gaps are not small beside disks: among 46 million samples a
+/// The levels by which the later ones are predicted. On coarser ones gaps are not small beside disks: among 46 million samples a
 /// line through levels 5 to 11 fits no longer (chi-square 14.6 of five degrees of freedom; from level 6 on 1.9 of four). On finer
-/// ones the lattice shows, whose units are a sixteenth of the cells of level 11; level 15 inserts a fifth more than half of level 14.
+/// ones the lattice shows, whose units are a sixteenth of the cells of level 11; level 15 inserts a fifth more than half of
+/// level 14.
 const HALVING: RangeInclusive<usize> = 7..=11;
 
 /// What the lattice leaves out of the density, by two estimates, each with its standard error.
@@ -124,8 +125,8 @@ impl DensityResults {
 
     /// Returns the verdict on the published density. A control that is not refused says that there are too few sets.
     pub fn verdict(&self) -> Verdict {
-        let told = self.refused() == self.controls().len();
-        Verdict::if_known(told, self.agrees(self.density()[0]))
+        let all_refused = self.refused() == self.controls().len();
+        Verdict::if_known(all_refused, self.agrees(self.density()[0]))
     }
 }
 
@@ -171,8 +172,8 @@ pub fn coarse_losses(coarse: &[CoarseSets]) -> Vec<[f64; 2]> {
 
 /// Returns what the lattice leaves out, by coarse lattices, and the standard error.
 ///
-/// What a lattice leaves out is in proportion to its spacing s, with terms of higher order on coarse ones: loss / s = a + b s. Losses count from the published density: were that off by
-/// 10^-5, a would change by a thousandth of itself.
+/// What a lattice leaves out is in proportion to its spacing s, with terms of higher order on coarse ones: loss / s = a + b s.
+/// Losses count from the published density: were that off by 10^-5, a would change by a thousandth of itself.
 fn left_out_by_coarse(coarse: &[CoarseSets]) -> [f64; 2] {
     let spacings = coarse.iter().map(|one| f64::from(one.radius).recip());
     let line = FittedLine::through(spacings.zip(coarse_losses(coarse)));

@@ -55,7 +55,7 @@ fn the_published_density_is_confirmed_and_one_of_a_radius_that_is_off_is_refused
         let wrong = PUBLISHED * factor * factor;
         assert_eq!(verdict(wrong, many), Verdict::NotReproduced);
     }
-    // Without what the lattice leaves out it would be refused as well; few sets tell nothing.
+    // Without what the lattice leaves out it would be refused as well; few sets decide nothing.
     assert_eq!(verdict(PUBLISHED - 3e-5, many), Verdict::NotReproduced);
     assert_eq!(verdict(PUBLISHED, 20), Verdict::NotComparable);
 }
@@ -97,7 +97,7 @@ fn a_quick_run_has_the_units_it_said() {
     };
     // Eight sets of 46,000 samples: a standard error of 0.0003.
     assert!((cell(3, 1) - PUBLISHED).abs() < 0.001);
-    // 0.3 of the lattice's spacing is left out: the levels of few sets tell it roughly, coarse lattices better.
+    // 0.3 of the lattice's spacing is left out: the levels of few sets show it roughly, coarse lattices better.
     assert!((cell(1, 1) - 1e-5).abs() < 4.0 * cell(1, 2));
     assert!((7e-6..1.4e-5).contains(&cell(2, 1)));
 }
