@@ -99,6 +99,9 @@ mod tests {
             let found = read(&bytes(&Columns::default()), format).expect("a file");
             assert_eq!(found, None, "{format}");
 
+            // Other files are not even asked for ranks.
+            assert_eq!(format.carries_ranks(), has_columns, "{format}");
+
             // Ranks are read from the same formats, to the bit, by the name of their column.
             let hint = Hint {
                 format: Some(format),
