@@ -62,7 +62,9 @@ impl Refused {
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) struct SecondBlocker(u32);
 
-/// The accuracy of where a second blocker lies. Only those so near a block's border are taken for missing in vain.
+/// The accuracy of where a second blocker lies. One that is present is taken for missing if it lies so near a block's
+/// border or the frame's edge, if the last eight bits of its number are those of a lost sample, or if its offset
+/// reaches R. This costs a question, never a sample.
 const SECOND_UNIT: i32 = 1 << SECOND_UNIT_BITS;
 const SECOND_UNIT_BITS: u32 = 7;
 
@@ -114,7 +116,8 @@ impl SecondBlocker {
 #[derive(Clone, Copy, PartialEq, Eq)]
 pub(super) struct CoveringSample(u32);
 
-/// The accuracy of where a covering sample lies. Only samples so near a block's border are taken for missing in vain.
+/// The accuracy of where a covering sample lies. A sample that is present is taken for missing only if it lies so near a
+/// block's border, or if the last eight bits of its number are those of a lost sample.
 pub(super) const COVERING_UNIT: i32 = 1 << COVERING_BITS;
 const COVERING_BITS: u32 = 4;
 

@@ -2,9 +2,10 @@
 //! order of arrival, and differs in the samples it touches: *it works only on those near a seam*, and copies the rest
 //! of each block as KDRT's parallel engine does.
 //!
-//! Samples deeper than [`lay::DEEP`] in their block are not even looked at until a cell that their disks touch is asked about. What
-//! covers a place is read from lists that hold eight samples in a vector ([`disks`]); so is which quarters of a cell one sample
-//! covers ([`open`]).
+//! Samples deeper than [`lay::DEEP`] in their block are not even looked at until a cell that their disks touch is asked
+//! about. Near the end of what is known, those at most R inside the part where late darts are known, or outside of it,
+//! are listed, too. What covers a place is read from lists that hold eight samples in a vector ([`disks`]); so is which
+//! quarters of a cell one sample covers ([`open`]).
 //!
 //! A window may lie on a ground beyond which all is unknown. A dart that no certain earlier sample covers is *doubtful* there if
 //! something unknown, or something doubtful that is earlier, may cover it ([`doubt`]).
@@ -95,7 +96,7 @@ struct MissingSample {
 
 /// That a sample of the pattern is lost or, if not, doubtful.
 #[derive(Clone, Copy)]
-struct Fate {
+struct PatternFate {
     place: Point,
     is_lost: bool,
 }
@@ -122,7 +123,7 @@ pub(super) struct SeamTiling<'a> {
     /// the darts behind missing samples are not.
     deferred: KeyedLists<PlacedDart>,
     /// The pattern's samples that are lost or doubtful.
-    fates: KeyedLists<Fate>,
+    fates: KeyedLists<PatternFate>,
     marked: MarkedCells,
     /// Where the frame has each piece of the tiles.
     bounds: Vec<Rect>,

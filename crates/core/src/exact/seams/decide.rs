@@ -11,7 +11,9 @@ use crate::exact::history::LATE_LEVEL;
 use crate::exact::packed::SecondBlocker;
 use crate::exact::present::FIRST_INSERTED;
 use crate::exact::seams::disks::Coverage;
-use crate::exact::seams::{Fate, ListedSample, MissingSample, SeamTile, SeamTiling, in_domain};
+use crate::exact::seams::{
+    ListedSample, MissingSample, PatternFate, SeamTile, SeamTiling, in_domain,
+};
 use crate::lattice::{Point, R, Rect};
 
 impl SeamTiling<'_> {
@@ -94,7 +96,7 @@ impl SeamTiling<'_> {
         } = *sample;
         self.lost.push(MissingSample { place, is_deep });
         let is_lost = true;
-        self.fates.add(tile, number, Fate { place, is_lost });
+        self.fates.add(tile, number, PatternFate { place, is_lost });
         self.release(id);
         true
     }

@@ -6,7 +6,7 @@ use crate::engine::parallel::clip::Clipper;
 use crate::exact::agenda::What;
 use crate::exact::darts::Arrival;
 use crate::exact::history::LATE_LEVEL;
-use crate::exact::seams::{Fate, SeamTiling};
+use crate::exact::seams::{PatternFate, SeamTiling};
 use crate::lattice::{Point, R, Rect, Rect64, covers_offset};
 
 /// Places in which darts that are not thrown may have become samples: only a doubtful sample covers all of them.
@@ -69,7 +69,7 @@ impl SeamTiling<'_> {
         let sample = &self.samples[id as usize];
         let (place, is_lost) = (sample.place, false);
         self.fates
-            .add(sample.tile, sample.number, Fate { place, is_lost });
+            .add(sample.tile, sample.number, PatternFate { place, is_lost });
         self.release(id);
         true
     }

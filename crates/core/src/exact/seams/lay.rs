@@ -7,12 +7,13 @@ use crate::exact::agenda::What;
 use crate::exact::filter::SampleFilter;
 use crate::exact::pieces::pieces;
 use crate::exact::seams::disks::DOUBTFUL;
-use crate::exact::seams::{Fate, ListedSample, SeamTile, SeamTiling};
+use crate::exact::seams::{ListedSample, PatternFate, SeamTile, SeamTiling};
 use crate::lattice::{Point, R, Rect, Rect64, covers_offset};
 use crate::pattern::Symmetry;
 
-/// Samples deeper in their block than this are listed only where they are asked about. So deep no disk touches a cell that two
-/// blocks share, so that a cell's list has deep samples of one block alone.
+/// Samples deeper in their block than this are listed only where they are asked about. So deep no disk touches a cell
+/// that two blocks share, so that a cell's list has deep samples of one block alone. Near the end of what is known,
+/// those at most R inside the part where late darts are known, or outside of it, are listed, too.
 pub(super) const DEEP: i64 = 5 * R as i64 / 2;
 
 /// No place of a frame is so far from another one, and sums of two still fit.
@@ -154,7 +155,7 @@ impl SeamTiling<'_> {
             let mut own = fates.filter(|fate| fate.place == at);
             let is_doubtful = match own.next() {
                 // A lost sample may have been doubtful before, and its last fate comes first.
-                Some(Fate { is_lost: true, .. }) => return,
+                Some(PatternFate { is_lost: true, .. }) => return,
                 fate => fate.is_some(),
             };
 
