@@ -688,49 +688,61 @@ fn options(window: &Window) -> Vec<String> {
         .collect()
 }
 
-#[test]
-fn objects_in_view_are_chosen_from_a_list_by_keys_and_by_requests() {
+/// Returns a window in the middle of a run, where the list has samples and blocks.
+fn amid_objects() -> Window {
     let mut window = Window::opened([1440.0, 900.0]);
     window.apply(Command::Time(TimeCommand::Jump(1_000)));
     window.rest();
+    window
+}
+
+/// Returns the first node that `is_it` accepts.
+fn node_of(window: &Window, is_it: impl Fn(&Node) -> bool) -> NodeId {
+    let found = window.nodes.iter().find(|(_, node)| is_it(node));
+    found.map(|(id, _)| *id).expect("there is such a node")
+}
+
+/// Returns a request of a screen reader.
+fn request(target_node: NodeId, action: egui::accesskit::Action) -> Event {
+    Event::AccessKitActionRequest(egui::accesskit::ActionRequest {
+        action,
+        target_tree: egui::accesskit::TreeId::ROOT,
+        target_node,
+        data: None,
+    })
+}
+
+/// Returns the selected sample and the selected place, in r.
+fn selected(window: &Window) -> (Option<u32>, Option<glam::DVec2>) {
+    let run = &window.app.state.runs().first;
+    (run.selected, run.place)
+}
+
+#[test]
+fn the_list_of_objects_has_a_dozen_of_each_kind_and_counts_the_others() {
+    let window = amid_objects();
     let all = options(&window);
-    // A dozen of each kind at most, and what is not listed is counted.
     assert!((20..=45).contains(&all.len()), "{all:?}");
     let count = |kind: &str| all.iter().filter(|text| text.starts_with(kind)).count();
-    let blocks = window.app.state.runs().first.session.as_ref().unwrap();
-    let blocks = blocks.run().blocks.leaves.len();
+    let session = window.app.state.runs().first.session.as_ref().unwrap();
+    let blocks = session.run().blocks.leaves.len();
     assert_eq!(
         [count("Sample "), count("Block ")],
         [MAX_OF_KIND, blocks.min(MAX_OF_KIND)],
         "{all:?}"
     );
-    assert!(
-        all.iter()
-            .any(|text| text.ends_with("more samples in view")),
-        "{all:?}"
-    );
+    let is_count = |text: &String| text.ends_with("more samples in view");
+    assert!(all.iter().any(is_count), "{all:?}");
+}
+
+#[test]
+fn arrow_keys_select_objects_of_the_list() {
+    let mut window = amid_objects();
+    let list = node_of(&window, |node| node.author_id() == Some("objects-a"));
+    window.frame(vec![request(list, egui::accesskit::Action::Focus)]);
+    assert_eq!(selected(&window), (None, None));
 
     // Down leads to the first object and on to the second one; up leads back.
-    let list = window
-        .nodes
-        .iter()
-        .find(|(_, node)| node.author_id() == Some("objects-a"))
-        .map(|(id, _)| *id)
-        .expect("there is a list");
-    let request = |target_node, action| {
-        Event::AccessKitActionRequest(egui::accesskit::ActionRequest {
-            action,
-            target_tree: egui::accesskit::TreeId::ROOT,
-            target_node,
-            data: None,
-        })
-    };
-    window.frame(vec![request(list, egui::accesskit::Action::Focus)]);
-    let selected = |window: &Window| {
-        let run = &window.app.state.runs().first;
-        (run.selected, run.place)
-    };
-    assert_eq!(selected(&window), (None, None));
     let mut seen = Vec::new();
     for key in [Key::ArrowDown, Key::ArrowDown, Key::ArrowUp] {
         window.frame(vec![press(key, Modifiers::NONE)]);
@@ -740,23 +752,21 @@ fn objects_in_view_are_chosen_from_a_list_by_keys_and_by_requests() {
     assert_ne!(seen[0], (None, None));
     assert_ne!(seen[1], seen[0]);
     assert_eq!(seen[2], seen[0]);
+
     // The first key came in the frame after the focus, and has not moved it.
     let focused = window.ctx.memory(egui::Memory::focused);
     assert_eq!(focused.map(|id| id.accesskit_id()), Some(list));
     // The arrows moved neither the picture nor the time.
     assert_eq!(window.cursor(), 1_000);
+}
 
-    // A screen reader presses an option.
-    let target = all
-        .iter()
-        .rfind(|text| text.starts_with("Sample "))
-        .unwrap();
-    let option = window
-        .nodes
-        .iter()
-        .find(|(_, node)| node.label() == Some(target))
-        .map(|(id, _)| *id)
-        .unwrap();
+#[test]
+fn a_request_of_a_screen_reader_selects_an_object() {
+    let mut window = amid_objects();
+    let all = options(&window);
+    let is_sample = |text: &&String| text.starts_with("Sample ");
+    let target = all.iter().rfind(is_sample).unwrap();
+    let option = node_of(&window, |node| node.label() == Some(target.as_str()));
     window.frame(vec![request(option, egui::accesskit::Action::Click)]);
     window.rest();
     let (Some(id), None) = selected(&window) else {
@@ -764,8 +774,11 @@ fn objects_in_view_are_chosen_from_a_list_by_keys_and_by_requests() {
     };
     let number = tilescope_session::words::grouped(id as usize);
     assert!(target.starts_with(&format!("Sample {number} ")), "{target}");
+}
 
-    // While time runs by itself, and while the pattern is shown, nothing is listed.
+#[test]
+fn the_list_of_objects_is_empty_while_time_runs_by_itself() {
+    let mut window = amid_objects();
     window.apply(Command::Time(TimeCommand::TogglePlay));
     assert_eq!(options(&window), Vec::<String>::new());
     window.apply(Command::Time(TimeCommand::TogglePlay));
