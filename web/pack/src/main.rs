@@ -58,11 +58,18 @@ fn address(text: &str) -> Result<String, String> {
     }
 }
 
+/// Returns the origin of a record store as it is written: `https://`, a host, and perhaps a colon and a port.
 fn store(text: &str) -> Result<String, String> {
-    let host = text.strip_prefix("https://").unwrap_or_default();
-    // What would end the directive, or allow more than one server, is refused.
-    let is_host = |c: char| c.is_ascii_alphanumeric() || ".-:".contains(c);
-    if !host.is_empty() && host.chars().all(is_host) {
+    let after = text.strip_prefix("https://").unwrap_or_default();
+    // Without a port its digits are taken to be those of https.
+    let (host, port) = after.split_once(':').unwrap_or((after, "443"));
+
+    // What would end the directive, or allow more than one server, is refused: blanks, semicolons and stars.
+    let is_of_label = |c: char| c.is_ascii_alphanumeric() || c == '-';
+    let is_label = |label: &str| !label.is_empty() && label.chars().all(is_of_label);
+    let is_port = !port.is_empty() && port.chars().all(|c| c.is_ascii_digit());
+
+    if host.split('.').all(is_label) && is_port {
         Ok(text.to_owned())
     } else {
         Err("it is https:// and a host, perhaps with a port, and no path".to_owned())
@@ -143,6 +150,10 @@ mod tests {
             "https://*",
             "https://a.example https://b.example",
             "https://a.example; script-src *",
+            "https://:8443",
+            "https://a:b:c",
+            "https://..",
+            "https://store.example:",
         ] {
             assert!(store(wrong).is_err(), "{wrong}");
         }
