@@ -13,8 +13,8 @@ use tilescope_session::words::counted;
 
 use crate::hover;
 
-/// The list has at most this number of objects of a kind. Hundreds take too long to hear, and zooming in brings the
-/// others.
+/// The list has at most this number of objects of a kind. A list of hundreds is too long to be read aloud,
+/// and zooming in brings the others.
 pub const MAX_OF_KIND: usize = 12;
 /// More samples in view are not looked through for the nearest ones: that would take longer than a millisecond in each frame.
 const MAX_LOOKED_AT: usize = 20_000;

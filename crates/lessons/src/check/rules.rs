@@ -278,7 +278,7 @@ fn reasons(gate: &Gate, found: &Findings) -> Vec<LessonError> {
             faults
                 .push(text.wrong("this does not say the exact number: give it with {EXPRESSION}"));
         }
-        // A learner who gave an exact number knows it.
+        // A learner who gave the exact number has seen it.
         _ => {}
     }
     faults
