@@ -306,18 +306,15 @@ impl Evaluator {
 #[must_use]
 pub fn words(text: &str) -> Vec<(Option<char>, &str, Option<char>)> {
     let mut words = Vec::new();
-    let mut quote: Option<char> = None;
+    let mut quote_end = 0;
     let mut start: Option<usize> = None;
 
     let is_part = |c: char| c.is_ascii_alphanumeric() || c == '_';
 
     // A space is added behind the text: it ends a word that reaches up to the end.
     for (at, c) in text.char_indices().chain([(text.len(), ' ')]) {
-        // A text in quotes ends with the sign that began it; the other signs of quotation are a part of it.
-        if quote.is_some() {
-            if quote == Some(c) {
-                quote = None;
-            }
+        // Nothing in a text in quotes is a name.
+        if at < quote_end {
             continue;
         }
 
@@ -336,11 +333,31 @@ pub fn words(text: &str) -> Vec<(Option<char>, &str, Option<char>)> {
             }
         }
 
-        if matches!(c, '"' | '\'' | '`') {
-            quote = Some(c);
+        if let Some(length) = quoted_length(&text[at..]) {
+            quote_end = at + length;
         }
     }
     words
+}
+
+/// Returns the length of the text in quotes with which a text begins, with both signs, in bytes; `None` if it begins with none.
+/// One without an end reaches to the end of the text.
+fn quoted_length(text: &str) -> Option<usize> {
+    let first = text.chars().next();
+    let sign = first.filter(|first| matches!(first, '"' | '\'' | '`'))?;
+
+    // It ends with the sign that began it; the other signs of quotation are a part of it.
+    let mut is_escaped = false;
+    let is_end = |c: char| {
+        let ends = c == sign && !is_escaped;
+        // In the language of `rhai` a backslash between backquotes is a character like all others.
+        is_escaped = c == '\\' && !is_escaped && sign != '`';
+        ends
+    };
+
+    // All three signs have one byte.
+    let end = text[1..].find(is_end);
+    Some(end.map_or(text.len(), |at| at + 2))
 }
 
 /// Returns an expression with the signs `&&` and `||` for the words `and` and `or`, which queries have, too. Texts in quotes
@@ -348,24 +365,20 @@ pub fn words(text: &str) -> Vec<(Option<char>, &str, Option<char>)> {
 fn with_signs(text: &str) -> String {
     let is_of_name = |c: char| c.is_alphanumeric() || c == '_';
     let mut signs = String::with_capacity(text.len());
-    let (mut rest, mut quote) = (text, "");
+    let mut rest = text;
 
     while let Some(first) = rest.chars().next() {
-        // A word as far as it goes, otherwise a single sign.
-        let length = rest.find(|c| !is_of_name(c)).unwrap_or(rest.len());
+        // A text in quotes or a word as far as it goes, otherwise a single sign.
+        let length = quoted_length(rest)
+            .or_else(|| rest.find(|c| !is_of_name(c)))
+            .unwrap_or(rest.len());
         let (word, after) = rest.split_at(length.max(first.len_utf8()));
         signs.push_str(match word {
             // A blank makes the sign as long as the word, so that places in error messages stay right.
-            "and" if quote.is_empty() => "&& ",
-            "or" if quote.is_empty() => "||",
+            "and" => "&& ",
+            "or" => "||",
             word => word,
         });
-        // A text in quotes ends with the sign that began it.
-        quote = match word {
-            "\"" | "'" | "`" if quote.is_empty() => word,
-            end if end == quote => "",
-            _ => quote,
-        };
         rest = after;
     }
     signs
@@ -531,6 +544,11 @@ mod tests {
             ),
             ("`so and so` or 'x' and p", "`so and so` || 'x' &&  p"),
             ("\"it's\" and p", "\"it's\" &&  p"),
+            // A backslash escapes the sign behind it, but not between backquotes.
+            (r#""a\" and b" and c"#, r#""a\" and b" &&  c"#),
+            (r#""a\\" and b"#, r#""a\\" &&  b"#),
+            (r"`a\` and b", r"`a\` &&  b"),
+            ("\"without an end and p", "\"without an end and p"),
             ("a && b", "a && b"),
             ("\u{e4}nd and \u{e4}", "\u{e4}nd &&  \u{e4}"),
         ] {

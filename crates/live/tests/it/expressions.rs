@@ -105,6 +105,9 @@ fn a_number_is_no_function_property_or_text() {
     }
     assert!(debugger.evaluate("gaps()").is_err());
     assert_eq!(words("a.gaps + gaps ( )").len(), 3);
+    // An escaped sign ends no text, but a backslash between backquotes escapes nothing.
+    assert_eq!(words(r#""a\" gaps""#), []);
+    assert_eq!(words(r"`a\` + gaps").len(), 1);
 
     // The control: a recording that was given none.
     let plain = Debugger::new(Arc::new(record(&variants()[0])), DEFAULT_BUDGET);
