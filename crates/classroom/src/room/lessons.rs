@@ -62,6 +62,16 @@ fn tell_fault(fault: Option<String>, context: &mut Context) {
     }
 }
 
+/// Returns whether sh, cmd or PowerShell may read a character as something else within double quotes.
+fn is_read_in_quotes(c: char) -> bool {
+    // These end the quotes, or begin what a shell puts there: variables, commands, earlier lines. PowerShell takes curly quotes
+    // for straight ones. The last sign stands for what is not Unicode, so that the command would name another file.
+    let is_read = "\"`$!%\u{201c}\u{201d}\u{201e}\u{fffd}".contains(c);
+    // Where a backslash does not divide folders, it escapes what follows. Line breaks are control characters.
+    let is_escape = c == '\\' && !std::path::is_separator(c);
+    is_read || is_escape || c.is_control()
+}
+
 /// Returns when a file was changed last.
 fn changed_at(path: &Path) -> Option<std::time::SystemTime> {
     std::fs::metadata(path).ok()?.modified().ok()
@@ -312,8 +322,19 @@ impl Classroom {
         let name = safe(&open.learner.lesson().name);
         let source = match &open.source {
             LessonSource::Shipped => name.clone(),
-            // A shell divides words at blanks, and takes those within quotes as they are.
-            LessonSource::File(path) => format!("\"{}\"", safe(&path.display().to_string())),
+            // A shell divides words at blanks, and takes those within quotes as they are. The path stays as it is too, since
+            // with other characters it would be that of another file.
+            LessonSource::File(path) => {
+                let path = path.display().to_string();
+                if let Some(sign) = path.chars().find(|&c| is_read_in_quotes(c)) {
+                    let sign = sign.escape_debug();
+                    return context.tell_error(format!(
+                        "The command cannot be copied: the path {path} has the sign {sign}, which means something else \
+                         in a terminal. Rename the file or its folder."
+                    ));
+                }
+                format!("\"{path}\"")
+            }
             // The program has the text alone. By default the file has the name of the lesson.
             LessonSource::Text => format!("\"{name}.md\""),
         };

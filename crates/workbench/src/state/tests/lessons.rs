@@ -777,3 +777,45 @@ fn the_command_of_a_package_is_copied_and_holds_nothing_but_names() {
     assert!(command.starts_with(start), "{command}");
     assert_eq!(command.matches('"').count(), 4, "{command}");
 }
+
+#[test]
+fn the_command_of_a_package_names_the_file_of_the_lesson() {
+    let folder = tempfile::tempdir().unwrap();
+    let mut state = settled();
+    let mut copy = |name: &str| {
+        let path = folder.path().join(name);
+        std::fs::write(&path, TEMPLATE).unwrap();
+        lesson(&mut state, LessonCommand::File(path.clone()));
+        state.window.copied = None;
+        lesson(&mut state, LessonCommand::CopyPackaging);
+        let notice = state.messages.notice.clone().expect("it says so");
+        (
+            path.display().to_string(),
+            state.window.copied.clone(),
+            notice,
+        )
+    };
+
+    // Within quotes a terminal takes these signs as they are, so that the path is that of the file.
+    let (path, copied, notice) = copy("Kurs (2), a+b @c~[e] #f & g='h'.md");
+    let copied = copied.expect("a command");
+    let start = format!("tilescope lesson package \"{path}\" --scorm 1.2 --out \"");
+    assert!(copied.starts_with(&start), "{copied}");
+    assert!(!notice.is_error, "{}", notice.text);
+
+    // It would take these for something else, and another path would be that of no file.
+    for (name, sign) in [
+        ("a$HOME.md", "$"),
+        ("50%.md", "%"),
+        ("\u{201c}a\u{201d}.md", "\u{201c}"),
+    ] {
+        let (path, copied, notice) = copy(name);
+        assert_eq!(copied, None);
+        let said = format!("the path {path} has the sign {sign},");
+        assert!(
+            notice.is_error && notice.text.contains(&said),
+            "{}",
+            notice.text
+        );
+    }
+}
