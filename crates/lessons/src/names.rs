@@ -13,7 +13,7 @@ kept(s): whether a sample is in the result
 inserted(s): whether a sample is an inserted one
 own(s): whether a tiled sample lies in its own block, not in the margin around it
 marked(s): whether elimination makes a sample a gap detector
-turn(s): the number of the event at which elimination takes a sample, or at which it arrives in exact tiling
+turn(s): the number of the event at which elimination takes a sample, or at which it arrives in exact tiling; -1 if there is none
 unsure(s): whether a sample's fate is open when every sample has only looked at its own conflicts
 first_unsure(): the valid sample with the smallest number whose fate is open then, or ()
 samples(): how many samples are valid
