@@ -531,6 +531,21 @@ mod tests {
     }
 
     #[test]
+    fn a_sample_that_elimination_does_not_take_has_no_turn() {
+        // At the end of the tile stage all samples are valid, so that their count is the number of the first inserted one.
+        for (answer, said) in [
+            (
+                "if inserted(samples()) { turn(samples()) } else { 7 }",
+                "-1 %",
+            ),
+            ("if turn(0) > 0 { 1 } else { 7 }", "1 %"),
+        ] {
+            let gate = format!("type: number\nask: How many?\nanswer: {answer}\nunit: %\n");
+            assert_eq!(told_at(&gate, '.'), said, "{answer}");
+        }
+    }
+
+    #[test]
     fn the_events_of_a_trace_are_told_apart() {
         let gate = "type: trace\nask: How many?\nevents: keep\nsteps: 3\n\
                     option: None when: conflicts_of(a) == 0\noption: One or more when: conflicts_of(a) > 0\n";
