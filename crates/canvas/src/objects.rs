@@ -131,6 +131,10 @@ impl<'a> View<'a> {
             return;
         }
         let gaps = subject.geometry.gaps(shown);
+        // The page's later part has the functions of gaps: without any it need not be there.
+        if gaps.is_empty() {
+            return;
+        }
         let size = shown.session.size_radii();
 
         let found = gaps.iter().enumerate().filter_map(|(number, gap)| {

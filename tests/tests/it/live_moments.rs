@@ -220,10 +220,14 @@ fn check_moments(run: &Run, all: &[(u32, bool)], moments: Vec<f64>) -> Result<()
     }
     prop_assert!(LiveVerdict::of(&follower.pairs, &follower.cover).valid());
 
-    // The control: a change that the circles were not told of.
+    // The control: a sample that only the circles see move, to the side of another one. No other is within r of its place, so
+    // that the largest empty circle grows.
     let (id, place) = follower.samples[follower.samples.len() / 2];
+    let (_, [x, y]) = follower.samples[0];
     follower.cover.remove(id, place);
-    follower.cover.insert(id, [place[0] / 2, place[1]]);
+    follower
+        .cover
+        .insert(id, [if x == 0 { 1 } else { x - 1 }, y]);
     prop_assert!(follower.difference(false).is_some());
     Ok(())
 }
