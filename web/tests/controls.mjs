@@ -24,6 +24,12 @@ export async function findings(page) {
   if (!(await page.evaluate(() => "axe" in window))) {
     await page.evaluate(AXE);
   }
-  const violations = await page.evaluate(async () => (await window.axe.run(document)).violations);
+  const violations = await page.evaluate(async () => {
+    // In forced colours axe-core 4.14 still takes the page's own colour of texts: of a heading that is painted black on white it
+    // found #e6e9ee on white. All colours are the system's then.
+    const isForced = matchMedia("(forced-colors: active)").matches;
+    const rules = isForced ? { "color-contrast": { enabled: false } } : {};
+    return (await window.axe.run(document, { rules })).violations;
+  });
   return violations.map(({ id, nodes }) => `${id}: ${nodes[0].html}`);
 }
