@@ -21,7 +21,7 @@ use tilescope_session::selection::Selection;
 use tilescope_session::sentence::{happened, stage_sentence};
 use tilescope_session::session::Session;
 use tilescope_session::units;
-use tilescope_session::words::{counted, grouped, significant};
+use tilescope_session::words::{counted, grouped};
 
 use crate::brushed::BrushedCause;
 use crate::camera::Camera;
@@ -358,10 +358,7 @@ fn moment_sentence(shown: &ShownMoment<'_>) -> String {
             let count = counted(session.summary.count, "sample", "samples");
             // The lattice's r is no radius of a set in a field, whose least and largest are named.
             let radius = match &session.ground {
-                Some(made) if made.varies() => {
-                    let [least, largest] = made.radii.map(significant);
-                    format!("{least} to {largest}")
-                }
+                Some(made) if made.varies() => made.radii_text(),
                 _ => session.run().parameters.radius.to_string(),
             };
             format!("Result: {count}, r = {radius}")

@@ -7,7 +7,7 @@ use tilescope_sets::{
     Expression, PlanarPolygon, RadiusSource, ShapeSource, VaryingError, VaryingRecipe,
 };
 
-use crate::words::counted;
+use crate::words::{counted, significant};
 
 /// Above this expected size only the result is kept. A sample takes about a hundred events, most of them darts and cuts of
 /// cells: a tape holds the events of this number of samples without leaving any out.
@@ -175,6 +175,16 @@ impl MadeGround {
     pub fn recipe(&self) -> VaryingRecipe {
         let (parameters, request) = &self.asked;
         request.recipe(parameters)
+    }
+
+    /// Returns the least and the greatest radius as text, or the one radius.
+    #[must_use]
+    pub fn radii_text(&self) -> String {
+        let [least, greatest] = self.radii.map(significant);
+        if least == greatest {
+            return least;
+        }
+        format!("{least} to {greatest}")
     }
 
     /// Returns whether the radius depends on the place.

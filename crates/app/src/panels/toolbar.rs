@@ -9,7 +9,7 @@ use tilescope_classroom::lesson_labels::lesson_labels;
 use tilescope_classroom::lessons::LessonCommand;
 use tilescope_drawing::palette::Palette;
 use tilescope_session::Session;
-use tilescope_session::words::{counted, grouped, significant};
+use tilescope_session::words::{counted, grouped};
 use tilescope_ui::language::Worded;
 use tilescope_ui::theme::{FINGER, is_for_fingers, semibold};
 use tilescope_ui::widgets::{Icon, Kebab, Known, icon_button};
@@ -97,18 +97,9 @@ fn radius_text(session: &Session) -> String {
         // The radius of nested levels may follow from their number of samples, and then has many digits.
         (Some(_), _) => format!("{radius:.6}"),
         // The lattice's r is no radius of this set, whose least and largest are named.
-        (None, Some(made)) => local_radii(made.radii),
+        (None, Some(made)) => made.radii_text(),
         (None, None) => radius.to_string(),
     }
-}
-
-/// Returns the least and the largest radius of a field, or the one radius.
-fn local_radii(radii: [f64; 2]) -> String {
-    let [least, largest] = radii.map(significant);
-    if least == largest {
-        return least;
-    }
-    format!("{least} to {largest}")
 }
 
 /// Width of the program's name and the space behind it, in screen points.

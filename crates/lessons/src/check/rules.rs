@@ -264,7 +264,7 @@ fn reasons(gate: &Gate, found: &Findings) -> Vec<LessonError> {
             ));
         }
         // Options have reasons of their own; a question without practice is asked of one run, whose values the author
-        // knows.
+        // has seen.
         _ => {}
     }
 

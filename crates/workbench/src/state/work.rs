@@ -7,6 +7,7 @@ use tilescope_classroom::Classroom;
 use tilescope_debugger::Debugger;
 use tilescope_session::jobs::Wake;
 use tilescope_session::layers::{Layer, SessionKind};
+use tilescope_session::recipe::Recipe;
 use tilescope_session::selection::Selection;
 use tilescope_session::session::{MakeError, Session};
 use tilescope_session::words::sentence;
@@ -38,9 +39,7 @@ impl State {
         }
         self.stop_making();
         let recipe = self.form.recipe();
-        let session = self.runs.first.session.as_ref();
-        let is_same = |session: &Session| session.has_recipe() && session.recipe() == recipe;
-        if !session.is_some_and(|session| is_same(session)) {
+        if !is_made_by(&self.runs.first, &recipe) {
             self.remember_run(UndoPart::Run);
         }
         self.start_sampling(Which::First, recipe, self.gpu.engine);
@@ -54,10 +53,7 @@ impl State {
             return;
         }
         let recipe = self.form.recipe();
-        let session = self.runs.first.session.as_ref();
-        // Combinations, and levels from a file, come from no recipe.
-        let is_same = |session: &Session| session.has_recipe() && session.recipe() == recipe;
-        if !session.is_some_and(|session| is_same(session)) {
+        if !is_made_by(&self.runs.first, &recipe) {
             let now = self.runs.first.session.is_some().then(|| Memento::of(self));
             self.past.history.remember_live_run(command, now);
             self.start_sampling(Which::First, recipe, self.gpu.engine);
@@ -493,6 +489,12 @@ impl State {
         self.in_exports(|exports, _, _, context| exports.settle(context));
         self.with(|state, context| state.files.settle(&mut state.runs, context));
     }
+}
+
+/// Returns whether a recipe makes the run that is shown. Combinations, and levels from a file, come from no recipe.
+fn is_made_by(run: &RunView, recipe: &Recipe) -> bool {
+    let session = run.session.as_ref();
+    session.is_some_and(|session| session.has_recipe() && session.recipe() == *recipe)
 }
 
 /// Returns what the window shows of a run, in a frame after one of `dt_secs`. The curve is of the first run.
