@@ -209,9 +209,14 @@ test("samples, gaps and blocks are explored and selected by a list", async (t) =
 
 test("elements lie over their pictures, where the pointer finds what is drawn", async (t) => {
   const { page } = await reused(t);
+  const tree = controls(page);
+  // The panels of a lesson that was left stay for another frame or two, and have the player elsewhere.
+  await tree.getByRole("textbox", { name: "Seed", exact: true }).waitFor();
   await ask(page, { do: "seek", event: 1000 });
+  const moment = tree.getByRole("slider", { name: "Moment" });
+  await until("the moment on the slider", async () => (await moment.inputValue()) === "1000");
   // A click by the mouse at the middle of an element reaches the button that is drawn there.
-  const { x, y, width, height } = await controls(page).getByRole("button", { name: "First stage (Home)", disabled: false }).boundingBox();
+  const { x, y, width, height } = await tree.getByRole("button", { name: "First stage (Home)", disabled: false }).boundingBox();
   await page.mouse.click(x + width / 2, y + height / 2);
   await state(page, (told) => told.cursor === 0);
   assert.equal(await page.evaluate(() => document.activeElement.id), "canvas");
