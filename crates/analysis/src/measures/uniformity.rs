@@ -178,8 +178,9 @@ impl ClassCounts {
         check_range("the confidence level", level, LEVELS)?;
         let samples: u64 = self.observed.iter().sum();
         let possible = self.expected.iter().filter(|value| **value > 0.0).count();
-        if samples == 0 || possible < 2 {
-            let count = possible.min(samples as usize);
+        // Without samples nothing is expected in any class, so that none is possible.
+        if possible < 2 {
+            let count = possible;
             return Err(MeasureError::TooFew { count, limit: 2 });
         }
 

@@ -446,22 +446,19 @@ impl FileState {
 
             FileCommand::DroppedBytes(files, _) => {
                 let file = files.iter().find(|file| is_lesson(&file.name))?;
-                let name = file.name.trim_end_matches(".md").to_owned();
-                let text = String::from_utf8(file.bytes.clone());
-                let not_text = |_| format!("{}: the file is not text.", file.name);
-                Some(
-                    text.map(|text| LessonCommand::Read(name, text))
-                        .map_err(not_text),
-                )
+                Some(read_lesson(file))
             }
 
             FileCommand::Go => {
-                // The sheet for sessions also opens lessons.
-                let opens =
-                    |sheet: &&FileForm| sheet.purpose == Purpose::Open && is_lesson(&sheet.path);
-                let path = self.sheet.as_ref().filter(opens)?.path.clone();
-                self.sheet = None;
-                Some(Ok(LessonCommand::File(path.into())))
+                // The sheet for sessions also opens lessons. Files that a page's dialog delivered have no paths.
+                let opens = |sheet: &FileForm| {
+                    let mut names = sheet.chosen.iter().map(|file| file.name.as_str());
+                    sheet.purpose == Purpose::Open
+                        && (is_lesson(&sheet.path) || names.any(is_lesson))
+                };
+                let sheet = self.sheet.take_if(|sheet| opens(sheet))?;
+                let chosen = sheet.chosen.iter().find(|file| is_lesson(&file.name));
+                Some(chosen.map_or_else(|| Ok(LessonCommand::File(sheet.path.into())), read_lesson))
             }
 
             FileCommand::Sheet(_)
@@ -556,6 +553,15 @@ fn write_new(path: &Path, bytes: &[u8], context: &mut Context) {
         }
         Err(error) => context.tell_error(sentence(&error.to_string())),
     }
+}
+
+/// Returns the command that opens a lesson from a file in memory, named as the file without its ending.
+fn read_lesson(file: &NamedBytes) -> Result<LessonCommand, String> {
+    let text = String::from_utf8(file.bytes.clone())
+        .map_err(|_| format!("{}: the file is not text.", file.name))?;
+    // The ending may have capitals, as the search for lessons allows them.
+    let name = file.name[..file.name.len() - ".md".len()].to_owned();
+    Ok(LessonCommand::Read(name, text))
 }
 
 /// Returns whether a session's field or shape is from an image, or has more corners than a session holds.

@@ -27,12 +27,25 @@ pub struct Answers<'a> {
     pub palette: &'a Palette,
 }
 
+/// The keys 1 to 9 choose the first items of a list. Items after them have no key.
+const KEYS: usize = 9;
+
 /// Returns the key that chooses the item of an index, to stand before its name; nothing for items without a key.
 fn key(index: usize) -> String {
-    if index < 9 {
+    if index < KEYS {
         format!("{}  ", index + 1)
     } else {
         String::new()
+    }
+}
+
+/// Adds the button of an item, with its key as the hint if it has one.
+fn hinted(ui: &mut Ui, button: Button<'_>, index: usize) -> Response {
+    let added = ui.add(button);
+    if index < KEYS {
+        added.on_hover_text(ui.words(format!("Key {}", index + 1)))
+    } else {
+        added
     }
 }
 
@@ -144,8 +157,7 @@ impl Answers<'_> {
         let words = text::job(ui, &named, self.size, self.ink(item));
         let button =
             (self.button(item, words).wrap()).min_size([ui.available_width(), 30.0].into());
-        let key = ui.words(format!("Key {}", index + 1));
-        let button = ui.add(button).on_hover_text(key);
+        let button = hinted(ui, button, index);
         on_click(&button, &item.id, &item.change, commands);
         if let Some(curve) = &item.curve {
             curves::show(ui, &[curve], self.plot, self.palette);
@@ -156,11 +168,14 @@ impl Answers<'_> {
     fn chip(&self, ui: &mut Ui, item: &Item, index: usize, commands: &mut Vec<Command>) {
         let font = FontId::monospace(self.size - 1.0);
         let words = LayoutJob::simple_singleline(item.text.clone(), font, self.ink(item));
-        let hint = match &item.name {
-            Some(name) => format!("{}{}", key(index), ui.words(name)),
-            None => ui.words(format!("Key {}", index + 1)),
+        let button = self.button(item, words);
+        let button = match &item.name {
+            Some(name) => {
+                let hint = format!("{}{}", key(index), ui.words(name));
+                ui.add(button).on_hover_text(hint)
+            }
+            None => hinted(ui, button, index),
         };
-        let button = ui.add(self.button(item, words)).on_hover_text(hint);
         on_click(&button, &item.id, &item.change, commands);
     }
 

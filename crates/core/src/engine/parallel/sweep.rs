@@ -191,9 +191,7 @@ impl<P: WindowMaker> Sweep<P> {
     ) -> Result<(Sampled, Summary), SampleError> {
         let expected = self.plane.domain().area_radii() * MAX_DENSITY;
         let mut joined = JoinedSamples::default();
-        (joined.points.try_reserve(expected as usize)).map_err(|_| NoMemory {
-            bytes: (expected * size_of::<Point>() as f64) as u64,
-        })?;
+        joined.reserve(expected as usize, self.sources)?;
         let mut before = self.next(observer)?;
         while let Some(bands) = before {
             // Bands are joined while the next ones are computed.
@@ -307,6 +305,15 @@ struct JoinedSamples {
 }
 
 impl JoinedSamples {
+    /// Takes memory for so many samples, and for their tags if there are any.
+    fn reserve(&mut self, count: usize, with_tags: bool) -> Result<(), NoMemory> {
+        let tags = if with_tags { count } else { 0 };
+        let taken = (self.points.try_reserve(count)).and_then(|()| self.tags.try_reserve(tags));
+        taken.map_err(|_| NoMemory {
+            bytes: (count * size_of::<Point>() + tags * size_of::<u64>()) as u64,
+        })
+    }
+
     /// Appends bands of windows that lie side by side.
     fn append(&mut self, bands: &[Vec<WindowSamples>]) {
         for pieces in bands {

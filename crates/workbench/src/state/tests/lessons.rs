@@ -8,7 +8,7 @@ use tilescope_session::selection::Selection;
 
 use super::*;
 use crate::command::{DebugCommand, LinkCommand};
-use crate::files::{FileCommand, Purpose};
+use crate::files::{Delivery, FileCommand, NamedBytes, Purpose};
 use crate::layout::Panel;
 use crate::scenes::SceneCommand;
 use glam::DVec2;
@@ -192,6 +192,37 @@ fn a_lesson_of_a_file_has_the_translation_beside_it() {
     assert_eq!(title(&state), "The title");
     let notice = state.messages.notice.as_ref().expect("a notice");
     assert!(notice.text.contains("mine.de.md"), "{}", notice.text);
+}
+
+#[test]
+fn a_lesson_that_a_page_delivers_is_named_without_its_ending() {
+    let file = |name: &str| NamedBytes::new(name, TEMPLATE);
+    let opened = |commands: Vec<FileCommand>| {
+        let mut state = settled();
+        state.restore(Settings {
+            delivery: Some(Delivery::Download),
+            ..Settings::default()
+        });
+        for command in commands {
+            state.apply(Command::File(command));
+        }
+        state.settle();
+        let open = state.classroom.lessons.open.as_ref();
+        open.map(|open| open.learner.lesson().name.clone())
+    };
+
+    let dropped = FileCommand::DroppedBytes(vec![file("Mine.MD")], Vec::new());
+    assert_eq!(opened(vec![dropped]).as_deref(), Some("Mine"));
+    let by_the_sheet = |names: &[&str]| {
+        let chosen = names.iter().map(|name| file(name)).collect();
+        let open = FileCommand::Sheet(Purpose::Open);
+        opened(vec![open, FileCommand::Chosen(chosen), FileCommand::Go])
+    };
+    assert_eq!(
+        by_the_sheet(&["a.md.md", "set.json"]).as_deref(),
+        Some("a.md")
+    );
+    assert_eq!(by_the_sheet(&["mine.txt"]), None);
 }
 
 #[test]
