@@ -178,7 +178,8 @@ fn gather(domain: Domain, pieces: &[Piece], glued: &Glued) -> Combined {
     let iterations = glued.iterations.iter();
     let inserted: Vec<usize> = iterations.map(|made| made.inserted.len()).collect();
 
-    // Every sample was either tiled or inserted, and an inserted one is never eliminated: all eliminated ones were tiled.
+    // Every sample of the result was either tiled or inserted, and an inserted one is never eliminated: all eliminated
+    // ones were tiled. Those of margins that lie outside a bounded domain are dropped, and do not count as tiled.
     let summary = Summary {
         blocks: pieces.len(),
         tiled: points.len() + eliminated.len() - inserted.iter().sum::<usize>(),
@@ -198,11 +199,12 @@ fn gather(domain: Domain, pieces: &[Piece], glued: &Glued) -> Combined {
     }
 }
 
-/// Returns the samples of the result in canonical order, with their sources.
+/// Returns the samples of the result in canonical order ([`Point::canonical`]), with their sources.
 fn in_order(glued: &Glued) -> (Vec<Point>, Vec<Source>) {
     let samples = &glued.samples;
-    let placed = samples.points.par_iter().zip(&samples.origins);
-    let near = placed
+    // Near the seams the result has the tiled samples that were kept and the inserted ones.
+    let with_origins = samples.points.par_iter().zip(&samples.origins);
+    let near = with_origins
         .zip(&samples.fates)
         .filter(|&(_, fate)| *fate == Fate::Kept)
         .map(|((point, origin), _)| (*point, Source::from(*origin)));

@@ -28,14 +28,15 @@ pub(super) fn clips(domain: &Domain, pieces: &[Piece], reach: i32) -> Vec<Clip> 
 
 /// Returns the contribution of `piece`; samples more than `reach` units inside its rectangle are deep.
 fn clip(domain: &Domain, pieces: &[Piece], piece: &Piece, reach: i32) -> Clip {
+    // Symmetry 0 leaves the set as it is: sets of pieces are neither turned nor mirrored.
     let (rect, variant) = (piece.rect, piece.set.variant(Symmetry(0)));
     let continued = continuations(domain, pieces, piece);
 
-    // In the set's coordinates the clip reaches from `low` to `high`: the rectangle enlarged by r, as far as the set
-    // extends.
+    // In the set's coordinates the rectangle lies from `start` to `end`, and the clip from `low` to `high`: the
+    // rectangle enlarged by r, as far as the set extends.
     let start = I64Vec2::from(piece.start);
-    let (mut low, mut high) = (start - i64::from(R), start + i64::from(R));
-    high += I64Vec2::new(rect.width().into(), rect.height().into());
+    let end = start + I64Vec2::new(rect.width().into(), rect.height().into());
+    let (mut low, mut high) = (start - i64::from(R), end + i64::from(R));
     let extent = I64Vec2::new(variant.width.into(), variant.height.into());
     if !variant.periodic {
         (low, high) = (low.max(I64Vec2::ZERO), high.min(extent));
@@ -73,7 +74,8 @@ fn continuations(domain: &Domain, pieces: &[Piece], piece: &Piece) -> Vec<Rect64
     let mut found = Vec::new();
     let periodic = domain.is_periodic();
 
-    // In a periodic domain a piece may continue across the border, and continue itself.
+    // In a periodic domain a piece may continue across the border, and continue itself. One side each way is enough: a
+    // margin reaches r beyond its rectangle, and the domain is longer than that.
     let shifts = |side: i32| {
         let side = i64::from(side);
         let sides: &[i64] = if periodic { &[-1, 0, 1] } else { &[0] };

@@ -118,16 +118,16 @@ impl Layout {
 
     /// Returns the layout's domain, rectangles and sources.
     ///
-    /// Fails when the rectangles do not partition the domain, a piece is not one of the three kinds, or sets
-    /// would be made that are too large.
+    /// Fails when the rectangles do not partition the domain, a piece is not one of the three kinds (a file, parameters
+    /// or a seed), or sets would be made that are too large. Offsets are checked later, with the sets they belong to.
     pub fn placed(&self) -> Result<PlacedLayout, LayoutError> {
         let (domain, rects) = self.rects()?;
         check_rects(&domain, &rects)?;
 
         let mut pieces = Vec::with_capacity(rects.len());
+        // First the samples of the result alone, so that a domain that is too large is refused before any piece is
+        // looked at.
         let mut expected = domain.area_radii() * MAXIMAL_DENSITY;
-        // The domain alone is looked at first, so that an impossible one is named before any piece. Sets that pieces need
-        // beside the result add to the number below.
         limit(expected)?;
 
         for (k, (entry, rect)) in self.pieces.iter().zip(rects).enumerate() {
@@ -136,6 +136,7 @@ impl Layout {
                 .map_err(|error| error.of_piece(k))?;
             expected += source.expected_beside();
 
+            // Without an offset the set's own lowest corner lies on the rectangle's.
             let offset = entry.offset.unwrap_or_default();
             pieces.push(PlacedPiece {
                 rect,
@@ -182,8 +183,8 @@ impl Layout {
         }
 
         // A rectangle of a piece could contradict the columns and rows.
-        let placed = self.pieces.iter().position(|entry| entry.rect.is_some());
-        if let Some(k) = placed {
+        let with_rect = self.pieces.iter().position(|entry| entry.rect.is_some());
+        if let Some(k) = with_rect {
             return Err(LayoutError::RectInGrid.of_piece(k));
         }
 
@@ -203,11 +204,12 @@ impl Layout {
         Ok((domain, rects.collect()))
     }
 
-    /// Returns the rectangles that the pieces name.
+    /// Returns the domain of these sides and the rectangles that the pieces name. Fails when a piece names none, or one
+    /// that is empty or not inside the domain. Whether they partition it is checked by the caller.
     fn free(&self, size: [f64; 2]) -> Result<(Domain, Vec<Rect>), LayoutError> {
         let domain = Domain::from_size(size, self.radius, self.boundary)?;
 
-        let rect = |(k, entry): (usize, &PieceEntry)| {
+        let rect_of = |(k, entry): (usize, &PieceEntry)| {
             let Some(rect) = entry.rect else {
                 return Err(LayoutError::NoRect.of_piece(k));
             };
@@ -220,7 +222,7 @@ impl Layout {
             Err(LayoutError::Rect { rect, size }.of_piece(k))
         };
 
-        let rects = self.pieces.iter().enumerate().map(rect);
+        let rects = self.pieces.iter().enumerate().map(rect_of);
         Ok((domain, rects.collect::<Result<_, _>>()?))
     }
 }

@@ -158,7 +158,8 @@ fn placed(domain: &Domain, pieces: &[Piece], clips: Vec<Clip>) -> Glued {
         }
 
         tiles.push(Tile {
-            // As for blocks, a tile starts with the place of the set on the corner of the enlarged rectangle.
+            // As for blocks, a tile starts with the place of the set on the corner of the enlarged rectangle. The
+            // caller may have given any 32-bit point as the start of a periodic set.
             start: Point::new(
                 piece.start.x.saturating_sub(R),
                 piece.start.y.saturating_sub(R),
@@ -203,6 +204,7 @@ fn decide_fates(
     let as_blocks = blocks(pieces, key);
     let ranking = Ranking::new(options.order, domain, key);
     let mut meter = Meter::begin(observer, Stage::Eliminate, samples.len() as u64)?;
+    // Only samples that another piece's may conflict with are ranked and decided one by one; the others are kept.
     let ranked = contested(samples, &as_blocks, &ranking, &mut meter)?;
     meter.set_total(ranked.len() as u64);
     eliminate(domain, samples, &ranked, &mut meter, &mut Unrecorded)?;
@@ -238,10 +240,11 @@ fn fill(
 
         // Gaps that are left touch a sample inserted just now, as in the sequential engine: these samples alone detect
         // next.
-        let looked = std::mem::replace(&mut detectors, inserted.clone().collect());
+        let searched = std::mem::replace(&mut detectors, inserted.clone().collect());
         glued.iterations.push(Iteration {
-            detectors: looked,
+            detectors: searched,
             candidates,
+            // Cells are those into which darts are thrown: here there are none.
             cells: Vec::new(),
             inserted,
         });

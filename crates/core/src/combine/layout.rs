@@ -122,7 +122,8 @@ fn check_partition(domain: &Domain, rects: &[Rect]) -> Result<(), CombineError> 
 }
 
 /// By how many units a bounded set may end inside its rectangle if its samples cover the rest. Quotients of sides and
-/// radii are rounded down and may lose a unit.
+/// radii are rounded down and may lose a unit; the set's start and the rectangle's edges are rounded, too. Two units
+/// for all of them are chosen, not measured.
 const SHORT: i32 = 2;
 
 /// Refuses a bounded set that does not cover its rectangle.
@@ -166,7 +167,7 @@ fn covers_beyond(placed: &Piece, short: [i32; 2]) -> bool {
 }
 
 /// Returns whether samples, each with its coordinates along and across a line, cover `length` lattice points of it from
-/// `start` on.
+/// `start` on. The line lies at the coordinate `line` across.
 fn covers_line(
     samples: impl Iterator<Item = (i32, i32)>,
     line: i32,
@@ -213,15 +214,15 @@ pub(super) fn continues(a: &Piece, b: &Piece, shift: I64Vec2) -> bool {
 pub(super) fn seams(domain: &Domain, pieces: &[Piece]) -> Vec<Seam> {
     let mut seams = Vec::new();
     for axis in [Axis::X, Axis::Y] {
-        let edges = pieces.iter().map(|piece| across(axis, piece.rect.min));
+        let edges = pieces.iter().map(|piece| coordinate(axis, piece.rect.min));
         let mut by_edge: Vec<(i32, u32)> = edges.zip(0..).collect();
         by_edge.sort_unstable();
 
-        let side = across(axis, Point::new(domain.width(), domain.height()));
+        let side = coordinate(axis, Point::new(domain.width(), domain.height()));
         // Of horizontal seams the left piece is the one below.
         for left in 0..pieces.len() as u32 {
-            let end = across(axis, pieces[left as usize].rect.max);
-            // In a periodic domain pieces at the upper border meet those at the lower one.
+            let end = coordinate(axis, pieces[left as usize].rect.max);
+            // In a periodic domain pieces at the right or upper border meet those at the left or lower one.
             let wraps = domain.is_periodic() && end == side;
             let edge = if wraps { 0 } else { end };
 
@@ -235,8 +236,8 @@ pub(super) fn seams(domain: &Domain, pieces: &[Piece]) -> Vec<Seam> {
     seams
 }
 
-/// Returns the coordinate across which pieces lie beside each other.
-const fn across(axis: Axis, p: Point) -> i32 {
+/// Returns the coordinate of a point on `axis`.
+const fn coordinate(axis: Axis, p: Point) -> i32 {
     match axis {
         Axis::X => p.x,
         Axis::Y => p.y,
@@ -253,18 +254,18 @@ fn seam(axis: Axis, pieces: &[Piece], [left, right]: [u32; 2], shift: i32) -> Op
         Axis::Y => (Axis::X, I64Vec2::new(0, shift)),
     };
 
-    let from = across(along, a.rect.min).max(across(along, b.rect.min));
-    let to = across(along, a.rect.max).min(across(along, b.rect.max));
+    let from = coordinate(along, a.rect.min).max(coordinate(along, b.rect.min));
+    let to = coordinate(along, a.rect.max).min(coordinate(along, b.rect.max));
     // There is no seam if the pieces do not lie beside each other, or show one set, which has no conflicts where it
     // continues.
     if from >= to || continues(a, b, offset) {
         return None;
     }
 
-    let edge = across(axis, b.rect.min);
-    let point = |along: i32| match axis {
-        Axis::X => Point::new(edge, along),
-        Axis::Y => Point::new(along, edge),
+    let edge = coordinate(axis, b.rect.min);
+    let point = |at: i32| match axis {
+        Axis::X => Point::new(edge, at),
+        Axis::Y => Point::new(at, edge),
     };
 
     Some(Seam {

@@ -61,7 +61,7 @@ impl Combined {
     }
 }
 
-/// Returns a run that has only its blocks yet.
+/// Returns a run that has its domain, parameters and blocks, and no samples.
 fn empty(domain: Domain, pieces: &[Piece], options: &CombineOptions) -> Run {
     let [width, height] = domain.size();
 

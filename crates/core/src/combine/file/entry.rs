@@ -89,9 +89,11 @@ impl PieceSource {
 }
 
 impl PieceEntry {
-    /// Returns the source of the set. Missing values are chosen for a layout of `boundary`.
+    /// Returns the source of the set for the rectangle `rect`. A set that is made has the layout's `boundary` unless
+    /// the entry gives another one; for a file the certificate does.
     ///
-    /// Fails when the piece is not one of the three kinds, or its parameters cannot be sampled.
+    /// Fails when the piece is not one of the three kinds (a file, parameters or a seed), or its parameters cannot be
+    /// sampled.
     pub(super) fn source(
         &self,
         boundary: Boundary,
@@ -122,6 +124,7 @@ impl PieceEntry {
             // The set is made for the rectangle, so that there is nothing to move.
             (None, None, Some(_)) if self.offset.is_some() => Err(LayoutError::OffsetOfSeed),
             (None, None, Some(seed)) => self.of_seed(seed, self.boundary.unwrap_or(boundary), rect),
+            // No kind is named, or more than one.
             _ => Err(LayoutError::NoSource),
         }
     }
@@ -133,9 +136,10 @@ impl PieceEntry {
         boundary: Boundary,
         rect: &Rect,
     ) -> Result<PieceSource, LayoutError> {
-        let own = Domain::of_rect(rect, boundary)?;
+        let domain = Domain::of_rect(rect, boundary)?;
         Ok(match self.method.unwrap_or(PieceMethod::Kdrt) {
-            PieceMethod::Reference => PieceSource::Reference { seed, own },
+            PieceMethod::Reference => PieceSource::Reference { seed, own: domain },
+            // All but the seed is as when a piece gives no parameter.
             PieceMethod::Kdrt => PieceSource::Run {
                 parameters: Box::new(Parameters {
                     seed,
@@ -153,6 +157,7 @@ fn parameters(
     rect: &Rect,
     given: &Map<String, Value>,
 ) -> Result<Parameters, LayoutError> {
+    // Given lengths may be in any unit: beside the rectangle's, in which the radius is 1, a single one has no meaning.
     let lengths = ["width", "height", "radius"].map(|name| given.contains_key(name));
     if lengths != [true; 3] && lengths != [false; 3] {
         return Err(LayoutError::Lengths);

@@ -67,6 +67,7 @@ impl PlacedLayout {
             }
         }
 
+        // Each piece is in one group, so that all have been placed.
         Ok(pieces.into_iter().flatten().collect())
     }
 }
@@ -154,7 +155,8 @@ impl Set {
         })
     }
 
-    /// Returns the lattice point at an offset in the set's own units.
+    /// Returns the lattice point at an offset in the set's own units. A periodic set repeats, and has a point at every
+    /// finite offset; fails when the offset is not in the domain of a bounded one.
     fn start(&self, offset: [f64; 2]) -> Result<Point, LayoutError> {
         let size = self.domain.size();
         let periodic = self.domain.is_periodic();
