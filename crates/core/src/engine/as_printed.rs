@@ -120,7 +120,9 @@ impl AsPrinted {
 
         for &detector in &detectors {
             let at = samples.points[detector as usize];
-            // Line 17 searches 4r far; near a closed border 7r are needed. The search is around the detector itself.
+            // Line 17 searches 4r far, since a candidate lies within 2r of its sites. Near a closed border it may be
+            // 3.5r away, which takes 7r. `Search::TwoRadii` searches 2r far everywhere. The centre is the detector, as
+            // the head of this file says.
             let radius = Reach::new(&self.domain, self.search, at).search;
 
             recorder.record(RunEvent::Detect { sample: detector });
@@ -150,7 +152,8 @@ impl AsPrinted {
         record_search(pivot, R, &conflicts, recorder);
 
         for conflict in conflicts {
-            // The search of line 4 finds the pivot, too.
+            // The search of line 4 finds the pivot, too. All that it finds lies within r: the pivot covers it, and the
+            // recorded test has no other answer.
             if conflict.id != pivot {
                 recorder.record(RunEvent::Test {
                     pivot,
@@ -251,6 +254,7 @@ impl AsPrinted {
         let reach = Reach::new(&self.domain, self.search, at);
         let border = border_in_reach::<T>(&self.domain, at, reach);
 
+        // Places, offsets and the border count from the pivot, which is at zero.
         let position = |m: &NearSample| m.offset.as_i64vec2();
         for (place, other) in border.places(I64Vec2::ZERO, others, position) {
             let sites = match other {

@@ -121,6 +121,7 @@ impl<const TAGS: bool> Region<TAGS> {
         depth: i64,
         target: &Rect,
     ) {
+        // All are clipped before the first is decided, since a decision needs the whole region.
         self.waiting.clear();
         for part in block.rect.without(&interior(block, depth)) {
             clipper.clip(block, &part, target, |x, y, id| {
@@ -143,7 +144,7 @@ impl<const TAGS: bool> Region<TAGS> {
         block: &PlacedBlock,
         target: &Rect,
     ) {
-        // All are clipped before the first is decided, since a decision needs the whole region.
+        // As in `claim_own`, all are clipped before the first is decided.
         self.waiting.clear();
         for part in block.rect.grown(R.into(), R.into()).without(&block.rect) {
             clipper.clip(block, &part, target, |x, y, id| {

@@ -118,7 +118,8 @@ impl CellPattern {
         }
     }
 
-    /// Visits the samples of a rectangle that does not cross the pattern's edge.
+    /// Calls `visit` with the position and the pattern index of every sample of `piece`, a rectangle that does not
+    /// cross the pattern's edge and whose lowest corner is laid at `corner`.
     #[inline(always)]
     fn piece(&self, piece: &Rect, corner: Point, visit: &mut impl FnMut(i32, i32, u32)) {
         let cell = |x: i32| (x >> CELL_BITS) as usize;
@@ -271,6 +272,7 @@ impl Clipper {
         let mut stack = vec![Node::root(&self.domain, self.key)];
         while let Some(node) = stack.pop() {
             if let Some(cut) = node.cut(self.leaf) {
+                // The lower side is taken off the stack first: its blocks come first in the order.
                 stack.extend([cut.upper, cut.lower]);
             } else {
                 clip_start(&node.block, &self.variant_of(&node.block).1.shape)?;

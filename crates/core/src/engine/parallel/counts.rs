@@ -89,10 +89,11 @@ impl<const TAGS: bool> Region<TAGS> {
             if self.frame.holds(lost.x, lost.y) {
                 counts.eliminated += u64::from(counted(lost.x, lost.y));
             } else {
-                // A dropped sample lies in no window: the window with the nearest place of the domain counts it.
-                let [width, height] = self.frame.end;
+                // A dropped sample lies in no window: the window with the nearest place of the domain counts it. The
+                // sample is beyond a closed border, where the frame ends with the domain.
+                let [end_x, end_y] = self.frame.end;
                 let (nearest_x, nearest_y) =
-                    (lost.x.clamp(0, width - 1), lost.y.clamp(0, height - 1));
+                    (lost.x.clamp(0, end_x - 1), lost.y.clamp(0, end_y - 1));
                 counts.dropped += u64::from(counted(nearest_x, nearest_y));
             }
         }
