@@ -39,7 +39,7 @@ impl Frame {
     #[must_use]
     pub fn new(domain: &Domain, window: &Rect, halo: i32) -> Self {
         let sides = [domain.width(), domain.height()];
-        let end = [domain.rect().max.x, domain.rect().max.y];
+        let domain_end = [domain.rect().max.x, domain.rect().max.y];
         let periodic = domain.is_periodic();
         let low = [window.min.x, window.min.y];
         let high = [window.max.x, window.max.y];
@@ -58,7 +58,7 @@ impl Frame {
             frame.goes_on[axis] = [true; 2];
             if !periodic {
                 // The frame has no cells beyond a closed border, and the plane goes on only where the halo ends before it.
-                let last_cell = i64::from((end[axis] - 1) >> CELL_BITS);
+                let last_cell = i64::from((domain_end[axis] - 1) >> CELL_BITS);
                 frame.goes_on[axis] = [first > 0, last < last_cell];
                 first = first.max(0);
                 last = last.min(last_cell);
@@ -71,7 +71,7 @@ impl Frame {
             frame.end[axis] = if periodic {
                 full
             } else {
-                full.min((i64::from(end[axis]) - frame.origin[axis]) as i32)
+                full.min((i64::from(domain_end[axis]) - frame.origin[axis]) as i32)
             };
 
             min[axis] = (i64::from(low[axis]) - frame.origin[axis]) as i32;

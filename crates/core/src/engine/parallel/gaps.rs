@@ -135,7 +135,8 @@ impl<const TAGS: bool> Region<TAGS> {
         loop {
             let inserted_before = gaps.inserted.len();
             self.insert_candidates(simd, &mut gaps, rules, iteration);
-            // Cells that have become unsure without an insertion must mark their surroundings, too.
+            // After a round without an insertion all is done, unless cells have become unsure in it: then the number of
+            // unsure cells exceeds `self.spread`, and their surroundings are still to be marked.
             if gaps.inserted.len() == inserted_before && self.spread == self.unsure.len() {
                 break;
             }
@@ -155,7 +156,8 @@ impl<const TAGS: bool> Region<TAGS> {
     }
 
     /// Marks the surroundings of unsure cells as reached: open places there may be filled by unknown samples. With
-    /// `check` the newly reached cells become hot here if they are open; otherwise detection does so.
+    /// `check` the newly reached cells become hot here if they are open; otherwise detection does so. The field
+    /// `spread` counts the unsure cells whose surroundings are marked.
     #[inline(always)]
     fn spread<S: Simd>(&mut self, simd: S, gaps: &mut GapBuffers, rules: &Rules, check: bool) {
         let reach = rules.reach();

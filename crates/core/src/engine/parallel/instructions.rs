@@ -31,15 +31,15 @@ impl InstructionSet {
     pub fn available() -> Vec<Self> {
         let best = Level::new();
         #[cfg(any(target_arch = "x86", target_arch = "x86_64"))]
-        let lower = [
+        let x86_sets = [
             best.as_sse2().map(Level::Sse2),
             best.as_sse4_2().map(Level::Sse4_2),
             best.as_avx2().map(Level::Avx2),
             best.as_avx512().map(Level::Avx512),
         ];
         #[cfg(not(any(target_arch = "x86", target_arch = "x86_64")))]
-        let lower: [Option<Level>; 0] = [];
-        let mut all: Vec<Self> = lower.into_iter().flatten().map(Self).collect();
+        let x86_sets: [Option<Level>; 0] = [];
+        let mut all: Vec<Self> = x86_sets.into_iter().flatten().map(Self).collect();
         // The best may be none of these: NEON, that of WebAssembly, or none at all.
         if all.last() != Some(&Self(best)) {
             all.push(Self(best));
@@ -63,6 +63,7 @@ impl InstructionSet {
             Level::Neon(_) => "neon",
             #[cfg(all(target_arch = "wasm32", target_feature = "simd128"))]
             Level::WasmSimd128(_) => "simd128",
+            // Code without vector instructions. On each processor only some of the names above exist.
             _ => "scalar",
         }
     }

@@ -104,7 +104,7 @@ impl Near {
     /// r/2 around them do not overlap, so that there are fewer than 64.
     #[inline(always)]
     pub(crate) fn measure<S: Simd>(&mut self, simd: S, x: f32, y: f32) -> MeasuredPixel {
-        let (nearest, corner) = self.square(simd, x, y);
+        let (nearest, corner) = self.square_distances(simd, x, y);
         let limit = f32x8::splat(simd, site_limit(nearest));
         let mut sites = 0;
         let groups = self.squared[..self.groups()].iter();
@@ -130,7 +130,7 @@ impl Near {
         y: f32,
         sites: &mut [u8; MAX_SITES],
     ) -> usize {
-        let (nearest, _) = self.square(simd, x, y);
+        let (nearest, _) = self.square_distances(simd, x, y);
         let limit = site_limit(nearest);
         let squared = self.squared.as_flattened()[..self.count].iter();
         let mut count = 0;
@@ -140,6 +140,7 @@ impl Near {
         {
             // There are never more, see `MAX_SITES`: with this test the index needs no check of its own.
             if count < MAX_SITES {
+                // At most 243 samples are gathered (81 cells with three in each): 8 bits hold the index.
                 sites[count] = k as u8;
                 count += 1;
             }
@@ -150,7 +151,7 @@ impl Near {
     /// Stores the squared distances of all samples from (x, y). Returns the smallest distance, and the smallest squared
     /// distance from a sample to the farthest corner of the pixel around (x, y).
     #[inline(always)]
-    fn square<S: Simd>(&mut self, simd: S, x: f32, y: f32) -> (f32, f32) {
+    fn square_distances<S: Simd>(&mut self, simd: S, x: f32, y: f32) -> (f32, f32) {
         const HALF: f32 = (PIXEL_SIDE / 2) as f32;
         // Eight samples are taken at a time. The corner of the pixel that is farthest from a sample is half a side
         // farther on both axes: (dx + h)^2 + (dy + h)^2 = dx^2 + dy^2 + 2 h (dx + dy) + 2 h^2, whose last term is added

@@ -11,7 +11,8 @@ use super::window_maker::{WindowMaker, WindowSamples, pieces_of_window};
 /// Buffers for the samples of windows, which are used again from window to window.
 #[derive(Default)]
 pub struct PlaceBuffers {
-    piece: WindowSamples,
+    /// The samples of the piece of a window that was computed last.
+    samples: WindowSamples,
     places: Vec<I64Vec2>,
 }
 
@@ -27,8 +28,8 @@ impl PlaceBuffers {
 
         for window in windows {
             for piece in pieces_of_window(maker, window) {
-                maker.fill(&piece, with_tags, &mut self.piece)?;
-                let found = self.piece.points.iter();
+                maker.fill(&piece, with_tags, &mut self.samples)?;
+                let found = self.samples.points.iter();
                 let places = found.map(|point| place(maker.domain(), window, *point));
                 self.places.extend(places);
             }

@@ -98,6 +98,7 @@ impl<const TAGS: bool> Region<TAGS> {
             let kept = gaps.pixels.len() + usize::from(!measured.covered);
             gaps.pixels.push(Pixel::new(number, &measured));
             gaps.pixels.truncate(kept);
+            // Covered pixels count, too: `farthest` need only be large enough.
             gaps.farthest = gaps.farthest.max(measured.nearest);
         }
         first
@@ -190,7 +191,7 @@ impl<const TAGS: bool> Region<TAGS> {
         let (column, row) = (x >> CELL_BITS, y >> CELL_BITS);
 
         // Samples three cells away are at least 2 r away: two cells suffice while no pixel sees as far.
-        let reach = if gaps.farthest + 2.0 * HALF_DIAGONAL + SITE_SLACK < (2 * R) as f32 {
+        let reach = if gaps.farthest + 2.0 * HALF_DIAGONAL + SITE_SLACK < GATHERED {
             2
         } else {
             reach_cells(self.frame.periodic)

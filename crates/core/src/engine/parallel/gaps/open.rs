@@ -10,8 +10,8 @@ use super::super::stamp::{PIXELS, Stamps};
 use super::{GapBuffers, Rules, corner};
 
 impl<const TAGS: bool> Region<TAGS> {
-    /// Marks the cells in which an uncovered place may lie: those around lost samples, or all with a
-    /// pattern that leaves places uncovered itself.
+    /// Marks the cells in which an uncovered place may lie: those around lost samples, or all with a pattern that
+    /// leaves places uncovered itself. Also clears the bits of open cells, which are set as open pixels are found.
     #[inline(always)]
     pub(crate) fn mark(&self, gaps: &mut GapBuffers, rules: &Rules) {
         let words = self.words();
@@ -83,7 +83,7 @@ impl<const TAGS: bool> Region<TAGS> {
         let covered_by = |from: usize, &[a, b, c, _]: &Slots| {
             stamps.stamp(from, a) | stamps.stamp(from, b) | stamps.stamp(from, c)
         };
-        // The cell itself and its sides prove most cells covered.
+        // The samples of the cell itself and of the four cells at its sides prove most cells covered.
         let mut covered = covered_by(4, &own[1]) | covered_by(3, &own[0]) | covered_by(5, &own[2]);
         covered |= covered_by(1, &below[1]) | covered_by(7, &above[1]);
         if covered == u64::MAX {
