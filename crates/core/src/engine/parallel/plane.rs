@@ -171,7 +171,8 @@ impl Plane {
 
         // One window in some hundred has unsure cells, which are computed again with a wider halo. A halo that always
         // suffices would cost all windows more than repairs cost those few.
-        // The list is taken out of the region, since more regions come to stand beside it.
+        // The list is taken out of the region, since the repairs below need all of `scratch`, to which they add
+        // regions.
         let mut unsure = std::mem::take(&mut region.repairs);
         region.unsure_in_window(NEIGHBOURS, &mut unsure);
         region.count(&unsure, counts);

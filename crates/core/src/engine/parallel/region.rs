@@ -78,8 +78,9 @@ pub(crate) struct Region<const TAGS: bool> {
 }
 
 impl<const TAGS: bool> Region<TAGS> {
-    /// Empties the region's cells and its lists of lost and unsure samples, and sets its frame. The other buffers are
-    /// emptied where they are filled. `reach` is how many cells away an unsure sample can affect a candidate.
+    /// Empties the region's cells and its lists of lost, unsure and contested samples, and sets its frame. The other
+    /// buffers are emptied where they are filled. `reach` is how many cells away an unsure sample can affect a
+    /// candidate.
     pub(crate) fn reset(&mut self, frame: Frame, reach: i32) {
         let count = frame.cell_count();
         refill(&mut self.slots, count, EMPTY_CELL);
@@ -230,7 +231,8 @@ impl<const TAGS: bool> Region<TAGS> {
         }
     }
 
-    /// Replaces the cells `cells` (of this frame) by those of a region in which they are sure.
+    /// Replaces the samples of the cells `cells` (of this frame) by those of a region in which they are sure. Lost and
+    /// inserted samples of these cells stay as they are: that region has counted its own.
     pub(crate) fn adopt(&mut self, other: &Self, cells: &Rect) {
         let shift = ((self.frame.origin - other.frame.origin) >> CELL_BITS).as_ivec2();
         for row in cells.min.y..cells.max.y {

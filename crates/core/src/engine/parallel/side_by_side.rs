@@ -22,7 +22,8 @@ pub(crate) fn compute_each<P: Sync, T: Send + Sync>(
     let made: Vec<OnceLock<T>> = pieces.iter().map(|_| OnceLock::new()).collect();
     let (next, is_stopped) = (AtomicUsize::new(0), AtomicBool::new(false));
 
-    // Each index is taken once, by whichever thread is free.
+    // Each index is taken once, by a thread that is free. Relaxed order is enough: results are handed over by their
+    // `OnceLock` and by the end of the scope.
     let take = || {
         let index = next.fetch_add(1, Ordering::Relaxed);
         (index < pieces.len() && !is_stopped.load(Ordering::Relaxed)).then_some(index)
@@ -44,6 +45,7 @@ pub(crate) fn compute_each<P: Sync, T: Send + Sync>(
 
         while let Some(index) = take() {
             let now = progress(index);
+            // The progress within a piece is not passed on: `observer` is shown that of the pieces.
             let mut ask = |_: Progress| {
                 if observer.observe(now).is_break() {
                     is_stopped.store(true, Ordering::Relaxed);

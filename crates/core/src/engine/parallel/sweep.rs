@@ -29,8 +29,9 @@ const WINDOWS_A_THREAD: usize = 6;
 /// The shortest side of a window, in cells, so that halos do not outweigh windows.
 const MIN_SIDE: i32 = 64;
 
-/// An upper bound of the samples to a squared radius, except in bounded domains.
-const MAX_DENSITY: f64 = 0.71;
+/// Samples to a squared radius for which memory is reserved: a little more than in the densest runs measured (0.6983,
+/// see `count::radius_estimate`). A closed border, or a dense pattern from a file, may give more.
+const RESERVED_DENSITY: f64 = 0.71;
 
 /// The position of a [`Sweep`].
 #[derive(Clone, Debug, PartialEq, Eq, Serialize, Deserialize)]
@@ -181,15 +182,17 @@ impl<P: WindowMaker> Sweep<P> {
         Ok(Some(sampled(joined.points, joined.tags, self.sources)))
     }
 
-    /// Runs to the end and returns the samples of all remaining bands, and the summary of the whole run. Takes memory
-    /// for all of them at once.
+    /// Runs to the end and returns the samples of all remaining bands, and the summary of the whole run. Reserves
+    /// memory for their points at the beginning.
     ///
     /// Fails as [`Self::step`], and with [`SampleError::Memory`] where there is not as much memory.
     pub fn finish(
         mut self,
         observer: &mut dyn Observer,
     ) -> Result<(Sampled, Summary), SampleError> {
-        let expected = self.plane.domain().area_radii() * MAX_DENSITY;
+        // Too large a set is refused here, before it is computed. Tags, and points beyond the expected number, take
+        // further memory as they come.
+        let expected = self.plane.domain().area_radii() * RESERVED_DENSITY;
         let mut joined = JoinedSamples::default();
         joined.reserve(expected as usize, self.sources)?;
         let mut before = self.next(observer)?;
@@ -220,7 +223,8 @@ impl<P: WindowMaker> Sweep<P> {
             return Ok(None);
         }
 
-        // The bands end with the last row of cells that the windows reach, and go on by one row at least.
+        // The bands end with the last row of cells that the windows reach. There is always a window, and one row more
+        // at least: written out here, so that the sweep surely ends.
         let windows = self.next_windows();
         let last = windows.iter().flatten().map(|w| w.max.y).max().unwrap_or(0);
         let end = ((last - 1) / R + 1).max(self.done + 1);
@@ -281,18 +285,18 @@ impl<P: WindowMaker> Sweep<P> {
             total: self.rows as u64,
         };
         // A window takes little time, and asks no observer within.
-        let pieces = compute_each(&windows, observer, progress, |window, _| {
+        let results = compute_each(&windows, observer, progress, |window, _| {
             let mut piece = self.idle.take();
             self.plane.fill(window, self.sources, &mut piece)?;
             Ok(piece)
         })?;
 
         // Of several errors the first in the order of the windows is returned, whichever came first in time.
-        let pieces: Vec<WindowSamples> = pieces.into_iter().collect::<Result<_, SampleError>>()?;
-        let mut pieces = pieces.into_iter();
+        let made: Vec<WindowSamples> = results.into_iter().collect::<Result<_, SampleError>>()?;
+        let mut rest = made.into_iter();
         Ok(bands
             .iter()
-            .map(|band| pieces.by_ref().take(band.len()).collect())
+            .map(|band| rest.by_ref().take(band.len()).collect())
             .collect())
     }
 }

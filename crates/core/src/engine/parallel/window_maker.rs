@@ -23,7 +23,8 @@ pub trait WindowMaker: Sync + Sized {
     /// Returns the domain of the run.
     fn domain(&self) -> &Domain;
 
-    /// Makes `out` the samples of a window, which lies in the domain, with tags of their sources if they are wanted.
+    /// Replaces the contents of `out` by the samples of a window, which lies in the domain, with tags of their sources
+    /// if they are wanted.
     #[doc(hidden)]
     fn fill(
         &self,
