@@ -197,7 +197,8 @@ impl Sequential {
         }
 
         self.filling = match (variant, insertion) {
-            // The first loop is lines 2 to 12 of Algorithm 4, which eliminate and insert in turn.
+            // The first loop is lines 2 to 12 of Algorithm 4, which eliminate and insert in turn. It inserts
+            // circumcentres alone: parameters that ask for uniform insertion with it are refused.
             (Variant::AsPrinted, _) => {
                 let mut printed = AsPrinted::new(run.domain, search, &run.samples);
                 run.iterations.push(printed.first_loop(
@@ -261,10 +262,10 @@ impl Sequential {
 
                 // A gap that is left touches a sample inserted just now: any other had a candidate, which was inserted
                 // or is covered by one that was. So these samples alone detect next (paper, Algorithm 4, line 19).
-                let detectors = std::mem::replace(detectors, inserted.clone().collect());
+                let searched = std::mem::replace(detectors, inserted.clone().collect());
 
                 Iteration {
-                    detectors,
+                    detectors: searched,
                     candidates,
                     cells: Vec::new(),
                     inserted,

@@ -95,7 +95,7 @@ impl Agenda {
     #[inline]
     pub(crate) fn next(&mut self) -> Option<Arriving> {
         if !self.sudden.is_empty() {
-            return self.next_of_both();
+            return self.next_with_sudden();
         }
         self.next_known()
     }
@@ -117,13 +117,17 @@ impl Agenda {
 
     /// Returns what arrives next, be it known when the level began or not: a question that came up late still comes in its turn.
     #[inline(never)]
-    fn next_of_both(&mut self) -> Option<Arriving> {
+    fn next_with_sudden(&mut self) -> Option<Arriving> {
         let &Reverse(sudden) = self.sudden.peek()?;
+        // The upper halves of words are the first bits of arrivals.
         match self.order.get(self.done) {
             Some(known) if known >> 32 < sudden >> 32 => return self.next_known(),
             Some(known) if known >> 32 == sudden >> 32 => return self.next_of_same(sudden),
+            // The sudden one is earlier, or no known one is left.
             _ => {}
         }
+
+        // Another sudden one may have the same first bits: then all of these are compared as a whole.
         self.sudden.pop();
         let is_same = |Reverse(other): &Reverse<u64>| other >> 32 == sudden >> 32;
         if self.sudden.peek().is_some_and(is_same) {
@@ -157,6 +161,7 @@ impl Agenda {
         } else {
             Some(self.question(same.swap_remove(first)))
         };
+        // All but the one returned wait on.
         self.sudden.extend(same.into_iter().map(Reverse));
         found
     }
@@ -198,6 +203,7 @@ fn sort_words(words: impl Iterator<Item = u64> + Clone, count: usize, out: &mut 
         *at += 1;
     }
 
+    // Buckets follow each other in order: each word is moved back past the larger ones of its own bucket alone.
     let mut has_same = false;
     for index in 1..count {
         let word = out[index];

@@ -73,6 +73,7 @@ impl MarkedCells {
             max: Point::new(max.x.min(part.max.x - R), max.y.min(part.max.y - R)),
         };
 
+        // The places of the pattern that are deeper than r. If there are none, the empty rectangle makes no row deep.
         let is_thin = deeper.width() <= 0 || deeper.height() <= 0;
         let deep = if is_thin {
             Rect::default()
@@ -128,6 +129,8 @@ impl MarkedCells {
         let held = &self.pieces[piece as usize];
         let (sources, centre) = (held.sources, held.source(place));
 
+        // The square around the disk, as far as the piece goes. A place far from the piece may have a source near the
+        // ends of 32 bits.
         let box_around = Rect {
             min: Point::new(
                 centre.x.saturating_sub(R).max(sources.min.x),

@@ -132,8 +132,9 @@ pub struct PatternDarts {
     throws: Vec<Throw>,
 }
 
-/// Returns of each dart of at most eight cells of a level which cell it is of and its number there, given the words that
-/// decide how many darts a cell has, and how many darts there are.
+/// Returns the darts of at most eight cells of a level, each as the index of its cell and its number in the cell, and
+/// how many darts there are: entries beyond that number are no darts. `words` has a word for each cell, which decides
+/// how many darts it has.
 #[inline(always)]
 fn numbered(words: &[u32], level: u32) -> ([(u8, u8); LANES * POISSON.len()], usize) {
     // Bytes, since the whole array is cleared for each eight cells.
@@ -154,7 +155,7 @@ fn numbered(words: &[u32], level: u32) -> ([(u8, u8); LANES * POISSON.len()], us
 }
 
 impl PatternDarts {
-    /// Returns the darts of the pattern that `spec` describes.
+    /// Returns the darts of the pattern that `spec` describes. Fails when the side is out of range.
     pub fn of_spec(spec: &PatternSpec) -> Result<Self, ParameterError> {
         let side = spec.side_units()?;
         let throws = (0..=LAST_LEVEL).flat_map(|level| {
@@ -210,6 +211,8 @@ impl PatternDarts {
         for (lane, min) in mins.iter().enumerate() {
             (xs[lane], ys[lane]) = (min.x as u32, min.y as u32);
         }
+        // As `cell_darts` does for one cell: the throw's key and the cell's place give the cell's key, whose first word
+        // also decides how many darts it has. The cell's key and a dart's number give the dart's place and rank.
         let [first, second] = throw.key.words();
         let throw_key = [u32x8::splat(simd, first), u32x8::splat(simd, second)];
         let places = [u32x8::simd_from(simd, xs), u32x8::simd_from(simd, ys)];

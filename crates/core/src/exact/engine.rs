@@ -227,6 +227,8 @@ impl<'a> ExactTiling<'a> {
         let moved = self.present.ground().moved(block);
         self.present.add_tile(moved);
 
+        // The pattern's place at the lowest corner of `rect` enlarged by r, as `block.start` is that of the whole
+        // block.
         let start = I64Vec2::from(block.start) + I64Vec2::from(rect.min) - block.rect.min;
         let held = self.history.pattern().domain().rect();
         let in_domain = self.present.rect_in_domain(tile, &rect);
@@ -296,6 +298,8 @@ impl<'a> ExactTiling<'a> {
         let ExactTile { rect, symmetry, .. } = self.tiles[tile as usize];
 
         // Outside of the tile another block has darts of its own.
+        // A dart comes with its second blocker, too, which is not needed: whether another sample covers the dart is
+        // decided in its turn.
         history.each_waiting_in(&rect, pattern, place, symmetry, |mut dart, _| {
             dart.place = self.present.in_domain(tile, dart.place);
             self.agenda.add(dart, What::Dart(tile));
@@ -419,7 +423,8 @@ impl<'a> ExactTiling<'a> {
             for piece in held.first_piece..held.end_piece {
                 // A cell is closed if a sample of the pattern that also lies in this tile covers all of it: no dart of
                 // the cell can become a sample. Three of four cells are. A recording cuts all, and so shows why they
-                // are closed.
+                // are closed. `inside` has the places of the pattern up to r around the piece that lie in the tile:
+                // samples beyond cover nothing of the piece, or are of another block.
                 let inside = self.cells.pieces()[piece as usize].sources_around(&rect, R);
                 let is_closed = |column: i32, row: i32| {
                     !T::ENABLED && history.is_covered(column, row, &inside, &held.missing)
@@ -591,7 +596,7 @@ impl<'a> ExactTiling<'a> {
         let inside = corners.filter(|&corner| Rect64::from(window).contains(corner));
         counts.blocks = inside.count() as u64;
 
-        // Nearly all are the pattern's own, and stay.
+        // Nearly all are the pattern's own, and stay. The rest were lost, or inserted here.
         let samples = self.present.samples().iter();
         let others = samples.filter(|sample| !sample.is_own());
         for sample in others.filter(|sample| window.contains(sample.place)) {

@@ -138,6 +138,7 @@ fn samples_of_window<M: WindowMaker>(
     for found in compute_each(&pieces, observer, progress, |piece, _| compute(piece))? {
         points.append(&mut found?);
     }
+    // Before each piece its number was shown: now all are done.
     Meter::resume(observer, stage, total, total)?;
 
     // The canonical order goes row by row of cells, and a row crosses several pieces.
