@@ -112,15 +112,16 @@ pub(crate) fn finite(value: f64, format: Format, index: u64) -> Result<f64, Form
     })
 }
 
-/// [`FormatError::NotFinite`] if a coordinate is not finite. The first point is point `first` of the file.
+/// [`FormatError::NotFinite`] if a coordinate is not finite. `first` is the number in the file of the first of these
+/// points, from which an error counts.
 pub(crate) fn all_finite(
     points: &[[f64; 2]],
     first: u64,
     format: Format,
 ) -> Result<(), FormatError> {
     // Without a branch for each coordinate the compiler compares several at once.
-    let both = |all: bool, value: &f64| all & value.is_finite();
-    if points.as_flattened().iter().fold(true, both) {
+    let and_finite = |all: bool, value: &f64| all & value.is_finite();
+    if points.as_flattened().iter().fold(true, and_finite) {
         return Ok(());
     }
 
@@ -132,7 +133,7 @@ pub(crate) fn all_finite(
     })
 }
 
-/// Points of row-major pairs, of which the first is point `first` of the file.
+/// Points of row-major pairs. `first` is the number in the file of the first of them, from which an error counts.
 pub(crate) fn pairs(
     data: &[u8],
     first: u64,

@@ -245,7 +245,7 @@ impl Certificate {
         // The version is read first, by itself: otherwise fields of a newer version would be reported as unknown.
         let bytes = crate::text::without_bom(bytes);
         let version: Version = serde_json::from_slice(bytes).map_err(|e| fault(e.to_string()))?;
-        check_version(version.format_version, name)?;
+        refuse_unknown_version(version.format_version, name)?;
         let stated: Self = serde_json::from_slice(bytes).map_err(|e| fault(e.to_string()))?;
         stated.check_version(name)?;
 
@@ -259,8 +259,9 @@ impl Certificate {
     }
 
     /// Parameters that the certificate states a second time, as the region or the radius: the name of the parameter,
-    /// the name of the difference if the two are not the same, and the value stated as region or radius. A set of
-    /// varying radii has the parameter `radius` only where they are all the same, so that the least is compared.
+    /// the name of the difference if the two are not the same, and the value stated as region or radius. A radius that
+    /// varies is a parameter of another name, so that a parameter `radius` is of a set of one radius, which is the
+    /// least.
     pub(crate) fn known_parameters(&self) -> Vec<(&'static str, &'static str, Value)> {
         let region = &self.region;
         let depth = self
@@ -279,8 +280,8 @@ impl Certificate {
         planar.into_iter().chain(depth).collect()
     }
 
-    /// Returns the fields that a check does not compare with the file: how the set was made, the file's name when it was
-    /// written, and how storing changed the positions.
+    /// Returns the fields that a check does not compare with the file: how the set was made, by whom it was judged, the
+    /// file's name when it was written, and how storing changed the positions.
     #[must_use]
     pub fn unchecked(&self) -> Vec<String> {
         // Parameters stated a second time, as the region or the radius, are compared with that statement.
@@ -402,7 +403,7 @@ impl Certificate {
     /// no judge of this program takes into account.
     pub(crate) fn check_version(&self, name: &str) -> Result<(), FormatError> {
         let version = self.format_version;
-        check_version(version, name)?;
+        refuse_unknown_version(version, name)?;
 
         let reason = match self.parts().next() {
             // Programs of version 1 would take positions with an origin for positions in the domain.
@@ -522,7 +523,7 @@ impl<'de> Visitor<'de> for DistinctVisitor {
     }
 }
 
-fn check_version(found: u32, name: &str) -> Result<(), FormatError> {
+fn refuse_unknown_version(found: u32, name: &str) -> Result<(), FormatError> {
     if (1..=CERTIFICATE_FORMAT_VERSION).contains(&found) {
         return Ok(());
     }

@@ -171,8 +171,9 @@ pub fn is_valid(report: &Report, levels: &[CertifiedLevel]) -> bool {
     )
 }
 
-/// The largest covering radius of a level, in its smallest distance: that of the level before, a little more than the root
-/// of 2.
+/// The largest covering radius of a level, in its smallest distance. A whole level covers within that distance. One
+/// that ends within a level covers as the level before, whose distance is larger by the root of 2: a little more allows
+/// for rounding.
 const MAX_COVERING: f64 = 1.4143;
 
 /// Why there is no verdict.
@@ -511,11 +512,11 @@ fn implied_verdict(stated: &Certificate) -> bool {
     // Some verdicts follow from the counts alone: subdivision measures no covering radius.
     let is_counted = stated.is_counted();
     // A prefix covers within its factor of the radius, and not within the radius: there only the number of gaps counts.
-    let is_within_limit = is_counted || stated.prefix.is_some();
+    let has_no_limit = is_counted || stated.prefix.is_some();
     stated.conflicts == 0
         && (is_counted || stated.min_distance.unwrap_or(f64::INFINITY) >= radius)
         && stated.gaps == 0
-        && (is_within_limit
+        && (has_no_limit
             || stated
                 .covering_radius
                 .is_some_and(|covering| covering <= limit))

@@ -190,16 +190,16 @@ pub(super) fn write(points: &[[f64; 2]], columns: &Columns) -> Vec<u8> {
             ),
         );
 
-        let mut before = "";
+        let mut comma = "";
         if let Some(level) = columns.levels.get(index) {
             push(&mut out, format_args!("\"level\": {level}"));
-            before = ", ";
+            comma = ", ";
         }
         let (rank, radius) = (columns.ranks.get(index), columns.radii.get(index));
         for (name, value) in [(RANK, rank), (RADIUS, radius)] {
             if let Some(value) = value {
-                push(&mut out, format_args!("{before}\"{name}\": {value:?}"));
-                before = ", ";
+                push(&mut out, format_args!("{comma}\"{name}\": {value:?}"));
+                comma = ", ";
             }
         }
         out.extend_from_slice(b"}}");

@@ -64,7 +64,7 @@ fn document<C: DeserializeOwned>(bytes: &[u8]) -> Result<(Raw, Option<C>), Forma
     } else {
         match serde_json::from_slice(bytes) {
             Ok(document) => document,
-            // JSON is tried as GeoJSON only after it turned out to be no document of this program, which is parsed only once.
+            // JSON is tried as GeoJSON only if it is no document of this program: such a document is parsed only once.
             Err(_) if geojson::is(bytes) => return Ok((geojson::read(bytes)?, None)),
             Err(error) => return Err(error.into()),
         }
@@ -126,7 +126,8 @@ pub(super) fn write(
     provenance: Option<&[Provenance]>,
     certificate: Option<&Certificate>,
 ) -> Result<Vec<u8>, FormatError> {
-    // A row has at most 44 bytes if its numbers are from 0 to 1, with up to 17 digits: then nothing is copied to make room.
+    // Room for the points: a row has at most 44 bytes if its numbers are from 0 to 1, with up to 17 digits. Larger
+    // numbers, the certificate and the provenance may make the buffer grow.
     let mut out = Vec::with_capacity(points.len() * 44);
 
     out.extend_from_slice(b"{\n");

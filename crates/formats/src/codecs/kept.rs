@@ -86,8 +86,9 @@ pub fn read_column(bytes: &[u8], hint: &Hint<'_>, name: &str) -> Result<Vec<f64>
 /// As [`read_column`], but a file without such a column is none.
 pub fn read_ranks(bytes: &[u8], hint: &Hint<'_>) -> Result<Option<Vec<f64>>, FormatError> {
     match read_column(bytes, hint, RANK) {
-        // Features have properties one by one. The first one without a number has none of this name, or another program's; one
-        // further on is a fault.
+        // The header of a table or of PLY names no such column, or the format has no columns. Properties of GeoJSON are
+        // looked up feature by feature: if the first one has no number of this name, the file has no ranks. If only a
+        // later one lacks it, that is a fault.
         Err(
             FormatError::Header { .. }
             | FormatError::NotChosen { .. }
@@ -116,7 +117,8 @@ const POINTS: &str = "points";
 const CERTIFICATE: &str = "certificate";
 const COORDINATES: &str = "coordinates";
 
-/// Returns a JSON document with the kept points only, and without its certificate.
+/// Returns a JSON document with the kept points only, and without its certificate. There is a flag for each point; an
+/// entry of a list beyond them would stay.
 fn json(bytes: &[u8], kept: &[bool]) -> Result<Vec<u8>, FormatError> {
     let mut document: Value = serde_json::from_slice(without_bom(bytes))?;
     let mut flags = kept.iter().copied();
@@ -132,6 +134,7 @@ fn json(bytes: &[u8], kept: &[bool]) -> Result<Vec<u8>, FormatError> {
                 list.retain(|_| flags_of_list.next().is_none_or(|kept| *kept));
             }
         }
+        // The document itself stays, whether a point is left in it or not.
         object => {
             keep_geo(object, &mut flags);
         }

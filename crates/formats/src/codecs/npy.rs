@@ -259,7 +259,7 @@ pub(super) fn keep(bytes: &[u8], kept: &[bool]) -> Result<Vec<u8>, FormatError> 
 
     // The rest of the head stays as it was.
     let mut out = head_of(&NpyHeader { count, ..header });
-    // In Fortran order each column is an array by itself.
+    // In Fortran order each column is an array by itself. Chunks need a size, even if there are no rows.
     let (width, arrays) = if header.fortran {
         (size, header.columns)
     } else {

@@ -29,7 +29,8 @@ struct PlyColumns {
 }
 
 impl PlyColumns {
-    /// Finds the columns of the vertices; `line` is named in errors. With `any_z` a z may be any number and is not read.
+    /// Finds the columns of the vertices; `line`, the last one of the header, is named in errors. With `any_z` a z may
+    /// be any number and is not read.
     fn find(vertex: &Element, format: Format, line: u64, any_z: bool) -> Result<Self, FormatError> {
         let axis = |name: &str| {
             vertex.column(name).ok_or_else(|| FormatError::Header {
