@@ -115,7 +115,8 @@ pub(crate) fn chosen(
 
 /// The column that the caller chose, as one of [`chosen`].
 pub(crate) fn one(wanted: &str, names: &[String], count: usize) -> Result<usize, String> {
-    // Of `x` and `X` each is chosen by its own name; only another spelling may be either.
+    // Names that differ in case alone, such as `Lon` and `LON`, are chosen by their exact spelling. Any other spelling,
+    // such as `lon`, could mean each of them, and is refused.
     let named = match only(names, wanted, |name| name == wanted)? {
         None => only(names, wanted, |name| name.eq_ignore_ascii_case(wanted))?,
         exact => exact,

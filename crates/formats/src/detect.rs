@@ -96,7 +96,7 @@ pub fn detect(bytes: &[u8], path: &Path) -> Result<Detection, FormatError> {
 
     // A mark in the bytes decides, then the name, except among tables of text, whose look decides.
     let marked = by_mark(bytes);
-    let found = match (named, marked) {
+    let (format, evidence) = match (named, marked) {
         // Most programs call GeoJSON .json. Its type need not come first in an object, so that only the name may show
         // it.
         (Some(Format::GeoJson), Some(Format::Json))
@@ -119,10 +119,7 @@ pub fn detect(bytes: &[u8], path: &Path) -> Result<Detection, FormatError> {
         }
     };
 
-    Ok(Detection {
-        format: found.0,
-        evidence: found.1,
-    })
+    Ok(Detection { format, evidence })
 }
 
 fn same_family(a: Format, b: Format) -> bool {
@@ -154,6 +151,7 @@ fn by_mark(bytes: &[u8]) -> Option<Format> {
     match (text.first()?, second?) {
         (b'{', b'"') if begins_with_type(&text[1..]) => Some(Format::GeoJson),
         (b'{', b'"' | b'}') | (b'[', b'[' | b']') => Some(Format::Json),
+        // `<?xml`, `<svg`, and a comment or a document type before it.
         (b'<', b'?' | b's' | b'!') => Some(Format::Svg),
         _ => None,
     }
@@ -214,7 +212,8 @@ enum TextShape {
 fn text_format(bytes: &[u8], path: &Path) -> Option<Format> {
     let (named, shape) = (NamedText::of(path), text_shape(bytes)?);
     Some(match (named, shape) {
-        // The codecs of XYZ and CSV both read any table, in the units of the file.
+        // The codecs of XYZ and CSV both read any table, in the units of the file. Several words in a `.txt` or `.dat`
+        // may be a header: the codec of CSV says what its names lack.
         (NamedText::Cloud, _) => Format::Xyz,
         (NamedText::Table, _)
         | (_, TextShape::Table)
@@ -274,7 +273,8 @@ fn text_shape(bytes: &[u8]) -> Option<TextShape> {
         return Some(TextShape::Words { are_several });
     }
 
-    // A semicolon makes a table only of numbers.
+    // A semicolon makes a table only of numbers. Numbers between tabs count as those between blanks: the codecs of
+    // psa's and UTK's text read both.
     if separator == Separator::Semicolon {
         return Some(TextShape::Table);
     }

@@ -308,26 +308,21 @@ pub(crate) fn export_through(
     let stored = target.mapping().positions(&decoded.set.points);
     let report = judge(&stored, &target, context, control)?;
     let levels = judged_levels(&stored, &report, &target, context, control)?;
-    let rounding = rounding(&set.points, &stored, &report, &target, context, control)?;
+    let rounded = rounding(&set.points, &stored, &report, &target, context, control)?;
 
     let digest = positions_digest(&decoded.set.points);
     // The decoded set is dropped before more bytes are encoded, so that both are not in memory at once.
     drop(decoded);
 
-    let mut certificate = certificate(name, &target, context, &report, rounding, digest);
-    certificate.levels = levels;
+    let mut stated = certificate(name, &target, context, &report, rounded, digest);
+    stated.levels = levels;
 
     // JSON holds its certificate, so that it is written again, with the same positions. It is read back again, too.
     if target.format == Format::Json {
-        data = store(encode_certified(
-            &set,
-            &target,
-            Some(&certificate),
-            &columns,
-        )?)?;
+        data = store(encode_certified(&set, &target, Some(&stated), &columns)?)?;
         let again = decode_own(&data, target.format)?;
         compare(&set, &again, &target)?;
-        if again.certificate.as_ref() != Some(&certificate) {
+        if again.certificate.as_ref() != Some(&stated) {
             return Err(ExportError::ReadBack {
                 written: "a certificate".to_owned(),
                 found: "another one".to_owned(),
@@ -336,12 +331,12 @@ pub(crate) fn export_through(
     }
 
     // Inside JSON the certificate has no digest, as the file would have to contain its own.
-    certificate.digest = Some(bytes_digest(&data));
+    stated.digest = Some(bytes_digest(&data));
     Ok(ExportedBytes {
-        certificate_bytes: certificate.to_bytes()?,
-        warnings: warnings(set.provenance.is_some(), target.format, &certificate),
+        certificate_bytes: stated.to_bytes()?,
+        warnings: warnings(set.provenance.is_some(), target.format, &stated),
         data,
-        certificate,
+        certificate: stated,
         report,
     })
 }
@@ -391,8 +386,8 @@ fn compare(set: &PointSet, decoded: &ReadSet, target: &Target) -> Result<(), Exp
         return differs(format!("{} points", set.len()), found.len().to_string());
     }
 
-    let written = mapping.stored(&set.points);
-    for (index, (written, read)) in written.iter().zip(&found.points).enumerate() {
+    let stored = mapping.stored(&set.points);
+    for (index, (written, read)) in stored.iter().zip(&found.points).enumerate() {
         // Numbers that are equal may have different digests, as 0 and -0 have.
         if written.map(f64::to_bits) != read.map(f64::to_bits) {
             return differs(format!("{written:?} as point {index}"), format!("{read:?}"));
@@ -555,7 +550,7 @@ pub(crate) fn certificate(
     .with_version()
 }
 
-/// Returns the warnings about a written file: conflicts, gaps, and provenance that it could not hold.
+/// Returns the warnings about a written file: conflicts, gaps, and what follows from its format (see [`notes`]).
 pub(crate) fn warnings(
     has_provenance: bool,
     format: Format,

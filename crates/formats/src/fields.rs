@@ -46,6 +46,7 @@ impl Separator {
         Some(match value {
             b"," => Ok(Self::Comma),
             b";" => Ok(Self::Semicolon),
+            // Some write a tab as the two characters \t.
             b"\t" | b"\\t" => Ok(Self::Tab),
             b" " => Ok(Self::Blank),
             other => Err(other),

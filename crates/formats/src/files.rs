@@ -121,8 +121,8 @@ pub fn export(
     })
 }
 
-/// Stores what `make` writes through its store in the place of `path`, with the certificate that it returns. Returns also where
-/// that is.
+/// Stores what `make` writes through its store in the place of `path`, with the certificate whose bytes it returns.
+/// Returns its other result, and the path of the certificate.
 pub(crate) fn stored_at<T>(
     path: &Path,
     make: impl FnOnce(&mut Store<'_>, &str) -> Result<(Vec<u8>, T), ExportError>,

@@ -202,6 +202,7 @@ pub(crate) fn check_origin(
     let is_finite = corners.as_flattened().iter().all(|at| at.is_finite());
     // Floating-point numbers lie farthest apart at the coordinate that is farthest from 0.
     let farthest = (corners.as_flattened().iter()).fold(0.0_f64, |far, at| far.max(at.abs()));
+    // A coordinate too large for f32 gives NaN, which is refused below, as it compares as no smaller.
     let spacing = match precision {
         _ if !is_finite => f64::INFINITY,
         Precision::Single => f64::from((farthest as f32).next_up() - farthest as f32),

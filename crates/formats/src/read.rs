@@ -69,6 +69,7 @@ pub fn read_bytes(
         if !hint.varying {
             stated.refuse_varying(name)?;
         }
+        // A certificate inside the file was not looked at above.
         stated.refuse_depth(name)?;
 
         let found = Contents {

@@ -172,6 +172,7 @@ impl Parser {
         let fields: Vec<&[u8]> = fields.collect();
         match (keyword, fields.as_slice()) {
             (b"" | b"ply" | b"comment" | b"obj_info", _) => Ok(()),
+            // The version behind the encoding is always 1.0.
             (b"format", [name, ..]) => self.encoding(name),
             (b"element", [name, count]) => self.element(name, count),
             // Whether the list is in the way depends on the place of its element. `finish` decides it, once all

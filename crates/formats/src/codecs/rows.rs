@@ -43,6 +43,7 @@ pub(crate) fn push_rows(
         Format::PlyBinary => {
             ply::push_rows(out, points, provenance, &Columns::default(), precision);
         }
+        // The rows of the other formats that stream are pairs of numbers.
         _ => binary::push_pairs(out, points, precision),
     }
 }

@@ -51,7 +51,8 @@ pub(crate) fn decode(bytes: &[u8], hint: &Hint<'_>) -> Result<SolidRaw, FormatEr
         Format::Npy => npy::read_solid(bytes)?,
         Format::UtkBinary => utk::read_solid_binary(bytes, hint.set)?,
         Format::UtkText => (utk::text_of(bytes, hint.set)?.0, Precision::Double),
-        // x and y are read as of a planar set, whatever z is, and then z as a column by itself.
+        // x and y are read as of a planar set, whatever z is, and then z as a column by itself. A choice of two columns
+        // is one of a plane, and is not used.
         Format::Csv | Format::Xyz => {
             let (columns, any_z) = (None, true);
             let planar = table::read(bytes, format, columns, any_z)?;
@@ -99,7 +100,7 @@ pub(crate) fn encode(
         }
     }
 
-    // Head and rows are those of planar sets with one number more.
+    // Head and rows are those of planar sets with one number more; PLY has a z in planar sets, too.
     Ok(match format {
         Format::Npy => npy::write_solid(points, precision),
         Format::UtkBinary => utk::write_solid_binary(points, precision)?,

@@ -271,7 +271,7 @@ pub(super) fn write(points: &[[f64; 2]], target: &Target, columns: &Columns) -> 
         Some(region) => [region.width, region.height],
         None => bounds(points),
     };
-    // Adding 0 turns -0 into 0.
+    // Adding 0 turns -0 into 0. Otherwise the same place would have two texts.
     let [x, y] = target.origin.map(|at| at + 0.0);
     // Without a sampling radius, the radius of a dot is a tenth of the mean spacing, which was chosen and not measured.
     let spacing = (width * height / points.len() as f64).sqrt();

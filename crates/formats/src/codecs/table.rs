@@ -306,6 +306,7 @@ impl TextTable {
             return Err(open_quote(self.format, place));
         }
 
+        // The same fields that `TableRows::point` reads of a row.
         let mut fields: Vec<Vec<u8>> = match separator {
             Separator::Blank if !line.contains(&b'"') => words(line).map(<[u8]>::to_vec).collect(),
             _ => quoted.fields().map(<[u8]>::to_vec).collect(),
@@ -385,7 +386,8 @@ impl TextTable {
 }
 
 impl TableRows {
-    /// Returns the point of a row. A quoted row is complete only with the lines that its quotation marks hold together.
+    /// Returns the point of a row. `is_quoted` says that it has a quotation mark. A row whose mark is still open at the
+    /// end of the line is refused, as it would go on in the next one.
     fn point(
         &mut self,
         row: &[u8],

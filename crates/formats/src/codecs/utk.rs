@@ -41,6 +41,7 @@ pub(super) fn text_of<const N: usize>(
             Some(set) if row[0] != b'#' => set.push(numbers(words(row), FORMAT, line, exact)?),
             // Like UTK, ignores empty sets: separators at the beginning, or several in a row.
             Some(set) if set.is_empty() => {}
+            // A separator behind a set begins the next one.
             _ => sets.push(Vec::new()),
         }
     }

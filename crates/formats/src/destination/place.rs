@@ -67,7 +67,8 @@ impl Place {
         is_of(&self.certificate, &self.file)
     }
 
-    /// Gives a certificate its name again if it is that of the file, and removes the rest.
+    /// Gives a certificate its name again if it is that of the file, and removes the rest. Files that cannot be renamed
+    /// or removed are left: the next writer tries again.
     fn recover(&self) {
         let left = [
             hidden(&self.certificate, "new"),
@@ -105,10 +106,9 @@ impl Place {
         let mut aside = Vec::new();
         let stated = certificate.map(|_| &*stated_path);
         let placed = self.exchange(new, stated, &mut aside);
-        // If the old file is in its place, the certificates that were moved aside come back. Otherwise they are removed, as they
-        // would be false about the new file.
+        // If the old file is in its place, the certificates that were moved aside come back, the last one first.
+        // Otherwise they are removed, as they would be false about the new file.
         let is_old = placed.as_ref().is_err_and(|failure| failure.is_old);
-        // They are undone in the reverse order.
         for (name, away) in aside.into_iter().rev() {
             let _ = if is_old {
                 fs::rename(away, name)

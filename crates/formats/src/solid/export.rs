@@ -119,15 +119,15 @@ pub(crate) fn export_through(
     drop(written);
     let stored = mapping.positions(&decoded.points);
     let verdict = context.judge(&stored, format, control)?;
-    let rounding = rounding(&points, &stored, &verdict, &mapping, name, context, control)?;
+    let rounded = rounding(&points, &stored, &verdict, &mapping, name, context, control)?;
 
     let digests = [solid_digest(&decoded.points), bytes_digest(&data)];
-    let certificate = certificate(name, format, context, &verdict, rounding, digests);
+    let stated = certificate(name, format, context, &verdict, rounded, digests);
     let has_provenance = false;
     Ok(SolidBytes {
-        certificate_bytes: certificate.to_bytes()?,
-        warnings: warnings(has_provenance, format, &certificate),
-        certificate,
+        certificate_bytes: stated.to_bytes()?,
+        warnings: warnings(has_provenance, format, &stated),
+        certificate: stated,
         verdict,
     })
 }

@@ -51,6 +51,7 @@ pub(super) fn check_from(
 
     let columns = overrides.chosen_columns();
     let digested = true;
+    // The inner error is of a file that is not a head and rows, one for each point: it has to be read whole.
     let Ok(reader) = StreamReader::try_open(path, overrides.format, columns, digested)? else {
         return in_memory();
     };

@@ -250,6 +250,7 @@ impl StreamExport {
 
     /// Reads the rows before the checkpoint again, for the digests.
     fn take_over(&mut self, checkpoint: &Checkpoint) -> Result<(), ExportError> {
+        // A checkpoint before the first point does not say whether there is provenance: there is no head either.
         let head = match checkpoint.provenance {
             Some(provenance) => self.begin(provenance)?,
             None => Vec::new(),
@@ -273,7 +274,7 @@ impl StreamExport {
         Ok(self.partial.truncate(checkpoint.bytes)?)
     }
 
-    /// Writes the head and chooses how rows are read.
+    /// Returns the head, and chooses how rows are read.
     fn begin(&mut self, provenance: bool) -> Result<Vec<u8>, ExportError> {
         let (format, precision) = (self.target.format, self.target.precision);
         self.provenance = provenance;
@@ -283,7 +284,7 @@ impl StreamExport {
         let layout =
             Layout::of(&start, format, None)?.ok_or(ExportError::NotStreamed { format })?;
         let mut rows = layout.rows;
-        // The columns of a text table follow from its header.
+        // The columns of a text table follow from its header. psa's RPS, which has no head, reads nothing here.
         if layout.offset == 0 {
             rows.read(&start)?;
         }
