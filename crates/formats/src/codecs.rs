@@ -221,7 +221,7 @@ pub fn decode(bytes: &[u8], hint: &Hint<'_>) -> Result<ReadSet, FormatError> {
     }
     check_provenance(&raw.set)?;
 
-    // A page has no use for the radii of a file, and would load their readers for nothing.
+    // The program in a browser has no use for the radii of a file: its page would load their readers for nothing.
     let asks_radii = hint.varying && !cfg!(target_arch = "wasm32");
     let radii = asks_radii.then(|| radii::read(bytes, format));
 

@@ -299,8 +299,8 @@ fn looks_like_rps(bytes: &[u8]) -> Option<Format> {
             .chunks_exact(4)
             .map(|word| f32::from_le_bytes(array(word)))
     };
-    // Whole numbers of 32 bits read as floats give subnormal ones, or very small ones: 1e-6 has the bits of
-    // 897,988,541.
+    // A file of 32-bit whole numbers is no such file: read as floats, those up to 897,988,541 are subnormal or at most
+    // 1e-6.
     let in_unit = |value: f32| (0.0..=1.0).contains(&value) && !value.is_subnormal();
     let is_spread = || values().any(|value| value > 1e-6);
     let whole = !bytes.is_empty() && bytes.len().is_multiple_of(8);

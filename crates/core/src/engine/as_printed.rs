@@ -71,6 +71,7 @@ impl AsPrinted {
 
             if valid {
                 samples.fates[pivot as usize] = Fate::Kept;
+                // The rest are the samples outside of the conflict area, which are kept below.
                 recorder.record(RunEvent::Keep {
                     sample: pivot,
                     rest: false,

@@ -187,6 +187,8 @@ impl Sequential {
 
         let ranking = Ranking::new(order, &run.domain, self.key);
         let mut meter = Meter::begin(observer, Stage::Eliminate, run.samples.len() as u64)?;
+        // Only samples near the borders of their blocks may be in conflict: they alone are ranked, and count as work to
+        // come.
         let ranked = contested(&run.samples, &run.blocks, &ranking, &mut meter)?;
         meter.set_total(ranked.len() as u64);
 

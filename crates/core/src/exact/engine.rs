@@ -161,7 +161,8 @@ impl<'a> ExactTiling<'a> {
         self.agenda.clear();
         self.tile(clipper, observer, recorder)?;
 
-        // The darts of the first levels wait in the history.
+        // The darts of the first levels are not thrown here: the history has them, each by its first blocker. Those
+        // whose blocker is missing are woken, as questions on the agenda.
         self.begin(1, recorder);
         for level in 0..LATE_LEVEL {
             self.settle(level, Stage::Iterate(1), observer, recorder)?;

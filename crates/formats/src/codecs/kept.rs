@@ -226,9 +226,9 @@ fn flatten(value: &mut Value, is_place: bool) {
         Value::Object(members) => {
             for (name, member) in members {
                 // Lists of three numbers elsewhere, as in properties, stay.
-                let is_place = name == POINTS || name == COORDINATES;
-                if is_place || name == "features" || name == "geometry" {
-                    flatten(member, is_place);
+                let holds_places = name == POINTS || name == COORDINATES;
+                if holds_places || name == "features" || name == "geometry" {
+                    flatten(member, holds_places);
                 }
             }
         }

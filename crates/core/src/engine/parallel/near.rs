@@ -79,15 +79,15 @@ impl Near {
         for row in -reach..=reach {
             let start = (cell as i64 + i64::from(row) * stride as i64 - i64::from(reach)) as usize;
             let cells = &slots[start..=start + 2 * reach as usize];
-            for (slots, column) in cells.iter().zip(-reach..) {
+            for (held, column) in cells.iter().zip(-reach..) {
                 // All four slots are written, and those beyond the cell's count are overwritten by the next cell. The
                 // fourth holds the complement of the count.
                 let (left, bottom) = (column * R, row * R);
-                let right = slots.map(|slot| ((slot as i32 & (R - 1)) + left) as f32);
-                let up = slots.map(|slot| ((slot >> CELL_BITS) as i32 + bottom) as f32);
+                let right = held.map(|slot| ((slot as i32 & (R - 1)) + left) as f32);
+                let up = held.map(|slot| ((slot >> CELL_BITS) as i32 + bottom) as f32);
                 xs[count..count + 4].copy_from_slice(&right);
                 ys[count..count + 4].copy_from_slice(&up);
-                count += !slots[3] as usize & 3;
+                count += !held[3] as usize & 3;
             }
         }
         self.count = count;
@@ -104,7 +104,7 @@ impl Near {
     /// r/2 around them do not overlap, so that there are fewer than 64.
     #[inline(always)]
     pub(crate) fn measure<S: Simd>(&mut self, simd: S, x: f32, y: f32) -> MeasuredPixel {
-        let (nearest, corner) = self.square_distances(simd, x, y);
+        let (nearest, squared_to_corner) = self.square_distances(simd, x, y);
         let limit = f32x8::splat(simd, site_limit(nearest));
         let mut sites = 0;
         let groups = self.squared[..self.groups()].iter();
@@ -115,7 +115,7 @@ impl Near {
         }
         MeasuredPixel {
             nearest,
-            covered: corner <= SURELY_COVERED,
+            covered: squared_to_corner <= SURELY_COVERED,
             sites,
         }
     }

@@ -425,15 +425,17 @@ fn row_covers<S: Simd>(simd: S, slots: &[Slots], first: usize, x: i32, y: i32) -
     // begins R before the middle one, and four times for the middle one.
     let left = [-R - x, -R - x, -R - x, -R - x, -x, -x, -x, -x];
     let packed = [a[0], a[1], a[2], a[3], b[0], b[1], b[2], b[3]].map(|slot| slot as i32);
-    let two = i32x8::simd_from(simd, packed);
+    let first_two = i32x8::simd_from(simd, packed);
 
     // Longer lengths count as R + 1, which is too far as well: the squares then fit 32 bits, as does their sum, of
     // which R^2 is taken off in between.
     let most = i32x8::splat(simd, R + 1);
-    let across = ((two & (R - 1)) + i32x8::simd_from(simd, left))
+    let across = ((first_two & (R - 1)) + i32x8::simd_from(simd, left))
         .abs()
         .min(most);
-    let up = (((two >> CELL_BITS) & SHIFTED_BITS) - y).abs().min(most);
+    let up = (((first_two >> CELL_BITS) & SHIFTED_BITS) - y)
+        .abs()
+        .min(most);
     let beyond = across * across - R_SQUARED as i32 + up * up;
     let covers = beyond.simd_le(i32x8::splat(simd, 0)).any_true();
 

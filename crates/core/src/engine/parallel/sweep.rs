@@ -113,8 +113,8 @@ impl<P: WindowMaker> Sweep<P> {
         let windows = WINDOWS_A_THREAD as f64 * rayon::current_num_threads() as f64;
         let side = (f64::from(cells[0]) * f64::from(cells[1]) / windows).sqrt() as i32;
         let longest = side.clamp(MIN_SIDE, P::MAX_SIDE);
-        let sides = cells.map(|cells: i32| {
-            (cells as u32).div_ceil((cells as u32).div_ceil(longest as u32)) as i32
+        let sides = cells.map(|extent: i32| {
+            (extent as u32).div_ceil((extent as u32).div_ceil(longest as u32)) as i32
         });
 
         Self {

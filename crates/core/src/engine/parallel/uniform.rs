@@ -60,6 +60,7 @@ impl<const TAGS: bool> Region<TAGS> {
             // From level 1 on a cell throws once, so that its throw is number 0.
             let key = throw_key(process_key, level, 0);
             self.throw(simd, &mut gaps, rules, key, &active, level);
+            // The cells of the last level have one lattice point, and cannot be cut.
             if level == LAST_LEVEL {
                 break;
             }
@@ -223,6 +224,7 @@ impl<const TAGS: bool> Region<TAGS> {
                 continue;
             }
 
+            // A level has one throw, which counts as the iteration of its number.
             self.insert(x, y, inserted_tag(level));
             gaps.inserted.push(Inserted {
                 x,
