@@ -406,8 +406,10 @@ impl Certificate {
         refuse_unknown_version(version, name)?;
 
         let reason = match self.parts().next() {
-            // Programs of version 1 would take positions with an origin for positions in the domain.
+            // Programs of version 1 would pass the part over, and take the set for another one: positions with an
+            // origin, for example, for positions in the domain.
             Some(part) if version < WITH_PARTS => format!("version {version} has no {part}"),
+            // Without a part the certificate is written in version 1, see `with_version`.
             None if version >= WITH_PARTS => {
                 format!("version {version} needs an origin, or another part that version 1 lacks")
             }
