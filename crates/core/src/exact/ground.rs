@@ -27,11 +27,14 @@ impl Ground {
     /// Returns the ground of a whole domain.
     pub(crate) fn whole(domain: &Domain) -> Self {
         let rect = domain.rect();
+        let no_halo = 0;
         let frame = Frame {
-            // The last cells of a periodic domain may be cut.
+            // The frame of a periodic domain would end with its last cells, which may reach beyond the domain; and the
+            // plane would go on behind them. Here both ends are those of the domain, and `joined` says what lies
+            // behind.
             end: [rect.max.x, rect.max.y],
             goes_on: [[false; 2]; 2],
-            ..Frame::new(domain, &rect, 0)
+            ..Frame::new(domain, &rect, no_halo)
         };
         let joined = domain.is_periodic().then_some(rect.max);
         Self {
@@ -165,7 +168,8 @@ impl Ground {
     #[cold]
     fn any_cut_part(&self, rect: &Rect, visit: &mut dyn FnMut(&Rect, IVec2) -> bool) -> bool {
         let all = self.rect();
-        // Where ends are joined, parts of the rectangle may also lie a side farther, either way.
+        // Where ends are joined, parts of the rectangle may also lie a side farther, either way. Where they are not,
+        // only the first shift is used, which is none.
         let shifts = |side: Option<i32>| side.map_or([0; 3], |side| [0, -side, side]);
         let count = if self.joined.is_some() { 3 } else { 1 };
         let (xs, ys) = (

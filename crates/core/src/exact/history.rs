@@ -62,6 +62,7 @@ impl PatternHistory {
         for (id, &place) in (0..).zip(samples) {
             grid.insert(id, place);
         }
+        // Later darts at the place of a sample were refused by it.
         let arrivals: Vec<Arrival> = samples.iter().map(|&p| darts.first_at(p)).collect();
 
         let mut refusals = blocked(&pattern, &darts, &arrivals, &grid, observer)?;
@@ -143,9 +144,10 @@ impl PatternHistory {
         }
     }
 
-    /// Calls `visit` with the darts of levels 0 and 1 whose first blocker is a sample of the pattern, and which lie in a rectangle.
-    /// The sample lies at `place`, where the pattern is turned by `symmetry`; the darts have their places there, and come with
-    /// their second blockers.
+    /// Calls `visit` with the darts of levels 0 and 1 whose first blocker is a sample of the pattern, and which lie in
+    /// a rectangle. `place` is where a copy of the pattern, turned by `symmetry`, has the sample. The rectangle is one
+    /// of the copy, and the darts have their places in it. The offset of a dart's second blocker, however, is that in
+    /// the pattern, not turned.
     #[inline]
     pub(crate) fn each_waiting_in(
         &self,
@@ -157,12 +159,12 @@ impl PatternHistory {
     ) {
         for waiting in self.waiting(sample) {
             let IVec2 { x, y } = symmetry.turn(waiting.offset);
-            let place = Point::new(place.x + x, place.y + y);
-            if rect.contains(place) {
+            let dart_place = Point::new(place.x + x, place.y + y);
+            if rect.contains(dart_place) {
                 let dart = PlacedDart {
                     arrival: waiting.arrival,
                     source: self.source(sample, waiting.offset),
-                    place,
+                    place: dart_place,
                 };
                 visit(dart, waiting.second);
             }
@@ -173,6 +175,7 @@ impl PatternHistory {
     #[inline]
     pub(crate) fn source(&self, sample: u32, offset: IVec2) -> Point {
         let domain = self.pattern.domain();
+        // An offset ends beyond an end of a periodic pattern alone, and by less than a side: darts lie in the pattern.
         let wrapped = |at: i32, side: i32| {
             if at < 0 {
                 at + side
@@ -220,8 +223,10 @@ const fn mark_columns(rect: &Rect) -> usize {
     ((rect.max.x - 1) / MARK_SIDE + 1) as usize
 }
 
-/// Returns of each cell of [`MARK_SIDE`] a sample that covers all of it and arrived with a level that is kept.
+/// Returns of each cell of [`MARK_SIDE`] a sample that covers all of it and arrived with a level that is kept, or
+/// [`CoveringSample::NONE`].
 fn covering(darts: &PatternDarts, arrivals: &[Arrival], grid: &SampleGrid) -> Vec<CoveringSample> {
+    // The pattern's end may cut its last cells. Taken as whole, they count as covered less often, which is never wrong.
     let extent = IVec2::splat(MARK_SIDE - 1);
     let cells = tiling_cells(darts.rect(), MARK_SIDE);
     let of_cell = |min: Point| {
@@ -262,7 +267,6 @@ fn blocked(
                 let order = |id: u32| (arrivals[id as usize], samples[id as usize].row_major());
 
                 let mut first: Option<u32> = None;
-                // The closure returns `false`, so that all samples near are compared.
                 let mut second: Option<u32> = None;
                 grid.any_near(place, R, |near| {
                     let is_before =
@@ -274,6 +278,7 @@ fn blocked(
                             second = Some(near.id);
                         }
                     }
+                    // Nothing found ends the search: all samples near are compared.
                     false
                 });
 

@@ -78,6 +78,7 @@ impl CoverLists {
     /// Appends a list and free places behind it, `room` in all.
     fn append(&mut self, list: &[Covering], room: u32) -> Held {
         let start = self.entries.len() as u32;
+        // Any entry would do: free places are not read.
         let free = Covering {
             at: IVec2::ZERO,
             when: 0,

@@ -102,6 +102,8 @@ pub(crate) fn pieces(
             };
 
             // The copy begins `first - copy` before the part, and has the pattern's place 0 at its `corner`.
+            // A place 0 beyond the 32-bit integers keeps its low 32 bits, which is enough for sums that wrap, as in
+            // [`SourcePiece::place`].
             let origin = I64Vec2::from(rect.min) - (first - copy) + corner.as_i64vec2();
             pieces.push(SourcePiece {
                 tile,

@@ -168,7 +168,8 @@ pub fn exact_points(
     Ok(sampled.points)
 }
 
-/// Returns all samples, made by windows without doubt. Should these not agree, they are made again by windows with it.
+/// Returns all samples, made by windows that do not follow what their halos leave in doubt. Should these windows not
+/// agree, all are made again by windows that do follow it.
 fn finished(
     parameters: &Parameters,
     history: &PatternHistory,
@@ -182,7 +183,8 @@ fn finished(
     plane.sweep(sources).finish(observer)
 }
 
-/// Returns all samples, made by windows without doubt, unless these do not agree.
+/// Returns all samples, made by windows that have halos of `halo` cells and do not follow doubt; `None` if the samples
+/// around a window are not those that its neighbours made.
 fn made_alone(
     parameters: &Parameters,
     history: &PatternHistory,

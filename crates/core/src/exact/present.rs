@@ -216,6 +216,7 @@ impl<'a> PresentSamples<'a> {
             for row in part.min.y / R..=(part.max.y - 1) / R {
                 for column in part.min.x / R..=(part.max.x - 1) / R {
                     let cell = cells.index(Point::new(column * R, row * R));
+                    // Where ends are joined, it is the cell moved by `moved` that lies beside the place.
                     let at = IVec2::new(place.x - column * R, place.y - row * R) - moved;
                     if lists.has(cell) && touches_cell(at) {
                         visit(lists, cell, at);

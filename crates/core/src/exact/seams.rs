@@ -198,6 +198,7 @@ impl<'a> SeamTiling<'a> {
                 if self.open.is_empty() && self.agenda.is_empty_from(level) {
                     return;
                 }
+                // All open cells throw, and all darts of the level count.
                 let (first_cell, after) = (0, None);
                 self.throw(simd, clipper, first_cell, level, after);
             }
@@ -205,6 +206,8 @@ impl<'a> SeamTiling<'a> {
         }
     }
 
+    /// Removes what the window before left. The blocks are those of this window already; `reached`, `spare`, `drawn`
+    /// and the regions are emptied where they are used.
     fn reset(&mut self) {
         self.tiles.clear();
         self.samples.clear();
@@ -221,6 +224,7 @@ impl<'a> SeamTiling<'a> {
         self.open.clear();
         let end = self.ground.rect().max;
         self.disks.reset(end);
+        // Elsewhere nothing is doubtful, and there are no zones.
         if self.ground.has_unknown() {
             self.zone_cells.reset(end);
         }

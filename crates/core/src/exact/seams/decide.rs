@@ -27,7 +27,8 @@ impl SeamTiling<'_> {
             ref missing,
             ..
         } = self.tiles[tile as usize];
-        // Samples beyond the frame are in no list, and refuse no dart here.
+        // A sample outside of the block is not there, and one beyond the frame is in no list: neither refuses a dart
+        // here.
         let inside = surely_inside(&rect);
 
         // Outside of the tile another block has darts of its own.
@@ -65,6 +66,8 @@ impl SeamTiling<'_> {
         let cell = self.whole_cell(clipper, place, tile);
         let is_earlier = |other: u32| other != id && self.dart(other) < *dart;
         let when = dart.arrival.when();
+        // A sample may be asked about several times. It is lost, and becomes doubtful, only where the lists still have
+        // it as what it was before; then `lose` and `doubt` keep account of it, and return `true`.
         let is_changed = match self.disks.coverage(simd, cell, place, when, is_earlier) {
             Coverage::Certain => self.disks.remove(simd, place) && self.lose(id),
             coverage => {
@@ -75,8 +78,9 @@ impl SeamTiling<'_> {
         };
 
         let level = dart.arrival.level();
+        // The cells that the loss of an early sample has marked wait for the first late level.
         if is_changed && level >= LATE_LEVEL {
-            // Darts of the cells that its disk touches and that are earlier were refused by other samples.
+            // The marked cells throw at once, but only darts later than the sample: it refused none before it came.
             let first = self.open.len();
             self.cut_fresh(simd, clipper, level, dart.arrival);
             self.throw(simd, clipper, first, level, Some(dart));
@@ -87,6 +91,7 @@ impl SeamTiling<'_> {
     #[inline(never)]
     fn lose(&mut self, id: u32) -> bool {
         let sample = &mut self.samples[id as usize];
+        // It may also be left out as a doubtful one. Then it is looked for in an interior in vain.
         let is_deep = std::mem::replace(&mut sample.is_left_out, true);
         let ListedSample {
             place,
@@ -152,6 +157,7 @@ impl SeamTiling<'_> {
         let is_doubtful = coverage == Coverage::Doubtful || self.is_in_doubt(place, dart.arrival);
 
         // Samples of the pattern that arrive later may be covered by it: they are decided again when their turn comes.
+        // Samples that were inserted here arrived before it, as darts are decided in order.
         let mut later = Vec::new();
         self.disks
             .each_later(simd, cell, place, when, |id| later.push(id));

@@ -138,6 +138,7 @@ impl DiskLists {
             self.extend(&mut held);
         }
 
+        // The remainder changes nothing, and spares the check of the lane. It does so wherever lanes are read.
         let (group, lane) = (
             &mut self.groups[held.last as usize],
             held.filled as usize % LANES,
@@ -203,6 +204,7 @@ impl DiskLists {
                 let in_column = i32x8::simd_from(simd, group.xs).simd_eq(x);
                 let in_row = i32x8::simd_from(simd, group.ys).simd_eq(y);
                 let lanes = (in_column & in_row).to_bitmask() as u32;
+                // No two samples are at one place, so that a list has this one once.
                 if lanes != 0 {
                     visit(group, lanes.trailing_zeros() as usize % LANES);
                     break;
@@ -217,6 +219,7 @@ impl DiskLists {
     fn touched(&self, place: Point) -> ([usize; 9], usize) {
         let cell = self.cell(place);
         let stride = self.stride as usize;
+        // None of the four cells that share a side with the place's own is farther than R.
         let mut cells = [cell; 9];
         cells[1] = cell - 1;
         cells[2] = cell + 1;
@@ -264,7 +267,8 @@ impl DiskLists {
                 found &= found - 1;
                 let id = group.ids[lane];
 
-                // A certain sample settles it, and a doubtful one stands only where no certain one follows.
+                // Without the mark of doubtful ones it is the sample's id. A doubtful sample decides only if no certain
+                // one follows.
                 if group.whens[lane] < when || is_earlier(id % DOUBTFUL) {
                     if id < DOUBTFUL {
                         return Coverage::Certain;
@@ -297,6 +301,7 @@ impl DiskLists {
             while found != 0 {
                 let lane = found.trailing_zeros() as usize % LANES;
                 found &= found - 1;
+                // Whether the sample is doubtful does not matter here.
                 if group.whens[lane] >= when {
                     visit(group.ids[lane] % DOUBTFUL);
                 }
@@ -331,16 +336,17 @@ impl DiskLists {
         halves: [impl Halves; 2],
         latest: u32,
     ) -> [u32; 2] {
-        // Nearly all samples are certain.
+        let only_certain = true;
+        // In most frames all samples are certain: they need not be looked at twice.
         if !self.has_doubtful {
-            let covered = self.quarters(simd, cell, halves, latest, false);
+            let covered = self.quarters(simd, cell, halves, latest, !only_certain);
             return [covered, 0];
         }
-        let certain = self.quarters(simd, cell, halves, latest, true);
+        let certain = self.quarters(simd, cell, halves, latest, only_certain);
         if certain == ALL_QUARTERS {
             return [certain, 0];
         }
-        let all = self.quarters(simd, cell, halves, latest, false);
+        let all = self.quarters(simd, cell, halves, latest, !only_certain);
         [certain, all & !certain]
     }
 
@@ -356,8 +362,9 @@ impl DiskLists {
         only_certain: bool,
     ) -> u32 {
         let too_far = i32x8::splat(simd, R + 1);
-        // How far beyond R the nearest sample has the farthest place of each quarter, as differences of squares. They are looked
-        // at once, behind the last group: whether the first group suffices cannot be foreseen.
+        // By quarter and lane, the least of the squared distances from the quarter's farthest place to a sample, less R
+        // squared: where that is at most 0, the sample covers the quarter. It is asked once, behind the last group. To
+        // stop at a group that covers all quarters would take a branch that the processor cannot foresee.
         let mut beyond = [i32x8::splat(simd, i32::MAX); 4];
         let mut index = self.cells[cell].first as usize;
         while index != 0 {
@@ -371,7 +378,8 @@ impl DiskLists {
 
             let [left, right] = across.farther(simd, i32x8::simd_from(simd, group.xs));
             let [bottom, top] = up.farther(simd, i32x8::simd_from(simd, group.ys));
-            // Samples that do not count are too far to the left and to the right.
+            // Samples that do not count are made too far on one axis, which is enough. Longer distances count as R + 1,
+            // so that squares fit 32 bits.
             let (left, right) = (
                 counts.select(left, too_far).min(too_far),
                 counts.select(right, too_far).min(too_far),
