@@ -535,7 +535,7 @@ impl Domain {
     #[must_use]
     pub fn lattice_from_user(&self, position: [f64; 2]) -> Point {
         let axis = |value: f64, side: f64, total: i32| {
-            // Positions far outside are cut off, so that they fit whole numbers.
+            // Positions that are no coordinates of 32 bits are cut off.
             let limit = f64::from(i32::MAX);
             let units = (value / side * f64::from(total))
                 .round()

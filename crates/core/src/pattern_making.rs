@@ -20,6 +20,7 @@ impl Pattern {
     pub fn generate(spec: &PatternSpec, observer: &mut dyn Observer) -> Result<Self, SampleError> {
         let side = spec.side_units()?;
         let domain = Domain::from_units(side, side, spec.boundary);
+        // The reference sampler takes a seed: the one whose key is the pattern's.
         let [low, high] = spec.key().words();
         let seed = u64::from(low) | u64::from(high) << 32;
 

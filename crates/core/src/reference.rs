@@ -61,6 +61,7 @@ pub(crate) fn throw<G: DartGround, T: Recorder>(
     observer: &mut dyn Observer,
     recorder: &mut T,
 ) -> Result<(), SampleError> {
+    // The active cells take the place of detectors, as in uniform insertion.
     recorder.record(RunEvent::Iteration {
         number,
         detectors: process.active_cells().len() as u32,

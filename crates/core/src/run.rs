@@ -65,7 +65,8 @@ pub struct Run {
     pub samples: Samples,
     /// The iterations so far.
     pub iterations: Vec<Iteration>,
-    /// Ids of the result in canonical order; empty before [`Stage::Finish`].
+    /// Ids of the result in canonical order, or with a locality in the order of arrival; empty before
+    /// [`Stage::Finish`].
     pub result: Vec<u32>,
     /// The counts of a run that kept only its result ([`crate::Sweep::run`]).
     pub counted: Option<Summary>,
@@ -159,7 +160,8 @@ impl Run {
     #[must_use]
     pub fn of_points(parameters: Parameters, domain: Domain, points: Vec<Point>) -> Self {
         let count = points.len();
-        // An origin names a block and a pattern sample. None is known, and 0 stands for it.
+        // An origin names a block and a pattern sample, and whether the sample lies in the block's margin. None of
+        // these is known: the values are placeholders.
         let origin = Origin::Tiled {
             block: 0,
             pattern: 0,
@@ -204,16 +206,18 @@ impl Run {
     ) -> Self {
         let domain = *locality.field.domain();
         let mut origins = Vec::with_capacity(points.len());
-        for (iteration, of) in (1..).zip(&iterations) {
+        // The samples of a throw follow those of the throws before it.
+        for (number, iteration) in (1..).zip(&iterations) {
             let origin = Origin::Inserted {
-                iteration,
+                iteration: number,
                 sites: Sites::Dart,
             };
-            origins.resize(of.inserted.end as usize, origin);
+            origins.resize(iteration.inserted.end as usize, origin);
         }
 
         let fates = vec![Fate::Kept; points.len()];
         Self {
+            // The order of arrival, not the canonical one: a field's sets have no other.
             result: (0..points.len() as u32).collect(),
             samples: Samples {
                 points,
@@ -221,6 +225,7 @@ impl Run {
                 fates,
             },
             iterations,
+            // The samples and the iterations are there to be counted.
             counted: None,
             locality: Some(Arc::clone(locality)),
             ..Self::of_points(parameters, domain, Vec::new())

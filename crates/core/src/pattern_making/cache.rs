@@ -59,6 +59,7 @@ fn of_spec(
         Arc::new(Pattern::generate(spec, observer)?)
     };
 
+    // One that was found becomes the most recently used one.
     lock(kept).keep(wanted, Arc::clone(&pattern));
     Ok(pattern)
 }

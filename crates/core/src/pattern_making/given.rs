@@ -35,6 +35,7 @@ impl Pattern {
 
         let domain = Domain::from_size(size, radius, boundary)?;
         for (index, &[x, y]) in positions.iter().enumerate() {
+            // A position on the upper border of a periodic domain is allowed, and is one on its lower border.
             let inside = (0.0..=size[0]).contains(&x) && (0.0..=size[1]).contains(&y);
             if !inside {
                 return Err(PatternError::Outside {

@@ -58,7 +58,8 @@ pub struct SolidSample {
 impl SolidRequest {
     /// Returns about the radius of a set of `count` samples, from the density of large sets and what closed faces add.
     ///
-    /// Fails when a side is none, and when no radius within the limits gives the given number of samples.
+    /// Fails when a side is not a number within [`crate::SIDE_LIMITS`], and when no radius within the limits of a
+    /// domain gives so many samples.
     pub fn radius_estimate(&self, count: u64) -> Result<f64, ParameterError> {
         for (name, side) in ["width", "height", "depth"].into_iter().zip(self.size) {
             check_side(name, side)?;
@@ -109,7 +110,7 @@ impl SolidRequest {
         count: u64,
         observer: &mut dyn Observer,
     ) -> Result<SolidSample, SampleError> {
-        // Three standard deviations more than wanted are seldom too few.
+        // Three standard deviations more than wanted, rounded up, are seldom too few.
         let spread = (COUNT_VARIANCE * count as f64).sqrt();
         let aim = count + (3.0 * spread) as u64 + 1;
         let most = aim + count / SURPLUS + FEW;

@@ -122,7 +122,7 @@ impl BallFrame {
 
     /// Calls `visit` with the cells that reach within R of a cube, nearest cells first, until it returns `true`;
     /// returns whether it did. Each cell comes with the offset of its lowest place from `min`, the cube's lowest one.
-    /// The cube lies in one cell, and is one of a level.
+    /// The cube lies in one cell, and its side is a power of two.
     ///
     /// `depth` is how far into the cube from each of its sides a sample must reach: cells from which none does are left
     /// out, too.
@@ -142,7 +142,9 @@ impl BallFrame {
 
         for &number in &self.orders[block(inside, side)] {
             let Neighbour { at, step, offset } = self.around[usize::from(number)];
-            // The list is that of a whole block. For a cube that is a part of the block some of its cells are too far.
+            // The list is that of a whole block, and samples need only cover places of it. A cell may be too far for a
+            // cube that is a part of the block, or to reach so deep. `at` is below 3: the mask spares the check of an
+            // index.
             let gap = x_gaps[at[0] & 3] + y_gaps[at[1] & 3] + z_gaps[at[2] & 3];
             if gap > R_SQUARED as u64 {
                 continue;
@@ -158,8 +160,8 @@ impl BallFrame {
 }
 
 /// Returns the squared distances on an axis that a sample in the cells below, beside and above a cube must reach at
-/// least, to reach `depth` into the cube. A sample beside may lie in the middle of places that are `depth` apart, and
-/// must reach half as far. The fourth is never asked for, and saves the check whether an index is one.
+/// least, to reach `depth` into the cube from either side. A sample in the cell beside may lie in the middle of the
+/// cube's places, and must then reach half of `depth` either way. The fourth is never read: masked indices are below 4.
 #[inline]
 fn squared_gaps(at: i32, side: i32, depth: i32) -> [u64; 4] {
     let squared = |gap: i32| u64::from(gap.unsigned_abs()).pow(2);

@@ -112,7 +112,7 @@ pub(super) fn decide_in_rounds(darts: &[SolidDart], balls: &mut BallGrid) -> Vec
         kept.extend(first);
     }
 
-    // The numbers of darts are their places in the sequence.
+    // Darts are numbered in the order of arrival.
     kept.sort_unstable();
     kept.into_iter().map(place).collect()
 }

@@ -86,6 +86,7 @@ pub(crate) fn split_recorded<T: Recorder>(
                 blocks.leaves.push(node.block);
             }
             Some(cut) => {
+                // Where the axis whose turn it was is too short, the other one is cut.
                 recorder.record(RunEvent::Split {
                     index: blocks.splits.len() as u32,
                     turned: cut.axis != node.axis,
@@ -188,7 +189,8 @@ const fn extent(rect: &Rect, axis: Axis) -> i32 {
     }
 }
 
-/// Returns the two parts of a rectangle that is cut at a place on an axis.
+/// Returns the lower and the upper part of a rectangle that is cut at a coordinate of an axis, the first of the upper
+/// part.
 const fn halves(rect: &Rect, axis: Axis, plane: i32) -> (Rect, Rect) {
     match axis {
         Axis::X => (

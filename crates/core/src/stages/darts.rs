@@ -257,7 +257,8 @@ impl<G: DartGround> DartProcess<G> {
         let mut meter = Meter::begin(observer, stage, 3 * cells)?;
         let darts = self.darts(&mut meter, recorder)?;
 
-        // A process in another stage than insertion has no iterations.
+        // Events number iterations from 1. A process that is no stage of iterations inserts in none, for which 0
+        // stands.
         let iteration = match stage {
             Stage::Iterate(k) => k,
             _ => 0,
@@ -352,7 +353,7 @@ impl<G: DartGround> DartProcess<G> {
         self.level += 1;
         self.throw = 0;
         let mut next = Vec::with_capacity(self.active.len());
-        // A buffer with room for most cells; it grows where more samples lie near one.
+        // A buffer with room for the samples near most cells; it grows where there are more.
         let mut near = Vec::with_capacity(32);
 
         for cell in &self.active {
@@ -404,7 +405,8 @@ pub(crate) fn cell_darts(
     draws: DartDraws,
 ) -> impl Iterator<Item = (u32, Point)> {
     let Cell { min, side } = cell;
-    // A coordinate has 16 random bits, of which a smaller cell takes the highest.
+    // With one draw for a dart a coordinate has 16 random bits, of which a cell takes the highest, as many as its side
+    // has.
     let shift = 16 - side.ilog2().min(16);
     let cell_key = key.derive_at(min.x, min.y);
     // A cell of one point throws that point for certain, so that the process ends.

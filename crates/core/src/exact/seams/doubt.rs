@@ -103,6 +103,7 @@ impl SeamTiling<'_> {
             corners.len()
         };
 
+        // Lists of several cells may name a sample several times. Asked again, it is not changed again.
         for &corner in &corners[..count] {
             let cell = self.whole_cell(clipper, corner, tile);
             let (samples, history) = (&self.samples, self.history);

@@ -46,6 +46,7 @@ impl SeamTiling<'_> {
         out: &mut WindowSamples,
         around: Option<&mut Vec<Point>>,
     ) {
+        // Nothing here is unsure, and nothing reads how far an unsure sample reaches.
         let no_reach = 0;
         region.reset(self.ground.frame.clone(), no_reach);
         dispatch!(InstructionSet::best().level(), simd => {
@@ -83,6 +84,7 @@ impl SeamTiling<'_> {
             }
         }
 
+        // The interiors were copied with the samples that are lost here.
         for lost in self.lost.iter().filter(|lost| lost.is_deep) {
             region.remove(lost.place.x, lost.place.y);
         }
@@ -133,6 +135,7 @@ impl SeamTiling<'_> {
     fn count(&self, counts: &mut WindowCounts) {
         counts.clear();
         let window = self.ground.frame.window;
+        // A block counts in the window that has its lowest corner, and so once in a run of many windows.
         let corners = self.blocks.iter().map(|block| block.rect.min);
         let inside = corners.filter(|&corner| Rect64::from(window).contains(corner));
         counts.blocks = inside.count() as u64;
@@ -146,6 +149,7 @@ impl SeamTiling<'_> {
             .iter()
             .filter(|sample| sample.pattern().is_none());
         for sample in inserted.filter(|sample| window.contains(sample.place)) {
+            // Iterations are numbered from 1.
             counts.insert(self.iteration(sample) as usize - 1, 1);
         }
     }

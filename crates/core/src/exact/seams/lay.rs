@@ -27,20 +27,20 @@ impl SeamTiling<'_> {
         // Late darts at places that something unknown may cover are not thrown.
         if let Some(core) = Rect64::from(rect).within(&self.ground.core()) {
             let start = I64Vec2::from(block.start) + I64Vec2::from(core.min) - block.rect.min;
-            let held = self.history.pattern().domain().rect();
-            for piece in pieces(tile, &core, start, symmetry, &held) {
+            let pattern_rect = self.history.pattern().domain().rect();
+            for piece in pieces(tile, &core, start, symmetry, &pattern_rect) {
                 self.bounds.push(piece.placed(&piece.sources));
                 self.marked.add(piece);
             }
         }
 
-        let near = |at: I64Vec2| {
+        let cut_off = |at: I64Vec2| {
             let at = at.clamp(I64Vec2::splat(-FAR), I64Vec2::splat(FAR));
             Point::new(at.x as i32, at.y as i32)
         };
         let whole = Rect {
-            min: near(block.rect.min),
-            max: near(block.rect.max),
+            min: cut_off(block.rect.min),
+            max: cut_off(block.rect.max),
         };
         let has_unknown = self.ground.has_unknown();
         self.tiles.push(SeamTile {
@@ -69,6 +69,7 @@ impl SeamTiling<'_> {
                 let place = Point::new(x, y);
                 let id = self.list_near(place, tile, pattern);
                 // A sample deeper than r stays, since samples of other blocks cover only places within r of the border.
+                // But late darts that are not thrown, near what is unknown, may cover it, too.
                 if whole.depth(place) <= R || self.is_late_near_unknown(place, pattern) {
                     self.agenda.add(self.dart(id), What::Sample(id));
                 }
@@ -159,6 +160,7 @@ impl SeamTiling<'_> {
                 fate => fate.is_some(),
             };
 
+            // It has another id in each cell that lists it, and is left out, since the interior has it.
             let id = self.samples.len() as u32;
             self.samples.push(ListedSample {
                 place: at,
@@ -173,9 +175,12 @@ impl SeamTiling<'_> {
         self.samples.len() > before
     }
 
-    /// Returns the places that are deeper in a tile than those that are listed; none, at its lowest place, of a small tile.
+    /// Returns the places so deep in a tile that samples there are listed only where they are asked about. A small tile
+    /// has none: the rectangle is then empty, but still lies in the tile, since callers ask for what of the tile lies
+    /// around it.
     #[inline(always)]
     pub(super) fn interior(&self, whole: &Rect) -> Rect64 {
+        // Rectangles are half open, so that the lowest place is 0 deep, and the highest one is 1 deep.
         let deeper = |rect: &Rect, deep: i64| Rect64::from(*rect).grown(-deep - 1, -deep);
         let Rect64 { mut min, mut max } = deeper(whole, DEEP);
         // Late samples of the pattern near the border of the known part may depend on the plane beyond.

@@ -30,16 +30,16 @@ impl SeamTiling<'_> {
     /// Marks the cells whose darts may lack a first blocker beyond the border of their block.
     pub(super) fn open_borders(&mut self) {
         let history = self.history;
-        for held in &self.tiles {
-            for piece in held.first_piece..held.end_piece {
+        for tile in &self.tiles {
+            for piece in tile.first_piece..tile.end_piece {
                 let source_piece = &self.marked.pieces()[piece as usize];
-                // A sample of the pattern that is in the block, too, covers its whole cell: no dart of the cell can be one.
-                // That leaves out three of four cells.
-                let inside = source_piece.sources_around(&held.whole, R);
+                // A cell is closed if one early sample of the pattern covers all of it and is present in the block:
+                // then no late dart in it can become a sample. That leaves out three of four cells.
+                let inside = source_piece.sources_around(&tile.whole, R);
                 let is_closed =
-                    |column, row| history.is_covered(column, row, &inside, &held.missing);
+                    |column, row| history.is_covered(column, row, &inside, &tile.missing);
                 self.marked
-                    .mark_border(piece, &held.whole, is_closed, &mut self.fresh);
+                    .mark_border(piece, &tile.whole, is_closed, &mut self.fresh);
             }
         }
     }
@@ -74,7 +74,8 @@ impl SeamTiling<'_> {
         }
         self.fresh.clear();
 
-        // Cells that were marked late are cut several times.
+        // Their quarters are cells of the level behind MARK_LEVEL. For a later level these are cut again, level by
+        // level.
         for of_level in MARK_LEVEL + 1..level {
             let cells = self.open.split_off(first);
             for cell in cells {
@@ -94,8 +95,9 @@ impl SeamTiling<'_> {
         }
     }
 
-    /// Appends to the open cells the quarters of a cell of a level in which no sample of the levels before that of `from` covers
-    /// all places alone: in all others every dart is refused. Quarters that one doubtful sample covers become zones.
+    /// Cuts a cell of a level into quarters, and appends to the open cells those that no single sample of the levels
+    /// before that of `from` covers. In a quarter that a certain sample covers alone every dart is refused; one that
+    /// only a doubtful sample covers alone becomes a zone.
     #[inline(always)]
     fn quarter<S: Simd>(
         &mut self,
@@ -151,19 +153,21 @@ impl SeamTiling<'_> {
     ) {
         let (half, bounds) = ((R >> level) / 2, self.bounds[piece as usize]);
         // The first and the last places of both halves, of those that the piece has.
-        let halves = |min: i32, low: i32, end: i32| {
+        let halves_of = |min: i32, low: i32, end: i32| {
             [
                 [min.max(low), (min + half).min(end) - 1],
                 [(min + half).max(low), (min + 2 * half).min(end) - 1],
             ]
         };
-        let xs = halves(min.x, bounds.min.x, bounds.max.x);
-        let ys = halves(min.y, bounds.min.y, bounds.max.y);
+        let xs = halves_of(min.x, bounds.min.x, bounds.max.x);
+        let ys = halves_of(min.y, bounds.min.y, bounds.max.y);
 
         let middle = Point::new(
             (min.x + half).clamp(bounds.min.x, bounds.max.x - 1),
             (min.y + half).clamp(bounds.min.y, bounds.max.y - 1),
         );
+        // Few cells reach beyond their piece: that deep samples are listed before the others were tried is chosen, not
+        // measured.
         let cell = self.whole_cell(clipper, middle, tile);
         let halves = [xs, ys].map(CutHalves);
         let [covered, doubtful] =
@@ -229,6 +233,7 @@ impl SeamTiling<'_> {
                 }
 
                 // A filter: samples of earlier levels are final, and a dart that one of them covers need not wait for its turn.
+                // Samples with the `when` of this level's first arrival are of this level, and do not count.
                 let list = self.whole_cell(clipper, place, piece.tile);
                 let coverage = self
                     .disks
