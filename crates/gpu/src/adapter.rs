@@ -40,7 +40,7 @@ pub struct Limits {
 pub(crate) const MAX_STORAGE_BUFFERS: u32 = 8;
 
 /// Rows of `GROUP_COLUMNS` workgroups for the largest frame: an invocation for each of the 8 rows of pixels of 2^28
-/// open cells.
+/// open cells, and one row to spare.
 const MAX_GROUP_ROWS: u64 = 32_769;
 
 /// Which adapter to open.

@@ -261,7 +261,8 @@ async fn begin(
     engine: &Engine,
 ) -> Result<AnySweep, GpuError> {
     let Engine::Gpu(gpu) = engine else {
-        // The sequential engine computes no bands.
+        // The sequential engine computes no bands. The error is that of Algorithm 4 as printed, for which alone
+        // `fastest` chooses this engine.
         if matches!(engine, Engine::Sequential) {
             return Err(ParameterError::AsPrintedParallel.into());
         }

@@ -65,9 +65,7 @@ impl CpuReference {
     ) -> Result<(), SampleError> {
         // The sequential engine has no stage for an iteration that finds nothing: its next stage may then lie behind
         // the one that is asked for, and is not run.
-        while self.done < Some(stage)
-            && (stage == Stage::Finish || self.engine.next().is_some_and(|next| next <= stage))
-        {
+        while self.done < Some(stage) && self.engine.next().is_some_and(|next| next <= stage) {
             match self.engine.step(observer)? {
                 Some(ran) => self.done = Some(ran),
                 None => break,

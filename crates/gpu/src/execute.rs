@@ -452,6 +452,7 @@ impl Times {
             count: MAX_TIMESTAMPS,
         });
 
+        // A timestamp takes 8 bytes.
         let resolved = gpu.buffer(
             "times",
             8 * u64::from(MAX_TIMESTAMPS),

@@ -45,6 +45,7 @@ impl Phase {
             }
             Name::NextActive => self == Self::Levels,
             Name::Result | Name::Tags => self == Self::Finish,
+            // `By` is among these, but only recorded runs have it.
             Name::Frame
             | Name::Job
             | Name::Images
@@ -102,7 +103,7 @@ impl WindowPlan {
             .filter_map(|block| image(setup, block, &target))
             .collect();
 
-        let mut uniform = uniform(setup, &frame);
+        let mut uniform = uniform_of(setup, &frame);
         let room = room.unwrap_or_else(|| expected(setup, &uniform, &images));
         uniform.tiled_capacity = room.tiled;
         uniform.list_capacity = room.open;
@@ -111,7 +112,7 @@ impl WindowPlan {
         uniform.active_capacity = room.active;
         uniform.result_capacity = room.result;
 
-        let pieces = pieces(&uniform, &images);
+        let pieces = pieces_of(&uniform, &images);
         Ok(Self {
             frame,
             uniform,
@@ -200,6 +201,7 @@ pub(crate) fn lengths(frame: &Frame, sources: bool, by: bool) -> Vec<(Name, u64)
         (Name::Sums, 4 * (cells + 1).div_ceil(SCAN_PART.into())),
         (Name::Places, 4 * tiled),
         (Name::Origins, 4 * tiled * u64::from(frame.origin_words)),
+        // Three slots, and a word of counts and flags.
         (Name::Grid, 16 * cells),
         (Name::Heads, 4 * (cells + 1)),
         (Name::List, 4 * u64::from(frame.list_capacity)),
@@ -276,7 +278,7 @@ fn image(setup: &Setup, block: &PlacedBlock, target: &Rect) -> Option<Image> {
 }
 
 /// Returns the constants of a frame as shaders have them, without the capacities of lists.
-fn uniform(setup: &Setup, frame: &CoreFrame) -> Frame {
+fn uniform_of(setup: &Setup, frame: &CoreFrame) -> Frame {
     let domain = &setup.domain;
     let [columns, rows] = frame.cells;
     let cells = frame.cell_count() as u32;
@@ -383,7 +385,7 @@ fn expected_result(setup: &Setup, frame: &Frame) -> u32 {
 
 /// Returns the images cut into pieces of at most 8 x 8 tiles. The words of a piece are its image, its first column and row of
 /// tiles, and how many columns and rows it has.
-fn pieces(frame: &Frame, images: &[Image]) -> Vec<[u32; 4]> {
+fn pieces_of(frame: &Frame, images: &[Image]) -> Vec<[u32; 4]> {
     // Each invocation of a workgroup takes a tile.
     const SIDE: u32 = WORKGROUP.isqrt();
     let ends = [frame.tile_columns, frame.tiles / frame.tile_columns];

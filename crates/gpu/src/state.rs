@@ -246,7 +246,7 @@ impl State {
 
         proposals.retain(|(_, p)| p.state == PROPOSAL_INSERTED);
         proposals.sort_unstable_by_key(|(point, p)| (p.rank, point.row_major()));
-        let cells = cells(work, k, &kept.active, run.iterations.last());
+        let cells = active_cells(work, k, &kept.active, run.iterations.last());
 
         // An iteration that finds nothing is not one of the run, as in the sequential engine.
         if proposals.is_empty() && cells.is_empty() {
@@ -351,7 +351,7 @@ fn ids_of(samples: &Samples) -> HashMap<Point, u32> {
 
 /// Returns the active cells of level `k` that lie in the window, in the sequence in which core visits them. `before` is
 /// the iteration of the level before, if there is one.
-fn cells(work: &WindowRun, k: u32, active: &[u8], before: Option<&Iteration>) -> Vec<Cell> {
+fn active_cells(work: &WindowRun, k: u32, active: &[u8], before: Option<&Iteration>) -> Vec<Cell> {
     let words: Vec<i32> = bytemuck::pod_collect_to_vec(active);
     let side = R >> k;
     let mut cells: Vec<Point> = words

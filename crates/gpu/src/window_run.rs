@@ -483,7 +483,8 @@ impl WindowRun {
     /// Changes the next step where the counters require it, and keeps buffers of stages. Which step has just ended follows
     /// from `step`, the next one.
     async fn decide(&mut self) -> Result<(), GpuError> {
-        // The number of rounds is even, so that the last one counted in the second counter.
+        // Rounds are numbered from 0, and even and odd ones have a counter each. A step has an even number of rounds,
+        // so that its last round is an odd one.
         let undecided = self.counter(counter::UNDECIDED_ODD) > 0;
 
         match self.step {

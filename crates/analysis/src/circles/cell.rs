@@ -63,9 +63,9 @@ impl CellCutter {
         }
 
         let mut reach = CellReach::default();
-        for (at, corner) in self.corners.iter().enumerate() {
+        for (number, corner) in self.corners.iter().enumerate() {
             // A corner lies between the edge from the corner before it and the edge from itself.
-            let before = self.corners[(at + self.corners.len() - 1) % self.corners.len()];
+            let before = self.corners[(number + self.corners.len() - 1) % self.corners.len()];
             let circle = Circles {
                 samples,
                 tile,
@@ -134,8 +134,8 @@ impl CellCutter {
         }
 
         self.kept.clear();
-        for (at, corner) in self.corners.iter().enumerate() {
-            let next = &self.corners[(at + 1) % self.corners.len()];
+        for (number, corner) in self.corners.iter().enumerate() {
+            let next = &self.corners[(number + 1) % self.corners.len()];
             let (here, there) = (beyond(corner), beyond(next));
             if here <= 0.0 {
                 self.kept.push(*corner);

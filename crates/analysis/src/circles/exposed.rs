@@ -113,7 +113,8 @@ fn of_open_circles<T: Send>(
 
     // The search begins as if a corner as far as the radius had been found: all circles then have that radius, and no
     // cell is cut out to find a radius to begin with.
-    let search = Search::resumed(&question, &samples, scaled_radius, scaled_radius);
+    let (farthest, least) = (scaled_radius, scaled_radius);
+    let search = Search::resumed(&question, &samples, farthest, least);
     let tiles = search.rectangles(0..cells.counts[1] as i64);
 
     let found = tiles

@@ -67,7 +67,9 @@ impl Reach {
     #[must_use]
     pub fn new(domain: &Domain, search: Search, at: Point) -> Self {
         // Only places within r of a border may be farther than 2r from all samples, and then less than 3.42r, so that
-        // detectors deeper than 4.42r have none in reach.
+        // detectors deeper than 4.42r have none in reach. Instead of 4.42r, 3.42r, and 2r and 2 units (see the head of
+        // this file), the bounds are 4.5r, 3.5r, and 2r and 16 units: rounded up, by more than the rounding of places
+        // needs.
         let deep = domain.is_periodic() || domain.rect().depth(at) > 9 * R / 2;
         let radius = if deep { 2 * R + 16 } else { 7 * R / 2 };
 
@@ -319,9 +321,12 @@ impl<'a> Detection<'a> {
     ) {
         for (centre, other) in border.places(own.offset, &self.concerned, |site| site.offset) {
             match other {
+                // A place of a line, as far from the detector as from the other sample. Each of the two may find it as
+                // a detector, and names it alike.
                 Some(m) => self.examine(at, centre, &[own, *m], out, recorder, || {
                     Sites::Border([own.id.min(m.id), own.id.max(m.id)])
                 }),
+                // A corner of the domain.
                 None => self.examine(at, centre, &[own], out, recorder, || Sites::Corner(own.id)),
             }
         }

@@ -223,6 +223,7 @@ impl RadiusField {
                     let end = [2 * column + 1, 2 * row + 1];
                     // An odd count leaves its last block with half of its cells.
                     let last = [0, 1].map(|axis| end[axis].min(below[axis] - 1));
+                    // Parts of this size are those of the level below, or the cells.
                     ranges.push(self.blocks(size, [2 * column, 2 * row], last));
                 }
             }

@@ -35,7 +35,8 @@ pub(super) struct Sight {
 /// The samples of an octave.
 struct Octave {
     grid: CellGrid,
-    /// Which of the listed cells each cell is. Most cells of most octaves stay empty: they are the first, which is.
+    /// Of each cell of the grid, which of `cells` has its samples. Most have none: they share the first, which stays
+    /// empty.
     index: Vec<u32>,
     cells: Vec<[Disk; SLOTS]>,
 }

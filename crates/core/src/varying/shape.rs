@@ -234,7 +234,7 @@ impl Polygon {
         odd
     }
 
-    /// Returns whether a cell is inside the polygon, outside of it, or both.
+    /// Returns whether a cell is inside the polygon, outside of it, or may be both.
     fn class(&self, Cell { min, side }: Cell) -> Class {
         let min = [i64::from(min.x), i64::from(min.y)];
         let max = min.map(|value| value + i64::from(side) - 1);

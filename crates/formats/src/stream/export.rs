@@ -443,11 +443,11 @@ fn locked(path: &Path) -> Result<(Place, Lock), ExportError> {
 
 /// Returns how a set is written band by band. Fails if that is not possible, before any work is done.
 fn stream_target(path: &Path, context: &ExportContext) -> Result<Target, ExportError> {
-    let mut target = target(&file_name(path)?, context)?;
+    let mut streamed = target(&file_name(path)?, context)?;
     // It is checked whether the certificate can be written now, since at the end the whole export would be lost.
     Place::of(path)?.takes_certificate()?;
 
-    let format = target.format;
+    let format = streamed.format;
     if !format.streams() {
         return Err(ExportError::NotStreamed { format });
     }
@@ -455,9 +455,10 @@ fn stream_target(path: &Path, context: &ExportContext) -> Result<Target, ExportE
         return Err(ExportError::ShuffledStream { seed });
     }
 
-    check_target(&target)?;
-    target.precision = format.precision(target.precision);
-    Ok(target)
+    check_target(&streamed)?;
+    // A format that stores one precision alone has that one, whatever was asked for.
+    streamed.precision = format.precision(streamed.precision);
+    Ok(streamed)
 }
 
 /// Fails if decoded points or provenance differ in any bit from those that were encoded.
@@ -475,6 +476,7 @@ fn compare(
     if same {
         return Ok(());
     }
+    // Where only the provenance differs, the two digests are the same.
     Err(ExportError::ReadBack {
         written: digest::positions_digest(written),
         found: digest::positions_digest(found),

@@ -76,8 +76,8 @@ impl StreamReader {
 
         // The first block has the head, which describes the layout of the rows.
         let mut start = vec![0; BLOCK];
-        let count = read_some(&mut file, &mut start).map_err(failed)?;
-        start.truncate(count);
+        let filled = read_some(&mut file, &mut start).map_err(failed)?;
+        start.truncate(filled);
 
         let detection = Detection::of(&start, file_name(path)?.as_ref(), format)?;
         let format = detection.format;

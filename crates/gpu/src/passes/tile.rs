@@ -90,6 +90,7 @@ pub(super) fn sum(
     counter: u32,
     limit: u32,
 ) -> [Command; 3] {
+    // The scans have no use for the fourth number of a job.
     let job = [length as u32, counter, limit, 0];
     let parts = length.div_ceil(SCAN_PART.into());
 
