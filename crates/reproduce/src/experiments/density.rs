@@ -54,6 +54,7 @@ impl DensityPlan {
             small: 2e7,
             coarse: 10_000,
         };
+        // A quick run shows that all units work. Nothing can be concluded from so few sets.
         let quick = Self {
             batches: 2,
             sets: 4,

@@ -38,10 +38,10 @@ pub fn run(study: &Study<'_>) -> Result<Outcome> {
     let mut found = Vec::new();
     for leaf in LEAVES {
         let (key, what) = (format!("leaf-{leaf}"), format!("leaf {leaf} r"));
-        let sets = study.sets(&key, &what, 0..sets, |seed, control| {
+        let measured = study.sets(&key, &what, 0..sets, |seed, control| {
             measure(leaf, seed, samples, control)
         })?;
-        found.push(LeafShares::sum(&sets));
+        found.push(LeafShares::sum(&measured));
     }
 
     Ok(Outcome {

@@ -36,6 +36,7 @@ impl CoarseSets {
             if control.flow().is_break() {
                 return Err(ReproduceError::Cancelled);
             }
+            // All lattices have the same seeds, and draws of their own.
             let key = Key::from_seed(seed).derive(Stream::Order, radius.into());
             Ok(CountSums::of(count(i32::from(SIDE * radius), &disk, key)))
         });
