@@ -133,6 +133,8 @@ impl Run {
             Source::Tiled { block, pattern } => Origin::Tiled {
                 block,
                 pattern,
+                // Only the place in the domain is known. A margin that a periodic border led back into its own block
+                // counts as the block here.
                 own: self.blocks.leaves[block as usize].rect.contains(*point),
             },
             Source::Inserted { iteration } => Origin::Inserted {

@@ -124,6 +124,7 @@ pub fn constants() -> String {
     for (name, value) in unsigned() {
         let _ = writeln!(text, "const {name}: u32 = {value}u;");
     }
+    // The debug form of a float has a point even where the value is whole.
     for (name, value) in [("HALF_DIAGONAL", HALF_DIAGONAL), ("SITE_SLACK", SITE_SLACK)] {
         let _ = writeln!(text, "const {name}: f32 = {value:?};");
     }

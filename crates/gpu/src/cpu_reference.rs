@@ -102,7 +102,8 @@ pub fn difference(device: &Run, cpu: &Run) -> Option<RunDifference> {
     first_difference(device, cpu, &cpu.result)
 }
 
-/// Returns the first difference between the lists of two runs.
+/// Returns the first difference between the lists of two runs. `result` is the CPU's, or empty before the stage in
+/// which the device writes its own.
 fn first_difference(device: &Run, cpu: &Run, result: &[u32]) -> Option<RunDifference> {
     if device.blocks != cpu.blocks {
         return Some(RunDifference {

@@ -162,7 +162,7 @@ impl RowLocator {
         let value = |k: usize| values.get(k).copied().unwrap_or(-1);
         let pair = |k: usize| I64Vec2::new(value(k), value(k + 1));
         let in_list =
-            |counter, place: Option<RowPlace>| place.filter(|_| self.is_listed(row, counter));
+            |length, place: Option<RowPlace>| place.filter(|_| self.is_listed(row, length));
 
         let place = match name {
             Name::Images => self.rect(pair(0), pair(2)),

@@ -435,11 +435,11 @@ impl WindowRun {
     fn judge(&self) -> Result<Option<Shortage>, GpuError> {
         let room = self.plan.room();
         // A list that was too short gets room for all its elements, and an eighth to spare.
-        let needed = |count: u32, room: u32| {
-            if count > room {
+        let needed = |count: u32, capacity: u32| {
+            if count > capacity {
                 count + count / 8
             } else {
-                room
+                capacity
             }
         };
 

@@ -66,18 +66,17 @@ impl CellCutter {
         for (number, corner) in self.corners.iter().enumerate() {
             // A corner lies between the edge from the corner before it and the edge from itself.
             let before = self.corners[(number + self.corners.len() - 1) % self.corners.len()];
-            let circle = Circles {
+            let circles = Circles {
                 samples,
                 tile,
                 index,
-            }
-            .at([before.edge, corner.edge], limit);
+            };
             // A corner that only rounding makes has no circle.
-            let Some((circle, exceeds)) = circle else {
+            let Some((circle, is_larger)) = circles.at([before.edge, corner.edge], limit) else {
                 continue;
             };
             reach.farthest = reach.farthest.max(circle.distance);
-            if exceeds {
+            if is_larger {
                 reach.gaps.push(circle);
             }
         }

@@ -444,7 +444,8 @@ fn locked(path: &Path) -> Result<(Place, Lock), ExportError> {
 /// Returns how a set is written band by band. Fails if that is not possible, before any work is done.
 fn stream_target(path: &Path, context: &ExportContext) -> Result<Target, ExportError> {
     let mut streamed = target(&file_name(path)?, context)?;
-    // It is checked whether the certificate can be written now, since at the end the whole export would be lost.
+    // Whether the certificate can be written is checked before any work, since a failure at the end would lose the
+    // whole export.
     Place::of(path)?.takes_certificate()?;
 
     let format = streamed.format;

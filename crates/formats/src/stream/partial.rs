@@ -79,7 +79,7 @@ impl Partial {
         length: u64,
         mut each: impl FnMut(&[u8]) -> Result<usize, ExportError>,
     ) -> Result<usize, ExportError> {
-        let rows = length.saturating_sub(head.len() as u64);
+        let row_bytes = length.saturating_sub(head.len() as u64);
         let start =
             self.checked(|this| this.writer.file()?.seek(SeekFrom::Start(head.len() as u64)))?;
 
@@ -98,7 +98,7 @@ impl Partial {
             pending.drain(..used);
         }
 
-        (self.head, self.written) = (head, rows);
+        (self.head, self.written) = (head, row_bytes);
         Ok(pending.len())
     }
 

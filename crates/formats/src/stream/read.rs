@@ -149,9 +149,9 @@ impl StreamReader {
     pub(super) fn next_stored(&mut self) -> Result<Option<Vec<[f64; 2]>>, FormatError> {
         loop {
             let ended = self.fill()?;
-            let text = self.rows.width().is_none();
+            let is_text = self.rows.width().is_none();
             // The last line may lack its end.
-            let used = if ended && text {
+            let used = if ended && is_text {
                 self.pending.len()
             } else {
                 self.rows.whole(&self.pending)

@@ -134,12 +134,12 @@ impl Checkpoint {
             return Ok(false);
         };
         let carried = provenance && self.format.carries_provenance();
-        let head = head(self.format, self.precision, self.count, carried)?.len() as u64;
+        let head_length = head(self.format, self.precision, self.count, carried)?.len() as u64;
 
         let failed = |error| io_error(file, error);
         let mut rows = File::open(file).map_err(failed)?;
-        rows.seek(SeekFrom::Start(head)).map_err(failed)?;
-        let length = self.bytes.saturating_sub(head);
+        rows.seek(SeekFrom::Start(head_length)).map_err(failed)?;
+        let length = self.bytes.saturating_sub(head_length);
         let mut hasher = blake3::Hasher::new();
         hasher.update_reader(rows.take(length)).map_err(failed)?;
         let is_same = digest_text(&hasher) == self.rows_digest;

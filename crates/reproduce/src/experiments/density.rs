@@ -85,7 +85,7 @@ pub fn run(study: &Study<'_>) -> Result<Outcome> {
     // The short units come first, so that a long run that is stopped has all that a conclusion needs.
     let coarse = on_coarse_lattices(study)?;
     let small = on_small_tori(study)?;
-    let batches = batches(study)?;
+    let batches = on_large_tori(study)?;
     let found = DensityResults::of(&batches, &small, coarse)?;
 
     Ok(Outcome {
@@ -125,7 +125,7 @@ fn on_small_tori(study: &Study<'_>) -> Result<Vec<TorusSets>> {
 }
 
 /// Makes the batches of sets on the large torus, a unit each, or returns those that are kept.
-fn batches(study: &Study<'_>) -> Result<Vec<TorusSets>> {
+fn on_large_tori(study: &Study<'_>) -> Result<Vec<TorusSets>> {
     let plan = DensityPlan::of(study.settings);
     let mut found = Vec::new();
 

@@ -81,8 +81,8 @@ impl SeamTiling<'_> {
         self.doubtful.push(sample.place);
     }
 
-    /// Adds a zone, whose darts arrive `from` then on. Later samples of the pattern that they may cover are decided when their
-    /// turn comes.
+    /// Adds a zone, whose darts arrive at `from` or later. Samples of the pattern that arrive no earlier, and that such
+    /// darts may cover, are decided when their turn comes.
     #[inline(never)]
     pub(super) fn add_zone(&mut self, clipper: &Clipper, tile: u32, rect: Rect, from: Arrival) {
         self.zone_cells.add(rect.min, self.zones.len() as u32);

@@ -58,7 +58,8 @@ impl SeamTiling<'_> {
         self.cut_fresh(simd, clipper, level, from);
     }
 
-    /// Cuts the cells that were marked for a level, whose darts arrive `from` then on.
+    /// Cuts the cells that were marked down to a level. Of its darts, those that arrive before `from` are decided
+    /// already.
     #[inline(always)]
     pub(super) fn cut_fresh<S: Simd>(
         &mut self,
