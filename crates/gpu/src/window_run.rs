@@ -541,8 +541,8 @@ impl WindowRun {
             };
         }
 
-        // An iteration that inserts nothing is the last one, unless cells became unsure in it: the next detection
-        // spreads them.
+        // An iteration that inserts nothing is the last one, unless cells became unsure in it, which means that some of
+        // their samples are unknown: the next detection spreads them.
         let spread = self.counter(counter::UNSURE) == self.counter(counter::SPREAD);
         if self.counter(counter::INSERTED) == 0 && spread {
             Step::Finish

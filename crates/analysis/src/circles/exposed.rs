@@ -78,8 +78,9 @@ pub(crate) fn unproven_circles(
     of_open_circles(points, region, radius, &go_on, |_, _, _, id| id as u32)
 }
 
-/// Calls `look` for each sample whose circle the table does not prove covered, with its index in the scanned tile and its
-/// index in the set. Returns what `look` returned, tile by tile.
+/// Calls `look` for each sample whose circle the table does not prove covered, with its index in the tile (the samples
+/// of a rectangle of cells and of the cells around it, which are scanned together) and its index in the set. Returns
+/// what `look` returned, tile by tile.
 fn of_open_circles<T: Send>(
     points: &[[f64; 2]],
     region: Region,

@@ -6,7 +6,8 @@ use crate::engine::parallel::clip::PlacedBlock;
 use crate::engine::parallel::frame::Frame;
 use crate::lattice::{Domain, Point, R, Rect};
 
-/// How far from the unknown late darts are thrown. Nearer, where most samples are doubtful, all late darts count as unknown,
+/// Late darts, which are those of [`LATE_LEVEL`](crate::exact::history::LATE_LEVEL) and after, are thrown only at
+/// places this far from what is unknown. Nearer, where most samples are doubtful, all late darts count as unknown,
 /// which spares following them. Of early samples farther than this fewer than one in a hundred was doubtful.
 const LATE_MARGIN: i32 = 3 * R;
 

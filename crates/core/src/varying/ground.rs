@@ -1,5 +1,6 @@
-//! The process of darts where the radius varies: which darts exist, which of them have an earlier sample
-//! near them, and which cells a sample is near as a whole.
+//! The process of darts where the radius varies: which darts exist, which of them have an earlier sample near them, and
+//! which cells a sample is near as a whole. Places are *near* each other if they are at most the reach of their two
+//! radii apart ([`super::rule`]).
 
 use glam::IVec2;
 

@@ -1,5 +1,6 @@
 //! The samples so far, in a grid for each octave of radii. Samples of radii from S to 2S are more than S apart, so that
-//! a cell of side S holds three at most.
+//! a cell of side S holds three at most. Places are *near* each other if they are at most the reach of their two radii
+//! apart ([`super::rule`]).
 
 use glam::IVec2;
 

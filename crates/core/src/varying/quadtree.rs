@@ -1,4 +1,5 @@
-//! The cells at which the process of darts begins: squares about as wide as the radius there.
+//! The cells at which the process of darts begins: squares about as wide as the radius there. Places are *near* each
+//! other if they are at most the reach of their two radii apart ([`super::rule`]).
 
 use super::field::RadiusField;
 use super::octaves::{Sight, octave_of};

@@ -1,5 +1,8 @@
 //! The decisions near seams, in the order of arrival: which samples of the pattern are lost, and which darts become
 //! samples.
+//!
+//! The *first blocker* of a dart is the earliest sample of the pattern that covers it, its *second blocker* the next
+//! one. A sample of the pattern is *missing* in a block if it lies outside of the block, or is lost or doubtful there.
 
 use fearless_simd::Simd;
 use glam::IVec2;

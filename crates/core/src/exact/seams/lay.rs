@@ -1,4 +1,7 @@
 //! The samples that are laid down: those of each block near its border, and those deeper ones that are asked about.
+//!
+//! A *tile* is the part of a block in the frame, and a *piece* the part of a tile that one copy of the pattern fills.
+//! *Late* darts are those of the levels of which the pattern's history keeps no refused ones.
 
 use glam::I64Vec2;
 

@@ -1,5 +1,6 @@
-//! Cells that throw darts of the later levels. A cell of a piece is known by where the frame has it: quarters of a cell are
-//! the same cells under all symmetries, so that only the draws of its darts need to know where the pattern has it.
+//! Cells that throw darts of the later levels. A *piece* is the part of a block that one copy of the pattern fills. A
+//! cell of a piece is given by where the frame has it: quarters of a cell are the same cells under all symmetries, so
+//! that only the draws of its darts need its place in the pattern.
 
 use fearless_simd::Simd;
 
