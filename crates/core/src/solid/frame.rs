@@ -160,8 +160,9 @@ impl BallFrame {
 }
 
 /// Returns the squared distances on an axis that a sample in the cells below, beside and above a cube must reach at
-/// least, to reach `depth` into the cube from either side. A sample in the cell beside may lie in the middle of the
-/// cube's places, and must then reach half of `depth` either way. The fourth is never read: masked indices are below 4.
+/// least, to reach `depth` into the cube from either side. A sample in the cell beside may lie in the middle of
+/// places that span `depth`, and must then reach half of it either way. The fourth is never read: masked indices are
+/// below 4.
 #[inline]
 fn squared_gaps(at: i32, side: i32, depth: i32) -> [u64; 4] {
     let squared = |gap: i32| u64::from(gap.unsigned_abs()).pow(2);

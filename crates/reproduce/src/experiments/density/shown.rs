@@ -75,9 +75,9 @@ fn so_far(found: &DensityResults) -> LineChart {
 /// Returns the chart of what each level inserts, beside levels that halve.
 fn by_level(all: &TorusSets) -> LineChart {
     let area = all.area();
-    let levels = all.by_level.iter().enumerate();
+    let counts = all.by_level.iter().enumerate();
     // The number of a level that inserts nothing has no logarithm.
-    let inserting = levels.filter(|(_, count)| **count > 0);
+    let inserting = counts.filter(|(_, count)| **count > 0);
     let points = inserting.map(|(level, count)| [level as f64, (*count as f64 / area).log2()]);
 
     // The first term of the line is what level 0 would insert, were all levels to halve.
