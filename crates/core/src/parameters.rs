@@ -221,7 +221,8 @@ impl Parameters {
         Ok(())
     }
 
-    /// Returns the pattern that these parameters have if they ask for no other; its boundary is theirs.
+    /// Returns the pattern that such parameters take if no other is asked for, with the boundary of the pattern that
+    /// they have.
     #[must_use]
     pub fn usual_pattern(&self) -> PatternSpec {
         let usual = match self.method {

@@ -262,7 +262,7 @@ impl Run {
 
         if !self.tiles.is_empty() {
             stages.push(Stage::Tile);
-            // Any other fate shows that elimination has run: tiling itself drops samples, and leaves all others
+            // Any fate but these two shows that elimination has run: tiling drops samples, and leaves all others
             // undecided.
             let decided = |fate: &Fate| !matches!(fate, Fate::Undecided | Fate::Dropped);
             // Exact tiling has no stage of elimination: samples are lost in the iterations, when they arrive.

@@ -359,7 +359,8 @@ fn expected(setup: &Setup, frame: &Frame, images: &[Image]) -> Room {
     Room {
         // There is room for a hundredth more than the density implies, and for a sample for each cell at the rim.
         tiled: (clipped * setup.density * 1.01) as u32 + rim + 1024,
-        // Uniform insertion does not list open cells, and the other one no active ones: those lists have room for one.
+        // Uniform insertion lists no open cells, and insertion at circumcentres no active ones: the list that is not
+        // used has room for one.
         open: if is_uniform { 1 } else { share(0.8, 7.0) },
         // The cells at the frame's edge are unsure from the beginning (survive.wgsl). There is as much room again, and room
         // for one of 64 cells inside.

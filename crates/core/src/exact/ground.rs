@@ -11,7 +11,7 @@ use crate::lattice::{Domain, Point, R, Rect};
 /// which spares following them. Of early samples farther than this fewer than one in a hundred was doubtful.
 const LATE_MARGIN: i32 = 3 * R;
 
-/// Farther than any place of a frame with a halo is from its ends.
+/// More than any place of a frame with a halo is away from the frame's ends.
 const FAR: i32 = 1 << 29;
 
 /// A frame, and how the plane goes on beyond it. Places are in the frame's coordinates.

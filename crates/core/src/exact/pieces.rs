@@ -67,8 +67,9 @@ impl SourcePiece {
 
 /// Returns the pieces of `rect`, a part of a block that is not empty.
 ///
-/// The part, enlarged by r on all sides, is clipped from the repeated pattern under `symmetry`, and begins there at `start`,
-/// as in [`crate::stages::tile`]. `start` is not negative. `pattern` is the rectangle of the pattern's places, from 0 on.
+/// The part, enlarged by r on all sides, is clipped from the pattern, turned by `symmetry` and repeated, as in
+/// [`crate::stages::tile`]. `start`, which is not negative, is where the turned pattern has the enlarged part's lowest
+/// place. `pattern` is the rectangle of the pattern's places, from 0 on.
 pub(crate) fn pieces(
     tile: u32,
     rect: &Rect,

@@ -61,7 +61,7 @@ impl BallGrid {
 
     /// Calls `visit` with the offset from `min` of samples that lie within R of a cube, and of some farther ones, until
     /// it returns `true`; returns whether it did. `min` is the lowest place of the cube, which lies in one cell and is
-    /// `side` units wide. Samples in cells from which none reaches `depth` units into it are left out.
+    /// `side` units wide. Cells from which no sample reaches `depth` units into the cube are left out.
     #[inline]
     fn any_near(
         &self,
@@ -92,6 +92,7 @@ impl BallGrid {
             [last.min(half - 1), last.min(side - 1)]
         });
         let beyond = [0, 1, 2].map(|axis| if ends[axis][1] < half { UPPER[axis] } else { 0 });
+        // Octants without a place of the domain count as covered.
         let mut covered: u8 = beyond[0] | beyond[1] | beyond[2];
 
         // A ball that covers an octant reaches half of the cube deep; an octant that is cut by the domain's side is not

@@ -121,7 +121,7 @@ impl SolidRequest {
         Ok(sample)
     }
 
-    /// Makes sets of about `aim` samples until the number of one fits.
+    /// Makes sets of about `aim` samples until the number of one fits. Errors name `count`, the number that is wanted.
     fn search(
         &self,
         count: u64,

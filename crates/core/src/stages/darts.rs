@@ -73,7 +73,8 @@ pub trait DartGround {
     /// Returns the square of an active cell of a level.
     fn square(&self, cell: &Self::Cell, level: u32) -> Cell;
 
-    /// Returns where a dart of a cell falls. `coin` draws the random word that decides about thinning.
+    /// Returns what becomes of a dart of a cell that is thrown at a place. `coin` draws the random word that decides
+    /// about thinning.
     fn landing(
         &self,
         cell: &Self::Cell,
@@ -89,7 +90,7 @@ pub trait DartGround {
     fn insert(&mut self, at: Point, place: Self::Place) -> bool;
 
     /// Appends to `out` the quarters of a cell of a level that hold places of the domain and are not covered by a single
-    /// sample. `near` is a buffer.
+    /// sample. `near` is a buffer, whose content does not matter.
     fn split(
         &self,
         cell: &Self::Cell,

@@ -127,8 +127,7 @@ impl Checkpoint {
         Ok(())
     }
 
-    /// Returns whether the file begins with the rows of the checkpoint. There must be some, as every file begins with
-    /// none.
+    /// Returns whether the file begins with the rows of the checkpoint. Without rows it does not: any file would.
     fn begins(&self, file: &Path) -> Result<bool, ExportError> {
         let Some(provenance) = self.provenance else {
             return Ok(false);

@@ -325,9 +325,10 @@ impl DiskLists {
         }
     }
 
-    /// Returns a bit for each quarter of a square that one certain sample with a `when` of at most `latest` covers: left before
-    /// right, below before above. `halves` has those of its columns and those of its rows; `cell` is that of the middle. Then the
-    /// same for quarters that only a doubtful sample covers.
+    /// Returns two sets of bits, one for each quarter of a square, left before right and below before above: first the
+    /// quarters that a single certain sample with a `when` of at most `latest` covers, then those that only a single
+    /// doubtful one covers. `halves` are those of the square's columns and those of its rows. Samples are looked for in
+    /// the list of `cell`, in which the square's middle lies.
     #[inline(always)]
     pub(super) fn covered_quarters<S: Simd>(
         &self,
@@ -350,8 +351,8 @@ impl DiskLists {
         [certain, all & !certain]
     }
 
-    /// Returns a bit for each quarter that one sample with a `when` of at most `latest` covers; of doubtful ones none if only
-    /// the certain ones count.
+    /// Returns a bit for each quarter that a single sample with a `when` of at most `latest` covers. With
+    /// `only_certain` doubtful samples do not count.
     #[inline(always)]
     fn quarters<S: Simd>(
         &self,

@@ -154,7 +154,7 @@ impl SeamTiling<'_> {
         from: Arrival,
     ) {
         let (half, bounds) = ((R >> level) / 2, self.bounds[piece as usize]);
-        // The first and the last places of both halves, of those that the piece has.
+        // The first and the last place of each half, as far as the piece has it.
         let halves_of = |min: i32, low: i32, end: i32| {
             [
                 [min.max(low), (min + half).min(end) - 1],
@@ -195,7 +195,8 @@ impl SeamTiling<'_> {
         });
     }
 
-    /// Throws the darts of a level into the open cells from the one at `first` on, those later than `after`.
+    /// Throws the darts of a level into the open cells from the index `first` on, and puts on the agenda those later
+    /// than `after`, or all, but not those that are surely covered.
     #[inline(always)]
     pub(super) fn throw<S: Simd>(
         &mut self,

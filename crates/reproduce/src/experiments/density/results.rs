@@ -61,7 +61,7 @@ pub struct DensityResults {
 }
 
 impl DensityResults {
-    /// Returns the results of batches, of which there must be one.
+    /// Returns the results of batches, of sets on small tori and of sets on coarse lattices. Fails without a batch.
     pub fn of(batches: &[TorusSets], small: &[TorusSets], coarse: Vec<CoarseSets>) -> Result<Self> {
         let joined = batches.iter().cloned().reduce(|a, b| a.joined(&b));
         let none = || ReproduceError::Engine("there is no set to count".to_owned());
