@@ -181,7 +181,12 @@ pub(crate) fn visit(
 /// or the visit to be made again once the rows that it needs are held.
 fn inspect(
     task: &CoverSearch<'_>,
-    Visit { tile, halo, .. }: Visit,
+    // The rows that it waited for are held now.
+    Visit {
+        tile,
+        halo,
+        wants: _,
+    }: Visit,
     monitor: &Monitor<'_>,
 ) -> Result<Result<Places, Visit>, VerifyError> {
     let mut halo = halo;

@@ -46,7 +46,7 @@ pub(crate) fn site(place: DVec2) -> Point2<f64> {
 
 /// Puts sites into the biased randomised order: shuffles them, and sorts each round along a k-d tree.
 fn order<V: HasPosition<Scalar = f64>>(sites: &mut [V]) {
-    // Marsaglia's xorshift: any generator would do, since the triangulation does not depend on the order.
+    // Marsaglia's xorshift: any generator would do, since only the choice among cocircular sites depends on the order.
     let mut state = 0x9E37_79B9_7F4A_7C15_u64;
     for index in (1..sites.len()).rev() {
         state ^= state << 13;

@@ -108,10 +108,13 @@ pub(crate) fn crossing_exceeds(
     };
     let [p_off, q_off] = [&p[axis] - &level, &q[axis] - &level];
     let along = &q[1 - axis] - &p[1 - axis];
-    let twice = square(&along) + square(&q_off) - square(&p_off);
+    // The crossing at t from the foot of p is as far from p as from q: t^2 + p_off^2 = (along - t)^2 + q_off^2. So 2
+    // along t is:
+    let twice_along_t = square(&along) + square(&q_off) - square(&p_off);
     let limit = integers.of(limit);
-    // The crossing is twice / (2 along) from the foot of p, and p is p_off from the line.
-    square(&twice) + 4 * square(&along) * square(&p_off) > 4 * square(&along) * square(&limit)
+    // t^2 + p_off^2 > limit^2, times (2 along)^2.
+    square(&twice_along_t) + 4 * square(&along) * square(&p_off)
+        > 4 * square(&along) * square(&limit)
 }
 
 /// Returns whether the circle about a corner of the region through a site is larger than `limit`.
@@ -149,6 +152,7 @@ fn parts(value: f64) -> (i64, i32) {
     } else {
         fraction | 1 << 52
     };
+    // 1075 is 1023, and 52 for the binary places of the fraction.
     (
         if value < 0.0 { -whole } else { whole },
         field.max(1) - 1075,

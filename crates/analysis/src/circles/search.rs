@@ -24,7 +24,7 @@ const TILE: [usize; 2] = [256, 32];
 /// measured.
 const HALOS: [usize; 4] = [4, 12, 32, 64];
 
-/// Most exposed circles; a set with more is far from maximal.
+/// Most exposed circles, and most gaps; a set with more of one of them is far from maximal.
 const MAX_EXPOSED: usize = 1 << 20;
 
 /// Sets of this few samples are searched pair by pair when no two samples are near. No more cells than these are cut
@@ -131,7 +131,7 @@ impl<'a> Search<'a> {
 
     /// Judges all samples of some tiles.
     pub fn tiles(&self, tiles: &[Rectangle], monitor: &Monitor<'_>) -> Judged<Found> {
-        let none = || Ok(Found::new(self.question.witnesses));
+        let nothing = || Ok(Found::new(self.question.witnesses));
         tiles
             .par_iter()
             .map_init(Scratch::default, |scratch, rectangle| {
@@ -141,13 +141,14 @@ impl<'a> Search<'a> {
                 Ok(found)
             })
             // One tile that is declined declines the set.
-            .try_reduce(none, |left, right| {
+            .try_reduce(nothing, |left, right| {
                 Ok(left.and_then(|left| Ok(left.merge(right?))))
             })
     }
 
-    /// Cuts out cells until one gives the circles a radius to begin with. It must exceed half of the set's radius: neighbours of
-    /// circles are within twice the circles' radius, and so every conflict is between neighbours.
+    /// Cuts out cells until one gives the circles a radius to begin with, which must exceed half of the set's radius.
+    /// The scan compares pairs up to twice the circles' radius apart, and so meets every pair closer than the set's
+    /// radius.
     pub fn begin(&mut self, tiles: &[Rectangle]) -> Result<(), Declined> {
         let mut scratch = Scratch::default();
         let (reach, limit) = (self.samples.cells.reach, self.question.limit);
@@ -174,7 +175,7 @@ impl<'a> Search<'a> {
                 }
             }
         }
-        // All cells of the set are that small.
+        // No cell of these tiles reaches half of the radius. Of a stream they are the first band.
         Err(Declined::Crowded)
     }
 
@@ -269,6 +270,7 @@ impl<'a> Search<'a> {
             arcs.truncate(arcs.len() - usize::from(!is_near));
         });
 
+        // What lies beyond a side of the region needs no cover: it counts as covered, as an arc toward that side.
         let of_border = |line: &BorderLine| Arc {
             toward: line.outward(),
             least: line.depth(tile.position(index), domain.extent) / rho,
@@ -288,6 +290,7 @@ impl<'a> Search<'a> {
             if exposed.is_empty() {
                 break;
             }
+            // These samples were counted with their tiles; the caller may still cancel here.
             monitor.advance(0)?;
             match self.holes_within(&mut found, exposed, around) {
                 Ok(rest) => exposed = rest,
@@ -360,7 +363,7 @@ impl<'a> Search<'a> {
         let (mut gaps, mut rest) = (Gaps::default(), Vec::new());
         for index in tile.own().flatten() {
             let sample = self.samples.at(tile.source[index] as usize);
-            // Not all samples in the tile's own cells are exposed. `exposed` is sorted by index.
+            // Not all samples in the tile's own cells are exposed. `holes_within` sorted these by id.
             if exposed
                 .binary_search_by_key(&sample.id, |sample| sample.id)
                 .is_err()
@@ -397,14 +400,15 @@ impl<'a> Search<'a> {
                 return Err(Declined::Sparse);
             }
             for index in 0..samples.len() {
-                for other in index + 1..samples.len() {
-                    let [one, other] = [index, other].map(|rank| samples.at(rank));
+                for later in index + 1..samples.len() {
+                    let [one, other] = [index, later].map(|rank| samples.at(rank));
                     let distance = tile::distance(one, other, domain.periods());
                     found.min_distance = found.min_distance.min(distance);
                 }
             }
         }
 
+        // The scan passes over pairs of a sample and its own copy. The nearest copy is the shorter period away.
         if domain.periodic {
             found.add_own_copies(count, domain.extent.min_element(), radius);
         }

@@ -248,6 +248,7 @@ impl CircleBands {
         if cells.domain.periodic {
             // The lowest row, which ends before row 1, is complete only now.
             let mut lowest = SortedRows::new(0);
+            // All of these samples are in row 0, so that none is set aside as late.
             lowest.take(&mut self.lowest, &mut Held::default(), &cells, 1);
             for rows in [&lowest, &self.seam] {
                 held.append(rows, rows.count(&cells), &cells);

@@ -36,7 +36,8 @@ pub(super) const fn opposite(mask: Mask) -> Mask {
 /// both are NaN, so that no arc covers them.
 pub(super) fn open_stretches(mask: Mask) -> impl Iterator<Item = [DVec2; 2]> {
     let directions = directions();
-    // Bins are turned so that a covered one comes first and no stretch is cut. Without any, all are one stretch.
+    // Bins are turned by `first_covered` so that a covered one comes first and no stretch is cut. If none is covered,
+    // all are one stretch.
     let first_covered = if mask == 0 { 0 } else { mask.trailing_zeros() };
     let mut open = (!mask).rotate_right(first_covered);
     let mut at = first_covered;
@@ -236,7 +237,9 @@ impl Arc {
         if half_distance <= 2.0 * uncertain || half_distance >= 1.0 {
             return None;
         }
-        // The direction of an offset is off by no more than the angle at which the uncertainty is seen.
+        // The direction of an offset is off by no more than the angle at which the uncertainty is seen. Above twice the
+        // uncertainty `half_distance` is less than the least distance that the offset may have, so that the quotient is
+        // more than that angle.
         let (direction, half) = (y.atan2(x), half_distance.acos() - uncertain / half_distance);
         (half > 0.0).then(|| Self {
             start: (direction - half) / TAU,

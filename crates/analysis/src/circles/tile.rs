@@ -169,13 +169,14 @@ impl Tile {
             let period = row.div_euclid(cells.counts[1] as i64);
             let up = period as f64 * cells.domain.extent.y;
             for run in &runs_of_row {
+                // Ranks among all samples held; they become indices in this tile below.
                 let starts = samples.starts(row, run.columns.clone());
                 let (first, end) = (starts[0], starts[starts.len() - 1]);
 
                 let before = self.positions.len() as u32;
-                for cell in starts.windows(2) {
-                    self.starts.push(before + cell[0] - first);
-                    let count = (cell[1] - cell[0]) as usize;
+                for bounds in starts.windows(2) {
+                    self.starts.push(before + bounds[0] - first);
+                    let count = (bounds[1] - bounds[0]) as usize;
                     crowd += count * count;
                 }
 
@@ -187,7 +188,8 @@ impl Tile {
         }
         self.starts.push(self.positions.len() as u32);
 
-        // The time of the scan is quadratic in the samples of a cell. The 256 let small tiles have a crowded cell or two.
+        // The time of the scan is quadratic in the samples of a cell. The 256 (chosen, not measured) let small tiles have a
+        // crowded cell or two.
         if crowd > MAX_CROWD * (256 + self.positions.len()) {
             return Err(Unfilled::Declined(Declined::Crowded));
         }
@@ -280,8 +282,7 @@ impl Tile {
     }
 
     /// Scans the pairs of all rows: marks the bins that they cover, lists the samples whose circles stay open, and calls `pair`
-    /// for pairs that may be in conflict or the closest. `squares` is the square of the number of the table's squares in a
-    /// unit of length.
+    /// for pairs that may be in conflict or the closest. `squares` is the number of the table's squares in a unit of area.
     #[expect(
         clippy::inline_always,
         reason = "it must become a part of what dispatch! compiles for the processor"
@@ -358,8 +359,8 @@ impl Tile {
         }
     }
 
-    /// Puts into `runs` the samples that may be neighbours of those of a cell and come after them: the rest of the row, from
-    /// the first sample of all on, and the rows above.
+    /// Puts into `runs` the samples that may be neighbours of those of a cell and come after them: one run of the same
+    /// row, whose start the caller sets anew for each sample of the cell, and one of each row above.
     #[inline]
     fn runs_ahead(
         &self,
@@ -374,7 +375,7 @@ impl Tile {
         let above = row + 1..(row + reach[1] + 1).min(height);
 
         runs.clear();
-        // The rest of the row begins after the sample that is compared: the scan sets its start.
+        // The start 0 stands for none: the run begins after the sample that is compared.
         runs.push(0..same_row);
         runs.extend(above.map(|row| self.cell(columns.clone(), row)));
     }
@@ -393,7 +394,7 @@ impl Tile {
         let is_shorter_way = (0..2).all(|axis| {
             let between = other.position[axis] - one.position[axis];
             let shown = self.position(pair[1])[axis] - self.position(pair[0])[axis];
-            // How many periods on the copy lies along the shorter way.
+            // By how many periods the copy along the shorter way is moved.
             let shortest = if 2.0 * between.abs() > periods[axis] {
                 -between.signum()
             } else {
@@ -431,7 +432,7 @@ pub(super) fn distance(one: Sample, other: Sample, periods: DVec2) -> f64 {
 
     let (x, y) = (along(0), along(1));
     let square = x * x + y * y;
-    // Smaller squares lose digits, as they are near the least numbers of 64 bits.
+    // Squares near 1e-308, the least number with all digits, lose some; `hypot` does not square.
     if square > 1e-280 {
         square.sqrt()
     } else {

@@ -49,8 +49,9 @@ pub(crate) fn crossings(sites: &mut [BorderSite]) -> Vec<Crossing> {
             continue;
         }
 
-        // The new site is the nearest from its crossing with the last one on. Where that lies before the place from which on the
-        // last one is the nearest, the last one is the nearest nowhere.
+        // The new site is the nearest from its crossing with the last one on. Where that lies before the place from which
+        // on the last one is the nearest, the last one is the nearest nowhere. If no site is left, the new one is the
+        // nearest from the beginning of the line on.
         let mut from = f64::NEG_INFINITY;
         while let Some((last, last_from)) = envelope.last() {
             from = last.crossing(site);

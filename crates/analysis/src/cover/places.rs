@@ -72,6 +72,7 @@ impl Places {
     /// Settles the shared places.
     pub fn finish(mut self, domain: &Domain, same: f64) -> Cover {
         let mut shared = std::mem::take(&mut self.shared);
+        // A place on a seam is claimed from both sides of it: both claims move to one side, so that they merge.
         for gap in &mut shared {
             gap.center = domain.at_seam(gap.center.into(), same).into();
         }

@@ -73,7 +73,8 @@ impl Survey {
 
         for crossing in border::crossings(&mut sites) {
             let at = crossing.at;
-            // The window also holds samples beyond the ends of the side. Crossings beyond the ends belong to other sides.
+            // The window also holds samples beyond the ends of the side. Crossings beyond the ends belong to other
+            // sides; one within `same` of an end may be there by rounding.
             if at < start - task.same || at > end + task.same {
                 continue;
             }
@@ -135,7 +136,8 @@ impl Survey {
             return Ok(());
         };
 
-        // Beyond the border of a bounded region no place counts, however close.
+        // Rounding may put a centre on a side beyond it: both tiles at the side claim it, and `places` merges the
+        // claims. Beyond the border of a bounded region no place counts, however close.
         let (mut low, mut high) = (tile.low - task.same, tile.high + task.same);
         if !domain.periodic {
             low = low.max(DVec2::ZERO);
@@ -154,7 +156,7 @@ impl Survey {
                 continue;
             }
             let circle = circumcircle(corners);
-            // A circle counts in the tile that holds its centre, so that it counts once.
+            // A circle counts in the tile that holds its centre.
             if !inside(circle.center) {
                 continue;
             }

@@ -114,7 +114,8 @@ impl TileWindow {
     /// numbered on across the seams.
     pub fn gather(task: &CoverSearch<'_>, tile: &Tile, halo: f64) -> Result<Self, Range<i64>> {
         let grid = task.grid;
-        // A little more than the halo pays for rounding and for places claimed beyond the tile.
+        // A little more than the halo pays for rounding and for places claimed up to `same` beyond the tile (four times
+        // that: chosen, not measured).
         let widened = halo * (1.0 + 2f64.powi(-16)) + 4.0 * task.same;
 
         let [columns, rows] = [0, 1].map(|axis| Span::new(grid, tile, axis, widened));
@@ -144,18 +145,18 @@ fn everything(grid: &Grid, count: usize, [columns, rows]: [&Range<i64>; 2]) -> V
     // Room for the tile's own samples and, as a guess, for those around it.
     let mut points = Vec::with_capacity(count + count / 8 + 64);
     for at_row in rows.clone() {
-        let (row, y) = wrap(grid, 1, at_row);
+        let (row, up) = wrap(grid, 1, at_row);
 
         // Each stretch between two seams is one run of the row.
         let mut at_column = columns.start;
         while at_column < columns.end {
-            let (first, x) = wrap(grid, 0, at_column);
+            let (first, right) = wrap(grid, 0, at_column);
             let seam = at_column + (grid.cells[0] - first) as i64;
             let end = seam.min(columns.end);
             let run = grid.run(row, &(first..first + (end - at_column) as usize));
             points.extend(
                 run.iter()
-                    .map(|entry| site(entry.position + DVec2::new(x, y))),
+                    .map(|entry| site(entry.position + DVec2::new(right, up))),
             );
             at_column = end;
         }
@@ -168,16 +169,16 @@ fn rim(task: &CoverSearch<'_>, tile: &Tile, [columns, rows]: [&Range<i64>; 2]) -
     let (grid, buried) = (task.grid, task.buried());
     let mut points = Vec::new();
     for at_row in rows.clone() {
-        let (row, y) = wrap(grid, 1, at_row);
+        let (row, up) = wrap(grid, 1, at_row);
         for at_column in columns.clone() {
-            let (column, x) = wrap(grid, 0, at_column);
+            let (column, right) = wrap(grid, 0, at_column);
             let at = [at_column, at_row];
             // Samples are buried by cells, so that runs of several cells would not do.
             if !buried.hides([column, row], at, [&tile.columns, &tile.rows]) {
                 let run = grid.run(row, &(column..column + 1));
                 points.extend(
                     run.iter()
-                        .map(|entry| site(entry.position + DVec2::new(x, y))),
+                        .map(|entry| site(entry.position + DVec2::new(right, up))),
                 );
             }
         }
@@ -223,6 +224,11 @@ impl Span {
 /// Returns the sample of which a window holds a copy at `place`: its own place, which rounding has not moved, and the shift of
 /// the copy.
 pub(super) fn original(grid: &Grid, place: DVec2) -> Site {
+    // A bounded region has no copies: the place is the sample's own.
+    if !grid.domain.periodic {
+        return Site::at(place);
+    }
+
     let near = |axis: usize| {
         let cells = grid.cells[axis] as f64;
         let cell = (place[axis] / grid.domain.extent[axis] * cells).floor() as i64;
@@ -232,19 +238,20 @@ pub(super) fn original(grid: &Grid, place: DVec2) -> Site {
 
     let periods = |axis: usize, cell: i64| cell.div_euclid(grid.cells[axis] as i64);
     for (at_row, at_column) in near(1).flat_map(|row| near(0).map(move |column| (row, column))) {
-        let ((row, y), (column, x)) = (wrap(grid, 1, at_row), wrap(grid, 0, at_column));
-        // A bounded region has no copies: the place is the sample's own.
-        if !grid.domain.periodic || !grid.holds(row) {
+        let ((row, up), (column, right)) = (wrap(grid, 1, at_row), wrap(grid, 0, at_column));
+        // Of a stream not all rows are held; the sample's own row is, since the window was made of it.
+        if !grid.holds(row) {
             continue;
         }
         let mut run = grid.run(row, &(column..column + 1)).iter();
-        if let Some(entry) = run.find(|entry| entry.position + DVec2::new(x, y) == place) {
+        if let Some(entry) = run.find(|entry| entry.position + DVec2::new(right, up) == place) {
             return Site {
                 position: entry.position,
                 periods: [periods(0, at_column), periods(1, at_row)],
             };
         }
     }
+    // No sample is at a coordinate that `site` made zero, as it was too small: the triangulation's place stands for it.
     Site::at(place)
 }
 

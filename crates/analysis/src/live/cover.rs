@@ -113,6 +113,7 @@ impl LiveCover {
         let mut cover = Self {
             plane,
             limit,
+            // `clear` sets the first threshold.
             threshold: 0.0,
             // A hair more than the limit, so that a vertex at the limit is certain.
             grid: PlaceGrid::new(plane, limit * (1.0 + 1e-6)),
@@ -128,7 +129,7 @@ impl LiveCover {
         Ok(cover)
     }
 
-    /// Removes all samples.
+    /// Removes all samples, and goes back to the first threshold.
     fn clear(&mut self) {
         // On a narrow torus no cell is left out (`MIN_TORUS`).
         let shorter = f64::from(self.plane.size[0].min(self.plane.size[1]));
@@ -431,6 +432,7 @@ impl LiveCover {
                     let copy = i64::from(other.place[axis]) + i64::from(periods[axis]) * size[axis];
                     copy - i64::from(place[axis])
                 });
+                // The offset is 0 for the cell's own sample. Its copies have cut the cell at the beginning.
                 if offset != [0, 0] && self.cell.cuts(index, offset) {
                     let distance = DVec2::from(offset.map(|value| value as f64)) - at;
                     *nearest_square = nearest_square.min(distance.length_squared());

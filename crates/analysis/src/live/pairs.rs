@@ -417,7 +417,7 @@ impl LivePairs {
             let bound_square = closest.map_or(diagonal_square as f64, |(square, _)| square as f64);
 
             self.grid
-                .within(center, bound_square, |other, periods, bound_square| {
+                .within(center, bound_square, |other, periods, narrowed_square| {
                     let along = |axis: usize| {
                         let copy =
                             i64::from(other.place[axis]) + i64::from(periods[axis]) * size[axis];
@@ -431,9 +431,10 @@ impl LivePairs {
                             [found, closest].map(|(square, slots)| self.pair(square, slots));
                         new.rank(&old).is_lt()
                     };
+                    // A sample's own copies are no samples of the set: `period_square` has their distance.
                     if other.slot != occupant.slot && closest.is_none_or(comes_before) {
                         closest = Some(found);
-                        *bound_square = bound_square.min(found.0 as f64);
+                        *narrowed_square = narrowed_square.min(found.0 as f64);
                     }
                 });
         }
@@ -443,6 +444,7 @@ impl LivePairs {
     /// Returns the conflicts, as [`Report::worst_conflicts`](crate::Report::worst_conflicts) lists them, but all.
     #[must_use]
     pub fn conflict_pairs(&self) -> Vec<Conflict> {
+        // Squares of distances, as all that they are compared with.
         let (end, period) = (self.radius_square(), self.period_square());
         let mut found = Vec::new();
         for &Occupant { slot, place } in self.grid.all() {
@@ -457,6 +459,7 @@ impl LivePairs {
                 });
             }
 
+            // On a torus narrower than the radius each sample is in conflict with its own copy.
             if let Some(period) = period.filter(|&period| period < end) {
                 found.push(self.pair(period, [slot; 2]));
             }
@@ -511,7 +514,7 @@ impl LivePairs {
             let to = [((edge * per_length) as usize).min(bins), index.min(bins)];
             for part in [0, 1] {
                 counts[to[part]] += in_bin[part];
-                // On a torus no weights are kept, and none for the last bin.
+                // On a torus no weights are kept: their sums stay 0 and are not read. The last bin has none, either.
                 let in_bin_weights = self.histogram.weights.get(index);
                 sums[to[part]] += in_bin_weights.map_or(0, |weights| weights[part]);
             }

@@ -440,8 +440,8 @@ impl DiskSearch {
 
         let [[left, right], [low, high]] = [along(0), along(1)];
         let columns = before(right, 1) & !before(left, 1);
-        let rows = before(high, 8) & !before(low, 8);
-        // Each of the eight lines has the bits of the columns.
+        let rows = before(high, BLOCK as u32) & !before(low, BLOCK as u32);
+        // The product writes the bits of the columns into each of the eight lines.
         (columns * 0x0101_0101_0101_0101) & rows
     }
 

@@ -142,7 +142,7 @@ impl LiveSpectrum {
         let before = self.shown();
         self.count = self.count.saturating_add_signed(isize::from(sign));
         self.renewed[1] += 1;
-        // The annuli depend on the number of samples by the frequencies shown alone.
+        // The annuli depend on the number of samples only through the frequencies shown.
         if self.shown() != before {
             self.annuli = OnceLock::new();
         }
@@ -371,9 +371,9 @@ impl LiveSpectrum {
         })
     }
 
-    /// Returns the parts of the periodogram that are shown, without bands: those of [`Spectrum::of`], which takes far
-    /// longer. Where not all frequencies are kept, annuli are at least as wide as the stride, so that none is empty,
-    /// and a cell of the picture is the mean of those that are kept.
+    /// Returns the profile and the picture that [`Spectrum::of`] has, in far less time and without bands. Where not all
+    /// frequencies are kept, annuli are at least as wide as the stride, so that none is empty, and each cell of the
+    /// picture is the mean of its frequencies that are kept.
     ///
     /// # Errors
     ///
@@ -393,9 +393,10 @@ impl LiveSpectrum {
             // More frequencies may be kept than are shown for this number of samples.
             let powers = &mut all[middle + 1 - columns..middle + columns];
             sums_of_annuli.add_row(row, powers);
+            // The picture counts its rows from the lowest one below zero on.
             sums_of_cells.add_row(rows - 1 + row, powers);
-            // The picture copies the parts below the middle ones from those above them, turned around. Only the middle parts
-            // need the rows below zero.
+            // The picture copies its cells below the middle row of cells from those above it, turned around. The middle
+            // row of cells has zero in its middle: half of its frequencies are below zero, and are added here.
             if row > 0 && sums_of_cells.is_in_middle(rows - 1 + row) {
                 powers.reverse();
                 sums_of_cells.add_row(rows - 1 - row, powers);
@@ -460,7 +461,8 @@ impl Renew for LiveSpectrum {
             annuli: OnceLock::new(),
         };
 
-        // There is always a plan, as the frequencies along an axis are limited.
+        // There is always a plan, as the frequencies along an axis are limited. It is about zero and so has no phases:
+        // a transform by it can be made in slices.
         let plan = (self.plan().ok()).filter(|_| self.is_quicker_transformed(samples.len()));
         let transform = plan.and_then(|plan| {
             let (weighed, squares) = self.all_weighed(samples);
@@ -552,6 +554,7 @@ impl<'a> RowReader<'a> {
         // transform ends there, and of the four products only that of two cosines, as the taper is even.
         for column in (0..2).filter(|column| (column * stride).max(row * stride) < 2) {
             let frequency = [column, row].map(|index| (index * stride) as i64);
+            // Both columns are in the first block.
             sums.to_mut()[0][0][column] -= self.total * spectrum.taper.mean_factor(frequency);
         }
 

@@ -145,6 +145,7 @@ impl WaveSums {
             let first = index * LANES;
             for lane in 0..LANES.min(self.columns - first) {
                 let column = (first + lane) as i64;
+                // Half, as each sum and difference below is twice a product.
                 let at = |row: i64| transform.at([column, row]) * (0.5 * ONE);
                 let [up, down] = [at(row as i64), at(-(row as i64))];
                 // Sums and differences of both transforms: cos(a + b) + cos(a - b) = 2 cos a cos b, and so on.
@@ -164,6 +165,7 @@ impl WaveSums {
     /// Returns every `stride`-th column and row of the same sums.
     pub fn thinned(&self, stride: usize) -> Self {
         let [columns, rows] = [self.columns, self.rows].map(|count| count.div_ceil(stride));
+        // The step 1 stands for the true one, which is set next.
         let mut thin = Self::new(columns, rows, 1);
         thin.step = self.step * stride as f64;
 
@@ -223,8 +225,9 @@ fn write_in_vectors<S: Simd>(simd: S, sums: &[ProductSums], scale: f64, powers: 
     let columns = powers.len() / 2 + 1;
     let scale = f64x8::splat(simd, scale);
     for (block, products) in sums.iter().enumerate() {
-        // The products are cos cos, sin sin, sin cos and cos sin: of them are the real and the imaginary part at a
-        // frequency, and at the one opposite along x, up to signs.
+        // The products are cos cos, sin sin, sin cos and cos sin. Their sums and differences are the real and the
+        // imaginary part at a frequency, and at the one opposite along x, up to signs.
+        //
         // Closures would not be compiled for the processor below the highest level of optimisation.
         let cosines = f64x8::from_slice(simd, &products[0]);
         let sines = f64x8::from_slice(simd, &products[1]);
@@ -238,7 +241,7 @@ fn write_in_vectors<S: Simd>(simd: S, sums: &[ProductSums], scale: f64, powers: 
         let opposite = scale * (opposite_re * opposite_re + opposite_im * opposite_im);
         let down = simd.reverse_f64x8(opposite);
 
-        // The last block may have more columns than there are.
+        // The last block has room for more columns than there may be.
         let first = block * LANES;
         let count = LANES.min(columns - first);
         let above = &mut powers[columns - 1 + first..][..count];
@@ -289,8 +292,8 @@ fn add_rows<S: Simd>(
 #[inline(always)]
 fn add_block<S: Simd>(simd: S, sums: &mut ProductSums, along_x: &[WavePair], along_y: &[[f32; 2]]) {
     let rounding = f32x8::splat(simd, ROUNDING);
-    // The bits of ROUNDING come with every product, and are taken off beforehand. The sum of a block's products of 22
-    // bits fits into 32.
+    // The bits of ROUNDING come with every product, and are taken off beforehand. The sum of at most `BATCH` products
+    // of 22 bits fits into 32.
     let none = (ROUNDING.to_bits() as i32).wrapping_mul(-(along_x.len() as i32));
     let mut units = [i32x8::splat(simd, none); 4];
 

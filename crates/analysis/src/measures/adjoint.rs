@@ -119,6 +119,7 @@ fn back_along_y_real(
             // imaginary part.
             for (k, row) in half.chunks_exact(across.size).enumerate() {
                 let row = &row[block * TOGETHER..][..lines];
+                // The lines are even in number (`GridAxis::size`), so that none is left without another.
                 for (pair, target) in row.chunks_exact(2).zip(scratch.line.chunks_mut(axis.size)) {
                     let [a, b] = [pair[0], pair[1]];
                     let times_i = |value: Complex<f64>| Complex::new(-value.im, value.re);

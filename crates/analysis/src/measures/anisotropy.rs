@@ -37,22 +37,23 @@ impl RadialProfile {
         10.0 * mean.log10() - anisotropy_reference_db(self.sets)
     }
 
-    /// Returns how far [`Self::anisotropy_excess_db`] may be from zero by chance alone, with probability 99 %.
+    /// Returns a bound in decibels: if the sets have no preferred directions, [`Self::anisotropy_excess_db`] lies
+    /// nearer to zero with probability 99 %. NaN where no annulus counts.
     #[must_use]
     pub fn anisotropy_excess_reach_db(&self) -> f64 {
         let annuli = self
             .annuli
             .iter()
             .filter(|annulus| annulus.has_anisotropy());
-        let [sum, count] = annuli.fold([0.0; 2], |[sum, count], annulus| {
+        let [variances, count] = annuli.fold([0.0; 2], |[variances, count], annulus| {
             [
-                sum + noise_deviation(annulus, self.sets).powi(2),
+                variances + noise_deviation(annulus, self.sets).powi(2),
                 count + 1.0,
             ]
         });
-        // The variances of the annuli's ratios add up, as these are independent: `sum.sqrt() / count` is the standard
-        // deviation of their mean.
-        10.0 * (1.0 + NORMAL[1] * sum.sqrt() / count).log10()
+        // The variances of the annuli's ratios add up, as these are independent: the root over the count is the
+        // standard deviation of their mean.
+        10.0 * (1.0 + NORMAL[1] * variances.sqrt() / count).log10()
     }
 }
 

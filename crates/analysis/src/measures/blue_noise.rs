@@ -86,12 +86,13 @@ impl PowerCurve {
         let r_max = largest_min_distance(points.len(), region.area());
         // A little less than half the shorter side, beyond which `g` is not defined.
         let most = (0.499 * region.shorter_side() / r_max).min(MAX_DISTANCE);
-        if most.is_nan() || most < NEAREST {
+        if most < NEAREST {
             return Ok(None);
         }
 
         let bins = (BINS_EACH * most).ceil() as usize;
         let pairs = PairCorrelation::of(points, region, most, bins, control)?;
+        // They end at 6, as oscillations count over 5 from the first power near 1 on, which blue noise has below 1.
         let frequencies = (1..=600).map(|i| 0.01 * f64::from(i)).collect();
         Self::of_pairs(&pairs, frequencies).map(Some)
     }
@@ -258,6 +259,8 @@ fn bessel_j0(x: f64) -> f64 {
     let (mut parts, mut term) = ([0.0; 2], 1.0);
     // The first twenty terms fall, even at 14; later ones of this expansion rise again.
     for k in 0..20_u32 {
+        // Even terms are for the cosine below and odd ones for the sine. In each of these two sums the sign changes
+        // from one term to the next.
         let sign = if k / 2 % 2 == 0 { 1.0 } else { -1.0 };
         parts[(k % 2) as usize] += sign * term;
         // Terms of the expansion: products of -(2 j - 1)^2 over k! (8 x)^k.

@@ -79,7 +79,8 @@ fn falling_root(f: impl Fn(f64) -> f64) -> f64 {
         high *= 2.0;
     }
 
-    // Bisection halves the interval in each round. After about 60 rounds no number lies between its ends any more.
+    // Bisection halves the interval in each round, until no number lies between its ends: after about 60 rounds, and
+    // after more for a root near 0. The limit ends this for a root at 0.
     for _ in 0..200 {
         let middle = 0.5 * (low + high);
         if middle <= low || middle >= high {
@@ -114,7 +115,7 @@ fn ln_gamma(x: f64) -> f64 {
 /// degrees of freedom are needed.
 const MAX_TERMS: usize = 1_000_000;
 
-/// Returns the upper part of the gamma function, `Q(a, x)`.
+/// Returns the upper part of the gamma function over the whole, `Q(a, x)`.
 fn gamma_tail(a: f64, x: f64) -> f64 {
     if x <= 0.0 {
         return 1.0;

@@ -241,7 +241,8 @@ impl TransformPlan {
         let (axis, columns) = (self.axes[0], self.axes[0].count());
         let (factors, fft) = (axis.factors(), self.fft_along(0));
 
-        // Each block of transformed rows gives the rows of the window at its frequencies along y and at their opposites.
+        // Each block of transformed rows gives the rows of the window at its frequencies along y and, where the plan is
+        // real, at their opposites.
         let mut numbers = vec![0.0; window.columns() * window.rows()];
         let rows = window.y.clone().zip(numbers.chunks_mut(window.columns()));
         let mut rows_of_blocks: Vec<Vec<(i64, &mut [f64])>> = Vec::new();
@@ -250,14 +251,14 @@ impl TransformPlan {
             rows_of_blocks[self.row_of(ky) / TOGETHER].push((ky, row));
         }
 
-        let rooms = Idle::default();
+        let idle_buffers = Idle::default();
         let blocks = rows_of_blocks.into_par_iter().enumerate();
         blocks.try_for_each(|(block, rows)| {
-            let room = || {
+            let new_buffers = || {
                 let values = vec![Complex::default(); TOGETHER * columns];
                 (Scratch::new(&fft, axis.size * TOGETHER), values)
             };
-            let (mut scratch, mut values) = rooms.take_or(room);
+            let (mut scratch, mut values) = idle_buffers.take_or(new_buffers);
 
             let first = block * TOGETHER;
             let count = TOGETHER.min(self.rows() - first);
@@ -270,7 +271,7 @@ impl TransformPlan {
                 }
             }
 
-            rooms.give((scratch, values));
+            idle_buffers.give((scratch, values));
             monitor.advance((axis.size * count) as u64)
         })?;
         Ok(numbers)
