@@ -28,7 +28,8 @@ impl Labelled {
     fn candidates(&self) -> [Rect; 6] {
         let Vec2 { x, y } = self.size;
         let side = self.radius + GAP;
-        // A label beside the circle begins or ends four points within its height: chosen, not measured.
+        // A label beside the circle ends four points below the circle's top, or begins as far above its bottom: chosen,
+        // not measured.
         let low = 4.0 - self.radius;
         [
             vec2(side, low - y),

@@ -63,8 +63,8 @@ fn cells(scene: &Scene<'_>, surface: &mut impl Surface, level: u32) {
     let (fill, stroke) = (color.gamma_multiply(0.18), Stroke::new(1.0, color));
     let end = scene.session.size_radii();
     for cell in &iteration.cells {
-        // A cell may reach beyond its block, where it throws no darts. Only beyond the domain is it cut off, as there
-        // it would be seen.
+        // A cell may reach beyond its block, where it throws no darts. It is cut off only beyond the domain, where it would
+        // stand out.
         let side = radii(cell.side);
         let low = position(cell.min);
         let corners = [low, (low + side).min(end)].map(|at| scene.at(at));

@@ -127,7 +127,7 @@ pub fn outline(scene: &Scene<'_>, surface: &mut impl Surface) {
     let Some(made) = &scene.session.ground else {
         return;
     };
-    let (_, request) = &made.asked;
+    let (_parameters, request) = &made.asked;
     // Corners are in the coordinates of their file, and the picture begins at the lower corner of the domain.
     let (origin, radius) = (
         DVec2::from(request.origin),

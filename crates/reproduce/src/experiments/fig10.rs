@@ -74,11 +74,11 @@ fn results(sampler: Sampler, study: &Study<'_>) -> Result<SamplerResults> {
         looks::spectrum(sampler, count, sets, settings, control)
     })?;
 
-    let (size, count, sets) = plate::amounts(settings);
+    let (zone_plate, count, sets) = plate::amounts(settings);
     let plate = |index| {
         let what = format!("zone plate, {name}, set {}", index + 1);
         study.unit(&format!("plate-{key}-{index}"), &what, |control| {
-            plate::errors(sampler, count, index, size, settings, control)
+            plate::errors(sampler, count, index, zone_plate, settings, control)
         })
     };
 

@@ -99,7 +99,9 @@ pub fn run(study: &Study<'_>) -> Result<Outcome> {
     let plan = plan(study.settings);
     let rounds = rates::run(plan, study)?;
     let timed: Vec<_> = rounds.iter().map(|round| round.timed.as_slice()).collect();
-    let rows = engine_rates::rows(&timed, None);
+    // Without a named baseline the first engine of a round is the baseline, which is the reference sampler.
+    let baseline = None;
+    let rows = engine_rates::rows(&timed, baseline);
     let against = against::against(&found);
 
     let mut pictures = spectra_pictures(study, &found)?;

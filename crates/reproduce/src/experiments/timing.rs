@@ -50,8 +50,8 @@ impl TimingPlan {
             // Each round has a seed of its own, and all engines of a round have the same.
             let base = sized(self.samples, study.settings.seed_of(number))?;
             let key = format!("{what}-{number}");
-            let what = format!("{what}, round {} of {rounds}", number + 1);
-            study.unit(&key, &what, |control| {
+            let in_words = format!("{what}, round {} of {rounds}", number + 1);
+            study.unit(&key, &in_words, |control| {
                 // The engines are opened for the first round that was not kept; if all were kept, they never are.
                 let engines = match &mut opened {
                     Some(opened) => opened,

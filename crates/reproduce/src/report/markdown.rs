@@ -19,6 +19,7 @@ pub fn page(blocks: &[Block]) -> String {
             Block::Facts(facts) => {
                 let fact = |(name, value): &(&str, Span)| format!("{name}: {}", span(value));
                 let facts: Vec<String> = facts.iter().map(fact).collect();
+                // Two spaces at the end of a line break it in Markdown.
                 write!(out, "\n{}\n", facts.join("  \n"))
             }
             Block::Table {

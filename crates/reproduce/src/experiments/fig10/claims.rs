@@ -34,7 +34,7 @@ pub fn claims(all: &[SamplerResults]) -> Vec<Claim> {
         suppressed(random, reference, kdrt),
         plate_alike(reference, kdrt),
         plate_better(random, reference, kdrt),
-        // No set of BNOT is made here.
+        // BNOT (blue noise through optimal transport) is a sampler of the paper of which no set is made here.
         claim("fig10/bnot", Verdict::NotComparable, &json!({})),
         horizon_alike(random, reference, kdrt),
         scene(all),
@@ -132,6 +132,8 @@ fn horizon_alike(
     reference: &SamplerResults,
     kdrt: &SamplerResults,
 ) -> Claim {
+    // Likeness has to hold at all numbers of samples per pixel together. Superiority is judged at the largest number
+    // alone: chosen, not measured.
     let ratio = Ratio::of(&kdrt.overall(), &reference.overall());
     let better = [kdrt, reference].map(|one| Ratio::of(&random.densest(), &one.densest()));
     let densest = kdrt.horizons.last().and_then(|sets| sets.first());
@@ -146,7 +148,8 @@ fn horizon_alike(
     claim("fig10/horizon-alike", verdict, &values)
 }
 
-/// The paper's scene is not rendered.
+/// Returns the claim about the paper's scene, which is not rendered. Instead it states the exponents by which the
+/// errors of the horizon fall with the samples per pixel, where these exponents are known.
 fn scene(all: &[SamplerResults]) -> Claim {
     let slope = |one: &SamplerResults| {
         Some(format!(

@@ -68,6 +68,7 @@ fn band_of(
     side: usize,
 ) -> Filtered {
     let rows = BAND * band..(BAND * (band + 1)).min(side);
+    // For each pixel the sum of the weighed values, and that of the weights.
     let mut sums = vec![[0.0; 2]; rows.len() * side];
     // A sample reaches at most into the next band, as REACH is less than BAND: three bands of samples contribute.
     let near = band.saturating_sub(1)..(band + 2).min(bins.len());
@@ -111,7 +112,8 @@ fn touched(at: f64) -> impl Iterator<Item = (usize, f64)> + Clone {
 }
 
 /// Returns the mean of a function at the samples in each of `side` x `side` pixels, in pixel coordinates. A pixel without
-/// samples takes the nearest to its centre of those in the smallest square of pixels about it that has some.
+/// samples takes the nearest to its centre of those in the smallest square of pixels about it that has some; without
+/// any sample all are 0.
 pub fn pixel_means(
     samples: &[[f64; 2]],
     function: impl Fn([f64; 2]) -> f64,
@@ -120,7 +122,7 @@ pub fn pixel_means(
     let mut pixels = vec![Vec::new(); side * side];
     for at in samples {
         // A sample on the edge behind the last pixel belongs to that pixel.
-        let [column, row] = at.map(|v| (v.max(0.0) as usize).min(side - 1));
+        let [column, row] = at.map(|v| (v as usize).min(side - 1));
         pixels[row * side + column].push(*at);
     }
 

@@ -104,6 +104,7 @@ fn comparison(all: &[SamplerResults], corners: &[Vec<[f64; 2]>]) -> Result<Pictu
         boards.push(tile(Some(TILE), "", note, board));
     }
 
+    // The range serves the ticks of the spectra; the other axes have only their names.
     let axis = |name| Axis::new(name).with_range(-reach, reach);
     let tiles = [
         (axis("samples"), samples),
@@ -123,7 +124,7 @@ fn comparison(all: &[SamplerResults], corners: &[Vec<[f64; 2]>]) -> Result<Pictu
         row.into_iter().map(Panel::Tile).collect()
     };
 
-    // The scale of the spectra's powers stands at the end of the first row.
+    // The scale of the spectra's powers is drawn at the right of the figure's title, above the first row.
     let mut rows = tiles.map(row);
     rows[0].push(power_scale(BLACK));
 

@@ -124,7 +124,7 @@ pub fn amounts(settings: &Settings) -> (Plate, usize, u64) {
     (Plate { side }, count, sets)
 }
 
-/// Renders a zone plate from a set, which is given by about how many samples it has and by its number.
+/// Renders a zone plate from the set number `index` of about `count` samples, and returns how wrong the image is.
 pub fn errors(
     sampler: Sampler,
     count: usize,

@@ -82,6 +82,7 @@ pub fn stages(rows: &[LeafTimes]) -> Table {
         "fig11/procedures",
         rows,
         |(run, procedure, seconds, share)| {
+            // Seconds become milliseconds.
             whiskered(
                 seconds,
                 1e3,

@@ -99,8 +99,10 @@ pub fn run(plan: TimingPlan, study: &Study<'_>) -> Result<Vec<StageRound>> {
                 ..*base
             };
 
+            // The base parameters, which the printed ones have but for the radius, have this leaf size.
             let pattern = pattern(&fitting(ONE_LEAF), control)?;
-            timed.push(verified(&printed, &pattern, control)?.0);
+            let (times, _) = verified(&printed, &pattern, control)?;
+            timed.push(times);
 
             let mut passes = Vec::new();
             for gpu in GPUS.iter() {
@@ -156,13 +158,13 @@ fn verified(
             break;
         };
         let ended = Instant::now();
-        let before = finishing.unwrap_or(ended);
+        let checked = finishing.unwrap_or(ended);
 
         // A step ends with preparing the next one, which counts for the stage of the step.
         let of = procedure(stage, printed);
         if of == Procedure::Finish {
-            seconds.push((Procedure::Check, (before - began).as_secs_f64()));
-            seconds.push((Procedure::Finish, (ended - before).as_secs_f64()));
+            seconds.push((Procedure::Check, (checked - began).as_secs_f64()));
+            seconds.push((Procedure::Finish, (ended - checked).as_secs_f64()));
         } else {
             seconds.push((of, (ended - began).as_secs_f64()));
         }

@@ -71,6 +71,7 @@ fn rates(rows: &[EngineRate]) -> [Claim; 2] {
     let holds = alone.iter().all(|row| row.ratio.quartiles[1] >= FASTER);
     let direction = Verdict::if_known(!alone.is_empty(), holds);
 
+    // The first row is that of the reference sampler.
     let values = json!({
         "ratios": by_name(&alone), "densities": ends(alone.iter().map(|row| row.density)),
         "reference": rows.first().map(|row| row.density), "faster": FASTER,
@@ -82,7 +83,7 @@ fn rates(rows: &[EngineRate]) -> [Claim; 2] {
 
     [
         claim("fig13/direction", direction, &values),
-        // The baselines differ.
+        // The paper's ratio is of two programs on a GPU, and there is no reference sampler for a GPU here.
         claim("fig13/ratio", Verdict::NotComparable, &ratio),
     ]
 }
@@ -104,7 +105,8 @@ fn by_name(rows: &[&EngineRate]) -> String {
 
 /// Judges whether mean powers of KDRT are those of the reference sampler.
 fn similar(each: &[Against]) -> Claim {
-    // Where chance differences are large, the remainder after subtracting them is uncertain.
+    // Where chance differences are large, the remainder after subtracting them is uncertain. Twice the limit: chosen,
+    // not measured.
     let judged = |one: &&Against| one.tiled() && one.chance <= 2.0 * SIMILAR;
     let quiet: Vec<Against> = each.iter().filter(judged).copied().collect();
 
@@ -195,7 +197,8 @@ fn chance(each: &[Against]) -> String {
     })
 }
 
-/// Says whether the anisotropy is beyond what groups of reference sets lie apart by at any radius.
+/// Returns a sentence on whether the anisotropy exceeds `apart`, the largest difference of two groups of reference sets
+/// at any radius; empty if nothing was tiled.
 fn detectable(each: &[Against], apart: f64) -> String {
     let Some((most, _)) = worst(&tiled(each), |one| one.excess) else {
         return String::new();
@@ -243,7 +246,8 @@ fn leaves(each: &[Against]) -> Vec<f64> {
     distinct(each.iter().filter_map(|one| one.method.leaf()))
 }
 
-/// Returns values by leaf and by radius; of sets of one block, that they are.
+/// Returns the values by leaf and by radius. Sets of one block, in which nothing was tiled, have words in place of a
+/// value.
 fn by_leaf(each: &[Against], measure: &Measure) -> String {
     let value = |one: &Against| {
         // A peak is a multiple and never negative, unlike an anisotropy in decibels.

@@ -86,7 +86,7 @@ pub fn spectra(
     let (grid, [count, _]) = (&reference.picture, reference.count);
     // In the column of the reference sets, these are drawn over a second group of reference sets: the caption says so.
     let over = reference.method == Method::Reference;
-    // The last number of the caption's is how many frequencies a cell of the periodogram is wide.
+    // `side` is how many frequencies wide a cell of the periodogram is.
     let values = json!({
         "title": title, "radius": reference.radius, "samples": number(count, 3), "sets": reference.sets,
         "shown": SHOWN, "black": BLACK,
@@ -94,11 +94,11 @@ pub fn spectra(
         "over": if over { text("fig13/over", &json!({})) } else { String::new() },
     });
 
-    let picture = picture("fig13/spectra", &values, rows)?;
+    let drawn = picture("fig13/spectra", &values, rows)?;
     let radius = reference.radius.to_string().replace('.', "-");
     Ok(Picture {
         name: format!("{name}-{radius}"),
-        ..picture
+        ..drawn
     })
 }
 
@@ -236,8 +236,10 @@ pub fn rates(rows: &[EngineRate], plan: TimingPlan) -> Result<Picture> {
     let group = |(color, heading_of): (usize, String)| {
         let rows = rows.iter().filter(|row| heading(row) == heading_of);
         let bars = rows.map(|row| bar(row, color)).collect();
-        let heading = heading_of.clone();
-        BarGroup { heading, bars }
+        BarGroup {
+            heading: heading_of.clone(),
+            bars,
+        }
     };
 
     let headings = distinct(rows.iter().map(heading)).into_iter();
@@ -293,6 +295,7 @@ pub fn quality(found: &[MethodSpectra], against: &[Against]) -> Table {
 /// Returns the table of rates.
 pub fn rate_table(rows: &[EngineRate]) -> Table {
     table("fig13/rates", rows, |row| {
+        // Rates are in millions of samples a second.
         whiskered(
             &row.rate,
             1e-6,

@@ -84,7 +84,7 @@ pub fn measure(group: &SetGroup, method: Method, control: &Control<'_>) -> Resul
     let go_on = control.analysis();
     let mut periodograms = MeanPeriodogram::default();
     // Frequencies and mean power of the spectra that follow from g(r).
-    let mut smooth: Option<(Vec<f64>, Average)> = None;
+    let mut averaged: Option<(Vec<f64>, Average)> = None;
     let (mut reports, mut alone) = (Vec::new(), Vec::new());
 
     for number in 0..group.sets {
@@ -101,7 +101,8 @@ pub fn measure(group: &SetGroup, method: Method, control: &Control<'_>) -> Resul
         if let Some(curve) = PowerCurve::of_samples(&set.points, set.region, &go_on)? {
             let powers = curve.powers();
             let first = || (curve.frequencies().to_vec(), Average::new(powers.len()));
-            smooth.get_or_insert_with(first).1.add(powers)?;
+            let (_, average) = averaged.get_or_insert_with(first);
+            average.add(powers)?;
         }
     }
 
@@ -109,7 +110,7 @@ pub fn measure(group: &SetGroup, method: Method, control: &Control<'_>) -> Resul
     let mean = periodograms.mean().ok_or_else(nothing)?;
     let spectrum = Spectrum::of(&mean)?;
 
-    let (frequencies, powers) = smooth.ok_or_else(nothing)?;
+    let (frequencies, powers) = averaged.ok_or_else(nothing)?;
     let smooth = PowerCurve::new(frequencies, powers.means().to_vec())?;
 
     let counts =
@@ -156,7 +157,8 @@ fn curves(spectrum: &Spectrum) -> Curves {
     }
 }
 
-/// The zero frequency, which may have no value, becomes white.
+/// Returns the picture of a mean spectrum. The power at the frequency zero, which may have no value, is 0 there and so
+/// white.
 fn grid(spectrum: &Spectrum) -> MeanPicture {
     let picture = &spectrum.picture;
     let value = |power: &f64| {

@@ -36,8 +36,9 @@ pub struct Witness {
 }
 
 impl Witness {
-    /// Returns the centre of a gap with those three of `samples`, by their indices, that are nearest to it. Where there
-    /// are fewer than three, the missing sites are NaN, which counts as in sight.
+    /// Returns the centre of a gap with three of the `samples`, given by their indices, that lie on the circle about
+    /// it: if there are more, the first by angle. Where there are fewer than three, the missing sites are NaN, which
+    /// counts as in sight.
     pub fn of(gap: &Gap, set: &Set, samples: &[usize]) -> Self {
         let [x, y] = gap.center;
         let away = |index: &usize| {

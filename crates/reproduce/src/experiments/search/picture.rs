@@ -149,9 +149,9 @@ fn triangle(witness: &Witness, middle: DVec2, radius: f64, palette: &Palette) ->
 /// Returns the side from the first to the second of three sites, its length written on a ground of its own beyond its
 /// middle, as seen from the third site.
 fn side([from, to, third]: [DVec2; 3], what: &str, radius: f64, palette: &Palette) -> [Shape; 3] {
-    let half = from.midpoint(to);
+    let middle = from.midpoint(to);
     // The distance and the sizes of the text and of its ground were set by eye.
-    let at = half + 0.4 * radius * (half - third).normalize_or_zero();
+    let at = middle + 0.4 * radius * (middle - third).normalize_or_zero();
     let [x, y] = [0.33, 0.11].map(|half| half * radius);
     let corners = [[-x, -y], [x, -y], [x, y], [-x, y]].map(|to| at + DVec2::from(to));
     let ground = Style::filled(with_alpha(palette.background, 215));

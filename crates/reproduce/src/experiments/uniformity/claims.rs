@@ -84,8 +84,9 @@ pub fn claims(found: &UniformityResults) -> Vec<Claim> {
 }
 
 /// Returns the verdict on whether exact tiling is free of the bias at the borders of blocks, which section 5.1 names as
-/// the price of tiling: its density within 1 r of them must be that of the reference. KDRT must fail the same limit:
-/// otherwise too few samples were counted to see its bias.
+/// the price of tiling: its density within 1 r of them must be that of the reference. There is a verdict only if KDRT
+/// fails the same limit, since otherwise too few samples were counted to see its bias, and if the reference sets keep
+/// it, which have no bias.
 fn seams(
     reference: &SamplerUniformity,
     kdrt: &SamplerUniformity,

@@ -269,6 +269,7 @@ impl PairedBias {
         let mean = seeds.iter().map(count).sum::<f64>() / sets;
         let expected = mean * seeds.iter().map(share).sum::<f64>() / sets;
         let pair = |seed: &SeedCounts| {
+            // The sets of a seed are in the order of `NAMES`.
             let [_, _, circumcentre, uniform, ..] =
                 seed.sets.each_ref().map(|set| near(&set.blocks));
             let excess = circumcentre - mean * share(seed);
@@ -325,7 +326,8 @@ pub struct ClassBias {
     pub sigmas: f64,
 }
 
-/// Returns the bias of counts of at least two runs; its interval misses it with probability `missed`.
+/// Returns the bias of counts of at least two runs. Its interval misses it with probability `missed`; those of the test
+/// miss with [`MISSED`].
 fn bias(test: &Uniformity, missed: f64) -> ClassBias {
     let classes = test.deviations.len() as f64;
     let quantile = student_quantile(MISSED, test.runs as f64 - 1.0);

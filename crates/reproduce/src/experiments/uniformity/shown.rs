@@ -184,6 +184,7 @@ pub fn tables(found: &UniformityResults) -> Vec<Table> {
 /// Returns each test with its effect.
 fn tests(found: &UniformityResults) -> Table {
     let rows = found.all.iter().flat_map(|one| {
+        // The tests of bands are left out: they are sums of the classes of distances.
         let of = [
             ("cells of the domain", Some(&one.cells)),
             ("distance from block borders", Some(&one.blocks)),
