@@ -68,6 +68,7 @@ impl Ages {
                     Err(blocks) => (block, blocks),
                 };
                 let share = before as f32 / all.saturating_sub(1).max(1) as f32;
+                // A caller may ask about any id.
                 LAST_TILED * share.min(1.0)
             }
             Origin::Inserted { iteration, .. } => self.of_iteration(iteration),

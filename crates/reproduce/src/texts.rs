@@ -188,6 +188,7 @@ pub fn table<R>(id: &str, rows: impl IntoIterator<Item = R>, cells: impl Fn(R) -
                     add(named(&pair[0].to_string()), &cell);
                 }
             }
+            // A column that is not repeated has no number.
             Some(_) => add(named(""), &|object| object.get(key).cloned()),
             None => debug_assert!(optional, "{id}: no cells of {key}"),
         }
@@ -252,6 +253,7 @@ fn shown(value: &Value, format: &str) -> String {
     let (Some(value), false) = (value.as_f64(), format.is_empty()) else {
         return match Cell::of(value.clone()) {
             Cell::Number(value) => value.to_string(),
+            // Texts and whole numbers need no digits.
             cell => readable(&cell, 0),
         };
     };

@@ -343,8 +343,8 @@ impl LiveSpectrum {
             [1.0; 2],
         )?;
 
-        let window = about_zero(self.shown());
-        let [columns, rows] = counts(self.shown(), 1);
+        let (window, stride) = (about_zero(self.shown()), 1);
+        let [columns, rows] = counts(self.shown(), stride);
         let mut power = vec![0.0; window.columns() * window.rows()];
 
         let mut reader = RowReader::new(self);

@@ -108,7 +108,8 @@ impl Bench {
         let of_exact = PatternSpec::for_exact(self.samples as f64, self.seed);
         let tables = || PatternHistory::of_spec(&of_exact, &mut control.observer());
         let (history, history_seconds) = timed(tables);
-        let open = Engines::open(&self.threads, Vec::new())?.with_history(history?);
+        let no_gpus = Vec::new();
+        let open = Engines::open(&self.threads, no_gpus)?.with_history(history?);
 
         let parallel = |&threads: &usize| Engine::Parallel { threads };
         let mut engines: Vec<Engine> = self.threads.iter().map(parallel).collect();
@@ -202,7 +203,8 @@ impl Bench {
         };
 
         for round in 0..self.rounds as u32 {
-            // The lower corner of the window is drawn in the unit square.
+            // The lower corner of the window is drawn in the unit square, which the plane repeats without end: windows
+            // at its upper borders go on beyond them.
             let [x, y] = key.draw(Stream::Dart, round).map(f64::from);
             let low = [x, y].map(|v| v / f64::from(u32::MAX));
             let window = plane.domain().window(low, low.map(|v| v + side))?;

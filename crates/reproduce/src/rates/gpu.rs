@@ -63,6 +63,7 @@ impl Bench {
         let control = Control::new(watch, 0, "the first run".to_owned());
         let pattern = Pattern::of_spec(&base.pattern, &mut control.observer())?;
 
+        // The parallel engine runs on all threads, for which no pool has to be opened.
         let open = Engines::open(&[], vec![Arc::clone(gpu)])?;
         let adapter = gpu.report().name.clone();
         let engines = [Engine::parallel(), Engine::Gpu { adapter }];

@@ -123,7 +123,8 @@ impl GapCounts {
         // The verifier's tolerance decides here, too: a hole whose deepest place is not beyond it is no gap to the verifier.
         let covered = (1.0 + report.covering_tolerance) * set.radius;
         let parts = Tessellation::of(&set.points, set.region, set.radius)?;
-        for hole in parts.gaps.iter().filter(|gap| gap.deepest.1 > covered) {
+        let is_open = |(_place, distance): (_, f64)| distance > covered;
+        for hole in parts.gaps.iter().filter(|gap| is_open(gap.deepest)) {
             self.holes += 1;
             self.area += hole.area / set.radius.powi(2);
         }

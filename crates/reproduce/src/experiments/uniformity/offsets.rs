@@ -300,13 +300,13 @@ impl PairedBias {
             }
         };
 
-        let (difference, spread) = estimate(&|pair| pair.0);
-        let (excess, _) = estimate(&|pair| pair.1);
+        let (difference, spread) = estimate(&|&(difference, _)| difference);
+        let (excess, _) = estimate(&|&(_, excess)| excess);
 
         // To first order, the error of a ratio of means is that of the mean of (difference - ratio * excess), over the mean
         // excess.
         let ratio = difference / excess;
-        let (_, left) = estimate(&|pair| pair.0 - ratio * pair.1);
+        let (_, left) = estimate(&|&(difference, excess)| difference - ratio * excess);
 
         Self {
             difference: off(difference, spread),
