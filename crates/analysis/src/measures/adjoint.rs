@@ -29,8 +29,8 @@ pub(super) fn work(plan: &TransformPlan, samples: usize) -> u64 {
 /// whose values are the conjugates.
 ///
 /// `values` are in the sequence of the plan's transform: a real plan holds its frequencies from `ky = 0` up, with both
-/// of two opposite ones where `ky = 0`; another must hold no two opposite ones. The samples' weights are ignored. The
-/// kernel's error is at most [`super::NUFFT_ERROR`] of the sum of the magnitudes of the values.
+/// of two opposite ones where `ky = 0`; a plan that is not real must hold no two opposite ones. The samples' weights
+/// are ignored. The kernel's error is at most [`super::NUFFT_ERROR`] of the sum of the magnitudes of the values.
 pub(super) fn at_samples(
     plan: &TransformPlan,
     values: Vec<Complex<f64>>,

@@ -46,6 +46,7 @@ impl PairBins {
             let reach = half.min(PairCorrelation::MAX_DISTANCE * r_max) / radius;
             let count = (EACH * reach.min(MAX_UNITS)).floor();
             if count >= 1.0 {
+                // Those that end within the reach: their width is fixed.
                 let count = count as usize;
                 return Self::OfRadius { radius, count };
             }
@@ -55,6 +56,7 @@ impl PairBins {
         let farthest = (half / r_max * (1.0 - Self::MAX_COUNT_SPREAD).sqrt()).min(MAX_UNITS);
         Self::OfSpacing {
             farthest,
+            // None is wider than a fortieth, and there is at least one.
             count: (EACH * farthest).ceil().max(1.0) as usize,
         }
     }

@@ -245,11 +245,11 @@ fn far_excess(pairs: &PairCorrelation, rings: &[[f64; 2]]) -> f64 {
 /// series, and beyond 14 Hankel's expansion.
 fn bessel_j0(x: f64) -> f64 {
     if x < 14.0 {
-        let square = -0.25 * x * x;
+        let minus_quarter_square = -0.25 * x * x;
         let (mut sum, mut term, mut k) = (1.0, 1.0, 1.0);
         // Smaller terms are far below the error that is allowed.
         while f64::abs(term) > 1e-18 {
-            term *= square / (k * k);
+            term *= minus_quarter_square / (k * k);
             sum += term;
             k += 1.0;
         }

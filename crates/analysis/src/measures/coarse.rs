@@ -94,11 +94,11 @@ impl CoarseSums {
             // How many of the multiples, which begin with the lowest one, are below k.
             let multiples_below = |k: i64| ((k - 1).div_euclid(step) + 1 - lowest) as usize;
             // Part 0 has zero in its middle.
-            let part = |part: i64| {
-                let first = part * side - (side - 1) / 2;
+            let part_at = |number: i64| {
+                let first = number * side - (side - 1) / 2;
                 multiples_below(first)..multiples_below(first + side)
             };
-            (-half..=half).map(part).collect::<Vec<_>>()
+            (-half..=half).map(part_at).collect::<Vec<_>>()
         });
 
         Self {
@@ -164,8 +164,8 @@ impl CoarseSums {
             .enumerate()
             .map(|(part, (sum, count))| {
                 // The middle part has the zero frequency, which is not counted.
-                let count = count - usize::from(part == middle);
-                sum / count as f64
+                let counted = count - usize::from(part == middle);
+                sum / counted as f64
             });
 
         let [(_, side), (_, row_side)] = self.divisions;

@@ -44,7 +44,7 @@ impl DifferenceCurve {
         reference: &RadialProfile,
         level: f64,
     ) -> Result<Self, MeasureError> {
-        let (x, reference_x) = (
+        let (own_x, reference_x) = (
             profile.relative_frequencies(),
             reference.relative_frequencies(),
         );
@@ -52,7 +52,7 @@ impl DifferenceCurve {
         let values = |annulus: &Annulus, sets: u64| 0.5 * annulus.count as f64 * sets as f64;
 
         let (mut points, mut bands) = (Vec::new(), Vec::new());
-        for (x, annulus) in x.into_iter().zip(&profile.annuli) {
+        for (x, annulus) in own_x.into_iter().zip(&profile.annuli) {
             // Where the reference is not known, there is no difference.
             let Some(between) = Between::of(x, &reference_x) else {
                 continue;
@@ -115,7 +115,7 @@ impl DifferenceCurve {
             ];
             // The squares of deviations from each mean are added up again: error^2 is their sum over n (n - 1).
             let squares: f64 = (errors.iter().zip(sets))
-                .map(|(error, sets)| error * error * sets * (sets - 1.0))
+                .map(|(error, n)| error * error * n * (n - 1.0))
                 .sum();
             let error = (squares / freedom * (1.0 / sets[0] + 1.0 / sets[1])).sqrt();
             bands.extend(quantile.map(|quantile| [-quantile * error, quantile * error]));
@@ -152,7 +152,7 @@ impl DifferenceCurve {
 }
 
 /// Returns the interval that holds the difference of two mean powers, the first less the second, with probability `level` if both
-/// are means of `values` independent exponential powers of one expectation. Given their weighted mean, the first one's
+/// are means of `counts` independent exponential powers of one expectation. Given their weighted mean, the first one's
 /// share of the sum is a beta variable, so it is exact for any number of powers.
 ///
 /// # Errors
@@ -160,21 +160,21 @@ impl DifferenceCurve {
 /// [`MeasureError::OutOfRange`] for a level outside 0.01 to 0.999999, or for a number of powers below 0.5 or above 1e8.
 pub fn power_difference_band(
     powers: [f64; 2],
-    values: [f64; 2],
+    counts: [f64; 2],
     level: f64,
 ) -> Result<[f64; 2], MeasureError> {
     check_range("the confidence level", level, LEVELS)?;
-    for count in values {
+    for count in counts {
         // An annulus of a single frequency, one of two opposite ones, has half a value.
         check_range("the number of powers", count, [0.5, 1e8])?;
     }
 
-    // The sum of all values. A share of it is that of the first mean, and the rest that of the second one.
-    let sum = powers[0] * values[0] + powers[1] * values[1];
+    // The sum of all powers. A share of it is that of the first mean, and the rest that of the second one.
+    let sum = powers[0] * counts[0] + powers[1] * counts[1];
     let tails = [0.5 - 0.5 * level, 0.5 + 0.5 * level];
     Ok(tails.map(|part| {
-        let share = beta_quantile(part, values[0], values[1]);
-        sum * (share / values[0] - (1.0 - share) / values[1])
+        let share = beta_quantile(part, counts[0], counts[1]);
+        sum * (share / counts[0] - (1.0 - share) / counts[1])
     }))
 }
 

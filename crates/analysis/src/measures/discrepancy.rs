@@ -49,22 +49,22 @@ impl Discrepancy {
         check_set(points, region, 1)?;
         let monitor = Monitor::begin(control, work(points.len()))?;
         let extent = DVec2::new(region.width, region.height);
-        let mut points: Vec<_> = (points.par_iter())
+        let mut places: Vec<_> = (points.par_iter())
             .map(|&point| DVec2::from(point) / extent)
             .collect();
 
         // Sums of chunks are added in their sequence, so that they do not depend on threads.
         let sum = |value: fn(DVec2) -> DVec2| -> DVec2 {
-            let chunks = points.par_chunks(CHUNK);
+            let chunks = places.par_chunks(CHUNK);
             let sums = chunks.map(|chunk| rounded(chunk.iter().map(|&a| value(a))));
             rounded(sums.collect::<Vec<DVec2>>())
         };
         let (of_singles, of_selves) = (sum(single), sum(|a| term(a, a)));
 
-        points.par_sort_by(|a, b| a.x.total_cmp(&b.x));
+        places.par_sort_by(|a, b| a.x.total_cmp(&b.x));
         // A buffer, into which `pairs` merges sorted halves.
-        let mut room = points.clone();
-        let of_pairs = pairs(&mut points, &mut room, &monitor)?;
+        let mut room = places.clone();
+        let of_pairs = pairs(&mut places, &mut room, &monitor)?;
 
         // The closed forms take pairs in both orders, and each sample with itself.
         let n = points.len() as f64;

@@ -142,10 +142,13 @@ impl TransformPlan {
             return Err(MeasureError::EmptyWindow { window });
         }
 
-        let limit = MAX_FREQUENCY;
         // A range ends after its highest frequency.
         let highest = [x0, x1.saturating_sub(1), y0, y1.saturating_sub(1)];
-        if let Some(&frequency) = highest.iter().find(|k| k.unsigned_abs() > limit as u64) {
+        if let Some(&frequency) = highest
+            .iter()
+            .find(|k| k.unsigned_abs() > MAX_FREQUENCY as u64)
+        {
+            let limit = MAX_FREQUENCY;
             return Err(MeasureError::FrequencyTooHigh { frequency, limit });
         }
 
@@ -244,10 +247,10 @@ impl TransformPlan {
         // Each block of transformed rows gives the rows of the window at its frequencies along y and, where the plan is
         // real, at their opposites.
         let mut numbers = vec![0.0; window.columns() * window.rows()];
-        let rows = window.y.clone().zip(numbers.chunks_mut(window.columns()));
+        let window_rows = window.y.clone().zip(numbers.chunks_mut(window.columns()));
         let mut rows_of_blocks: Vec<Vec<(i64, &mut [f64])>> = Vec::new();
         rows_of_blocks.resize_with(self.rows().div_ceil(TOGETHER), Vec::new);
-        for (ky, row) in rows {
+        for (ky, row) in window_rows {
             rows_of_blocks[self.row_of(ky) / TOGETHER].push((ky, row));
         }
 
