@@ -106,11 +106,13 @@ fn claims(title: &str, finished: &[Finished], of_the_paper: bool) -> Option<Bloc
         ]
     };
 
-    let rows = finished.iter().flat_map(|one| {
-        let claims = (one.claims.iter()).filter(|claim| claim.is_of_the_paper() == of_the_paper);
-        claims.map(move |claim| row(one, claim))
-    });
-    let rows: Vec<_> = rows.collect();
+    let rows: Vec<_> = (finished.iter())
+        .flat_map(|one| {
+            let claims =
+                (one.claims.iter()).filter(|claim| claim.is_of_the_paper() == of_the_paper);
+            claims.map(move |claim| row(one, claim))
+        })
+        .collect();
 
     let heads = ["claim", "place", "the paper", "here", "verdict"];
     // Without claims the report has no table, not even its title.

@@ -62,7 +62,7 @@ fn claims(rows: &[LeafTimes]) -> Vec<Claim> {
 
 /// Judges whether elimination with the first insertion is the longest part.
 fn longest(id: &str, rows: &[LeafTimes], printed: bool) -> Claim {
-    let rows = || rows.iter().filter(|row| row.printed == printed);
+    let judged = || rows.iter().filter(|row| row.printed == printed);
     let words = |row: &LeafTimes| {
         // The paper has elimination and the first insertion as one part.
         let [first, other] = row.shares().map(|share| percent(share, 2));
@@ -80,8 +80,8 @@ fn longest(id: &str, rows: &[LeafTimes], printed: bool) -> Claim {
         format!("{name}: {first}{parts}, the longest other one {other}")
     };
 
-    let shares: Vec<String> = rows().map(words).collect();
-    let holds = rows().all(|row| row.shares()[0] > row.shares()[1]);
+    let shares: Vec<String> = judged().map(words).collect();
+    let holds = judged().all(|row| row.shares()[0] > row.shares()[1]);
     let values = json!({ "shares": shares.join("; ") });
     claim(id, Verdict::if_known(!shares.is_empty(), holds), &values)
 }

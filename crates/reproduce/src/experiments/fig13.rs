@@ -184,10 +184,10 @@ fn notes(found: &[MethodSpectra], rounds: &[RateRound]) -> Vec<String> {
     let all_patterns = || rounds.iter().flat_map(|round| &round.patterns);
     let pattern = |side: f64| {
         let seconds = all_patterns().filter(|(of, _)| of.to_bits() == side.to_bits());
-        let median = median(seconds.map(|(_, seconds)| 1e3 * seconds));
+        let milliseconds = median(seconds.map(|(_, seconds)| 1e3 * seconds));
         format!(
             "that of {side} r takes {} ms",
-            number(median.unwrap_or(f64::NAN), 3)
+            number(milliseconds.unwrap_or(f64::NAN), 3)
         )
     };
 

@@ -44,8 +44,8 @@ pub fn page(blocks: &[Block], figures: &Path) -> String {
                 let fact = |(name, value): &(&str, Span)| {
                     format!("<dt>{name}</dt><dd>{}</dd>", span(value))
                 };
-                let facts: String = facts.iter().map(fact).collect();
-                writeln!(out, "<dl>{facts}</dl>")
+                let items: String = facts.iter().map(fact).collect();
+                writeln!(out, "<dl>{items}</dl>")
             }
             Block::Table {
                 title,
@@ -62,18 +62,18 @@ pub fn page(blocks: &[Block], figures: &Path) -> String {
                 };
 
                 let head = |head: &String| format!("<th{class}>{}</th>", escape(head));
-                let heads: String = heads.iter().map(head).collect();
+                let head_cells: String = heads.iter().map(head).collect();
                 let cell = |one: &Span| format!("<td{class}>{}</td>", span(one));
                 let row = |row: &Vec<Span>| {
                     let cells: String = row.iter().map(cell).collect();
                     format!("<tr>{cells}</tr>\n")
                 };
 
-                let rows: String = rows.iter().map(row).collect();
+                let body: String = rows.iter().map(row).collect();
                 writeln!(
                     out,
-                    "<h{level}>{}</h{level}>\n<div class=\"wide\"><table>\n<thead><tr>{heads}</tr></thead>\n\
-                     <tbody>\n{rows}</tbody></table></div>",
+                    "<h{level}>{}</h{level}>\n<div class=\"wide\"><table>\n<thead><tr>{head_cells}</tr></thead>\n\
+                     <tbody>\n{body}</tbody></table></div>",
                     escape(title)
                 )
             }

@@ -18,9 +18,9 @@ pub fn page(blocks: &[Block]) -> String {
             }
             Block::Facts(facts) => {
                 let fact = |(name, value): &(&str, Span)| format!("{name}: {}", span(value));
-                let facts: Vec<String> = facts.iter().map(fact).collect();
+                let lines: Vec<String> = facts.iter().map(fact).collect();
                 // Two spaces at the end of a line break it in Markdown.
-                write!(out, "\n{}\n", facts.join("  \n"))
+                write!(out, "\n{}\n", lines.join("  \n"))
             }
             Block::Table {
                 title,
@@ -29,24 +29,24 @@ pub fn page(blocks: &[Block]) -> String {
                 rows,
             } => {
                 // A table of claims is a section of its own; one of numbers stands in an experiment's section.
-                let title = if *numbers {
+                let heading = if *numbers {
                     title
                 } else {
                     &format!("## {title}")
                 };
 
-                let heads: Vec<String> = heads.iter().map(|head| cell(head)).collect();
+                let head_cells: Vec<String> = heads.iter().map(|head| cell(head)).collect();
                 let rule = "---|".repeat(heads.len());
                 let row = |row: &Vec<Span>| {
                     let cells: Vec<String> = row.iter().map(|one| cell(&span(one))).collect();
                     format!("| {} |\n", cells.join(" | "))
                 };
 
-                let rows: String = rows.iter().map(row).collect();
+                let body: String = rows.iter().map(row).collect();
                 write!(
                     out,
-                    "\n{title}\n\n| {} |\n|{rule}\n{rows}",
-                    heads.join(" | ")
+                    "\n{heading}\n\n| {} |\n|{rule}\n{body}",
+                    head_cells.join(" | ")
                 )
             }
             Block::Picture(file, caption) => {

@@ -53,13 +53,13 @@ fn horizons(all: &[SamplerResults]) -> Table {
         let rmse = longest
             .iter()
             .flat_map(|longest| &longest.horizons)
-            .map(|sets| {
-                let per_pixel = sets[0].per_pixel;
-                let sets = one
+            .map(|of_longest| {
+                let per_pixel = of_longest[0].per_pixel;
+                let own = one
                     .horizons
                     .iter()
                     .find(|sets| sets[0].per_pixel == per_pixel);
-                let errors = sets.and_then(|sets| Summary::of(sets.iter().map(|set| set.rmse)));
+                let errors = own.and_then(|sets| Summary::of(sets.iter().map(|set| set.rmse)));
                 (per_pixel, errors.map(|errors| errors.mean))
             });
 

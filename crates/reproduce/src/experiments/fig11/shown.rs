@@ -62,10 +62,10 @@ fn group(row: &LeafTimes) -> BarGroup {
 pub fn stages(rows: &[LeafTimes]) -> Table {
     // A run, a procedure, its seconds, and its share in percent.
     type Row<'a> = (String, String, &'a Summary, Option<f64>);
-    let rows = rows.iter().flat_map(|row| -> Vec<Row<'_>> {
-        let share = |share: &Summary| Some(100.0 * share.quartiles[1]);
+    let lines = rows.iter().flat_map(|row| -> Vec<Row<'_>> {
+        let percent = |share: &Summary| Some(100.0 * share.quartiles[1]);
         let each = (row.procedures.iter())
-            .map(|(of, seconds, part)| (row.name(), of.name(), seconds, share(part)));
+            .map(|(of, seconds, share)| (row.name(), of.name(), seconds, percent(share)));
 
         let whole = (row.name(), "all".to_owned(), &row.whole, Some(100.0));
         // The parallel engine carries out all stages region by region, so that it has one time and no shares.
@@ -80,7 +80,7 @@ pub fn stages(rows: &[LeafTimes]) -> Table {
 
     table(
         "fig11/procedures",
-        rows,
+        lines,
         |(run, procedure, seconds, share)| {
             // Seconds become milliseconds.
             whiskered(
