@@ -60,7 +60,9 @@ impl PairCorrelation {
         check_not_all_equal(points)?;
         check_count("bins of g(r)", bins, MAX_BINS)?;
 
-        // Up to half the shorter side two samples have one pair of nearest images. Bins of no width are refused.
+        // Up to half the shorter side two samples have one pair of nearest images on a torus, and the weights of a
+        // bounded region stay within a factor of 4. The lower limit, which refuses bins of no width, was chosen, not
+        // measured.
         let r_max = largest_min_distance(points.len(), region.area());
         let half = 0.5 * region.shorter_side() / r_max;
         check_range("the largest distance of g(r)", most, [1e-6, half])?;
@@ -74,8 +76,8 @@ impl PairCorrelation {
         Ok(Self::of_sums(points.len(), &domain, most, counts, &weights))
     }
 
-    /// Returns g(r) from the pairs in each bin up to `most`, and their weights: the sums of the inverse areas in the
-    /// domain's unit.
+    /// Returns g(r) from the pairs in each bin, and their weights: the sums of the inverse areas in the domain's unit.
+    /// The last bin ends at `most`, in units of `r_max`.
     pub(crate) fn of_sums(
         samples: usize,
         domain: &Domain,
@@ -90,7 +92,8 @@ impl PairCorrelation {
         let (bin_width, step) = (most / bins, most * r_max * domain.scale / bins);
 
         let count = samples as f64;
-        // Noise has N (N - 1) / 2 pairs, spread evenly over all offsets.
+        // Noise has N (N - 1) / 2 pairs, spread evenly over all offsets: one division by the area. The other one is
+        // that of each pair's weight, an inverse area.
         let density = 0.5 * count * (count - 1.0) / (area * area);
         // The area between the circles of a bin's two distances.
         let ring = |bin: usize| std::f64::consts::PI * (2 * bin + 1) as f64 * step * step;

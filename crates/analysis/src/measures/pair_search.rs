@@ -102,7 +102,7 @@ impl<'a> PairSearch<'a> {
         sum.counts.truncate(self.bins);
 
         let domain = &self.neighbors.grid.domain;
-        // On a torus all pairs weigh the same: exact counts give the weights.
+        // On a torus each pair weighs one over the area, so that exact counts give the weights.
         if domain.periodic {
             let area = domain.extent.element_product();
             sum.weights = sum
@@ -144,7 +144,8 @@ impl<'a> PairSearch<'a> {
         Ok(found)
     }
 
-    /// Counts the pairs of a cell's samples with each other and with the samples ahead of them.
+    /// Counts the pairs of a cell's samples with each other and with the samples in the runs of `Neighbors::partners`.
+    /// A run is met `once` where no cell of it meets this one in turn: then each of its pairs counts.
     fn cell(&self, [column, row]: [usize; 2], found: &mut PairSums) {
         let grid = self.neighbors.grid;
         let own = grid.run_range(row, &(column..column + 1));
@@ -161,10 +162,10 @@ impl<'a> PairSearch<'a> {
             } else if self.is_one_bin([samples(&own); 2]) {
                 found.counts[0] += own.len() as u64 * (own.len() as u64 - 1) / 2;
             } else {
-                // Within a cell each sample is compared with those after it.
-                let once = true;
+                // Within a cell each sample is compared with those after it, so that each pair is met once.
+                let each_once = true;
                 self.each(&own, found, |k, found| {
-                    self.pairs(k, k + 1..own.end, once, found);
+                    self.pairs(k, k + 1..own.end, each_once, found);
                 });
             }
         };
@@ -202,7 +203,8 @@ impl<'a> PairSearch<'a> {
         }
     }
 
-    /// Counts the pairs of a sample with those of a run, all by their indices in the grid.
+    /// Counts the pairs of a sample with those of a run, all by their indices in the grid. Unless the pairs are met
+    /// `once`, they are met from both of their samples, and counted from the one of the lower number.
     fn pairs(&self, index: usize, run: Range<usize>, once: bool, found: &mut PairSums) {
         dispatch!(self.level, simd => self.pairs_in_vectors(simd, index, run, once, found));
     }
@@ -251,9 +253,9 @@ impl<'a> PairSearch<'a> {
             );
 
             let in_bins = ((x * x + y * y).sqrt() * bins_per_length).min(beyond);
-            // The lowest bits of these words are the bins.
+            // The lowest bits of these words are the bins, of which there are far fewer than 2^32.
             let bins = (in_bins.trunc() + f64x8::splat(simd, WHOLE)).bitcast::<u64x8<S>>();
-            // Pairs of a torus all weigh the same.
+            // Pairs of a torus all weigh the same: their weights are made of the counts when the search ends.
             let mut weights = (width - x) * (height - y);
             if !domain.periodic {
                 weights = f64x8::splat(simd, 1.0) / weights;

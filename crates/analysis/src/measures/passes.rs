@@ -29,6 +29,7 @@ impl TransformPlan {
         samples: &[Sample],
         monitor: &Monitor<'_>,
     ) -> Result<Vec<ComplexParts>, MeasureError> {
+        // Samples of a grid about zero keep their real weights, and two real lines fit into one complex line.
         if self.real {
             let spread = Spread::<1>::new(samples, self.sizes(), |sample| [sample.weight]);
             let transform = |grid: &_, pair, scratch: &mut _, fft: &_, out: &mut [_]| {
@@ -94,7 +95,8 @@ impl TransformPlan {
         FftPlanner::new().plan_fft_forward(self.axes[axis].size)
     }
 
-    /// Transforms two grid lines along y. Writes the first line's values at the rows of the window to `out`, then the second's.
+    /// Transforms two grid lines of a real plan along y. Writes the first line's values at the plan's rows, which are
+    /// the frequencies from 0 on, to `out`, then the second's.
     pub(super) fn pair_along_y(
         &self,
         grid: &SpreadGrid<1>,
@@ -142,7 +144,7 @@ impl TransformPlan {
 
         scratch.run(fft);
 
-        // Only rows of the window are kept.
+        // Of all frequencies of the transform only the rows of the window are kept, from `below` under its middle on.
         for (value, offset) in out.iter_mut().zip(-axis.below..) {
             let kept = scratch.line[axis.index(offset)];
             *value = [kept.re, kept.im];

@@ -156,7 +156,9 @@ impl Periodogram {
         taper: Taper,
         control: Control<'_>,
     ) -> Result<Self, MeasureError> {
-        check_set(points, region, 1)?;
+        // A single sample has a periodogram, too.
+        let fewest = 1;
+        check_set(points, region, fewest)?;
         let plan = TransformPlan::new(window)?;
         let monitor = Monitor::begin(control, plan.work(points.len()))?;
 

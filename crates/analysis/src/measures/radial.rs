@@ -59,6 +59,7 @@ impl RadialProfile {
     pub fn of(periodogram: &Periodogram, width: f64) -> Result<Self, MeasureError> {
         check_range("the width of an annulus", width, Self::WIDTHS)?;
         let (held_length, [most_x, most_y]) = reach(periodogram);
+        // Annuli begin at a length of 1/2. A window that reaches less far holds none.
         let whole_annuli = ((held_length - 0.5) / width).floor().max(0.0) as usize;
 
         let part_count = (most_y / ROWS + 1) as usize;
@@ -108,9 +109,10 @@ impl RadialProfile {
 fn reach(periodogram: &Periodogram) -> (f64, [i64; 2]) {
     let [x0, x1, y0, y1] = periodogram.window.bounds();
     let scale = unit_lengths(periodogram.region);
-    // An axis that is held on both sides of zero reaches as far as its shorter side. As opposite frequencies stand for each
-    // other, one side is enough of the other axis: it reaches as far as its longer side. Below 0 is no reach, as the window
-    // does not hold the axis's zero.
+    // As opposite frequencies stand for each other, one axis must be held on both sides of zero, and reaches as far as
+    // its shorter side. Of the other axis one side is enough: it reaches as far as its longer side. A negative number
+    // is no reach: the window does not hold the axis's zero. Both choices of the axes are tried, and the longer reach
+    // counts.
     let (both_x, both_y) = ((-x0).min(x1 - 1), (-y0).min(y1 - 1));
     let one_side = |first: i64, end: i64| {
         if first <= 0 && end > 0 {
@@ -147,7 +149,8 @@ fn add_row(sums: &mut [AnnulusSums], periodogram: &Periodogram, ky: i64, most_x:
     let least_x = if ky == 0 { 1 } else { -most_x };
     for kx in least_x..=most_x {
         let (length, annulus) = places[kx.unsigned_abs() as usize];
-        // Frequencies beyond the last whole annulus are left out.
+        // Frequencies beyond the last whole annulus are left out. Up to `most_x` the window holds all others, or their
+        // opposites.
         if let (Some(sums), Some(power)) = (sums.get_mut(annulus), periodogram.at([kx, ky])) {
             sums.add(length, power);
         }
@@ -346,10 +349,11 @@ impl ProfileSums<'_> {
         let AnnulusTable {
             counts, lengths, ..
         } = self.table;
-        // The last sums are of the frequencies beyond all whole annuli.
+        // The last place is for the frequencies beyond all whole annuli, whose powers are added nowhere.
         let whole = self.sums.len() - 1;
         let annuli = self.sums[..whole].iter().zip(counts).zip(lengths);
         let annulus = |((&[sum, squares], &count), &length): ((&[f64; 2], &u64), &f64)| {
+            // Without a frequency it is no number, and the annulus is left out.
             let mean = sum / count as f64;
             let sums = AnnulusSums {
                 count,

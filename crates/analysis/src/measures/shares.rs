@@ -223,7 +223,8 @@ fn restrict(
 
             for (value, kx) in values.iter_mut().zip(x.middle - x.below..) {
                 let length = (kx as f64 * unit_x).hypot(ky as f64 * unit_y);
-                // The power at frequency zero depends on the number of samples alone.
+                // Only frequencies of the ring count. That of zero is in none: its power depends on the number of
+                // samples alone.
                 if [kx, ky] == [0, 0] || !(inner..outer).contains(&length) {
                     *value = Complex::default();
                     continue;

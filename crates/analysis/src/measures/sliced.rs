@@ -89,7 +89,7 @@ impl SlicedTransform {
         }
 
         let ([x, y], rows) = (self.plan.axes, self.plan.rows());
-        // Pairs of lines along y come next: as lines are real, two fit into one complex line.
+        // Pairs of lines along y come next: as lines are real, two fit into one complex line. Grids have even sizes.
         let (pair, pairs) = (index - bands, x.size / 2);
         if pair < pairs {
             let out = &mut self.half[pair * 2 * rows..][..2 * rows];

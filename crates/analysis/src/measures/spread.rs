@@ -76,15 +76,17 @@ pub(super) struct Tiles {
 impl Tiles {
     /// Returns the tile of each sample on a grid of these sizes, and where each tile begins.
     pub fn of(samples: &[Sample], sizes: [usize; 2]) -> Self {
-        let tiles = sizes[1] / TILE + 1;
-        let bands = sizes[0] / BAND + 1;
-        let key = |first: [u32; 2]| first[0] as usize / BAND * tiles + first[1] as usize / TILE;
+        // A first grid point is at most the grid's size, so that there may be one tile more than the grid is divided
+        // into.
+        let tiles_of_band = sizes[1] / TILE + 1;
+        let band_count = sizes[0] / BAND + 1;
+        let tile_of = |[x, y]: [u32; 2]| x as usize / BAND * tiles_of_band + y as usize / TILE;
         let keys: Vec<u32> = (samples.par_iter())
-            .map(|sample| key(first_grid_point(sample.at, sizes).0) as u32)
+            .map(|sample| tile_of(first_grid_point(sample.at, sizes).0) as u32)
             .collect();
 
         // A counting sort: samples of a tile keep their sequence.
-        let mut starts = vec![0_usize; tiles * bands + 1];
+        let mut starts = vec![0_usize; tiles_of_band * band_count + 1];
         for &key in &keys {
             starts[key as usize + 1] += 1;
         }
@@ -92,7 +94,7 @@ impl Tiles {
             starts[tile] += starts[tile - 1];
         }
 
-        let bands = starts.iter().copied().step_by(tiles).collect();
+        let bands = starts.iter().copied().step_by(tiles_of_band).collect();
         Self {
             keys,
             starts,
@@ -283,7 +285,8 @@ impl<const C: usize> Spread<C> {
     ) {
         for sample in samples {
             let (line, start) = (sample.first[0] as usize, sample.first[1] as usize);
-            // Samples of the first band and of the last one may reach other lines, too, or only other lines.
+            // Of the bands that reach these lines, the samples of the first and the last one may reach others as well,
+            // or only others.
             let reached = line.max(lines.start)..(line + WIDTH).min(lines.end);
             if reached.is_empty() {
                 continue;
