@@ -113,6 +113,7 @@ fn widen(
     while pairs.min_distance > side {
         side *= 2.0;
         let coarse = Grid::new(points, grid.domain, side);
+        // No work is added: the caller may only cancel here.
         monitor.advance(0)?;
         // Conflicts are all counted: only the smallest distance is sought, and the work is not counted twice.
         let (radius, witnesses) = (0.0, 0);

@@ -88,7 +88,8 @@ impl RankedSet<'_> {
         reaching.or(self.levels.last())
     }
 
-    /// Returns how many samples have a rank outside of the part of [0, 1) that their level has, or none of either.
+    /// Returns how many samples have a rank outside of the part of [0, 1) that their level has, lie behind the last
+    /// level, or are stated by the levels and lack in the set.
     fn misplaced(&self) -> u64 {
         let found = self.ranks.len();
         let (mut first, mut begin, mut misplaced) = (0, 0.0, 0);
@@ -103,7 +104,8 @@ impl RankedSet<'_> {
             (first, begin) = (last, end);
         }
 
-        // Samples behind the last level, or those that are not there.
+        // The set has either samples behind the last level, or fewer than the levels state. Without levels neither
+        // counts.
         let stated = self.levels.last().map_or(found, |level| level.count);
         misplaced + stated.abs_diff(found) as u64
     }

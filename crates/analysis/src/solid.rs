@@ -280,12 +280,13 @@ fn asked(choice: JudgeChoice, count: usize) -> Result<[bool; 2], SolidError> {
 
 /// Returns the report by cubes in the name of both judges, if they agree.
 fn agreed(cubes: SolidReport, circles: SolidReport) -> Result<SolidReport, SolidError> {
-    // Both compute distances by nearly the same formula, and may round them differently. That of a single sample is
-    // infinite, which only equality compares.
+    // Both compute distances by nearly the same formula, and may round them differently, by a thousandth of this share
+    // at most. The distance of a single sample is infinite, which only equality compares.
     let apart = (cubes.min_distance - circles.min_distance).abs();
     let near = apart <= 1e-12 * cubes.min_distance || cubes.min_distance == circles.min_distance;
 
-    // Circles find only holes deeper than the bound, but for rounding; cubes may see a place of a shallower hole.
+    // Circles find only holes deeper than the bound, but for rounding; cubes may see a place of a shallower hole. Of
+    // the gaps of cubes only those that are listed have a distance to compare.
     let bound = cubes.covering_bound() * (1.0 + 1e-12);
     let is_deep = cubes.first_gaps.iter().any(|gap| gap.distance > bound);
     // Circles decline a set with conflicts, so that there is none where they have judged.

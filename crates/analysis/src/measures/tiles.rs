@@ -13,7 +13,7 @@ use crate::monitor::Monitor;
 use crate::region::{Boundary, Region};
 use crate::tessellation::{VoronoiCell, voronoi_cells, voronoi_cells_of};
 
-/// Grid cells along the side of a tile; one cell holds one sample on average.
+/// Grid cells along the side of a tile; one cell holds one sample on average. Chosen, not measured.
 pub(super) const TILE_CELLS: usize = 96;
 
 /// The margin to try first, in grid cells: enough for nearly all tiles of evenly spread sets.
@@ -31,7 +31,7 @@ pub(super) fn map_cells<T: Clone + Send + Sync>(
     let grid = Grid::new(points, domain, domain.spacing(points.len()));
     let parts = grid.cells.map(|cells| cells.div_ceil(tile_cells));
 
-    let tiles = (0..parts[0] * parts[1]).into_par_iter().map(|index| {
+    let mapped_tiles = (0..parts[0] * parts[1]).into_par_iter().map(|index| {
         let tile = CellTile::new(&grid, tile_cells, [index % parts[0], index / parts[0]]);
         let found = tile.cells()?;
         let own = tile.own();
@@ -44,9 +44,9 @@ pub(super) fn map_cells<T: Clone + Send + Sync>(
     });
 
     // A tile has no cells if they would take a view around the torus. Then the cells of all tiles are dropped.
-    let tiles: Option<Vec<_>> = tiles.collect::<Result<_, VerifyError>>()?;
+    let all_tiles: Option<Vec<_>> = mapped_tiles.collect::<Result<_, VerifyError>>()?;
     let mut out: Vec<Option<T>> = vec![None; points.len()];
-    for (own, mapped) in tiles.into_iter().flatten() {
+    for (own, mapped) in all_tiles.into_iter().flatten() {
         for (entry, value) in own.into_iter().zip(mapped) {
             out[entry.id as usize] = Some(value);
         }
@@ -112,7 +112,8 @@ impl<'a> CellTile<'a> {
             if let Some(cells) = self.seen(&view)? {
                 return Ok(Some(cells));
             }
-            // A cell at a hole depends on samples farther away than the margin shows.
+            // A cell at a hole depends on samples farther away than the margin shows. The margin ends growing where the
+            // view would reach around the torus or, in a bounded region, is the whole of it.
             margin *= 2;
         }
     }
@@ -121,7 +122,7 @@ impl<'a> CellTile<'a> {
     /// torus.
     fn view(&self, margin: usize) -> Option<TileView> {
         let (domain, sides) = (&self.grid.domain, self.grid.cell_sides());
-        // The view begins as the whole domain, and is narrowed axis by axis.
+        // The corners begin as those of the whole domain, and stay so on the sides that are the domain's own.
         let mut view = TileView {
             cells: [[0; 2]; 2],
             ends: [[false; 2]; 2],
@@ -162,6 +163,8 @@ impl<'a> CellTile<'a> {
     fn seen(&self, view: &TileView) -> Result<Option<Vec<VoronoiCell>>, VerifyError> {
         let (positions, own) = self.positions(view);
         let size = view.high - view.low;
+        // The view is a part of the domain, whose sides cut the cells there also where the domain is a torus. A cell
+        // that is cut by a side that is not the domain's does not follow, see below.
         let region = Region {
             width: size.x,
             height: size.y,
@@ -173,9 +176,9 @@ impl<'a> CellTile<'a> {
         // them. `reach` says how far these circles reach from the sample.
         let follows = |(index, cell): (usize, &VoronoiCell)| {
             [0, 1].into_iter().all(|axis| {
-                let end = |end: usize| positions[index][axis] + cell.reach[end][axis];
+                let [low, high] = cell.reach.map(|reach| positions[index][axis] + reach[axis]);
                 let [no_more_below, no_more_above] = view.ends[axis];
-                (no_more_below || end(0) >= 0.0) && (no_more_above || end(1) <= size[axis])
+                (no_more_below || low >= 0.0) && (no_more_above || high <= size[axis])
             })
         };
         if !own.into_iter().zip(&cells).all(follows) {

@@ -124,8 +124,8 @@ impl ClassCounts {
         })
     }
 
-    /// Adds a run: samples in each class, and each class's share of the area in that run. Shares may differ from run
-    /// to run, as blocks do.
+    /// Adds a run: samples in each class, and each class's share of the area in that run. Shares may differ from run to
+    /// run, as where classes are distances to the borders of blocks that each run places anew.
     ///
     /// # Errors
     ///
@@ -209,12 +209,19 @@ impl ClassCounts {
         })
     }
 
-    /// Returns how far the samples of a class are from their share. `error` is the standard error of a run's residual, where there
-    /// are several runs.
-    fn deviation(&self, class: usize, error: Option<f64>, level: f64, samples: f64) -> Deviation {
+    /// Returns how far the samples of a class are from their share. `error_of_mean` is the standard error of the mean
+    /// residual of a run, where there are several runs.
+    fn deviation(
+        &self,
+        class: usize,
+        error_of_mean: Option<f64>,
+        level: f64,
+        samples: f64,
+    ) -> Deviation {
         let (observed, expected) = (self.observed[class], self.expected[class]);
         let runs = self.runs() as f64;
-        let error = match error {
+        let error_of_sum = match error_of_mean {
+            // The samples of a class are a sum over the runs.
             Some(error) => runs * error,
             // A single run shows no spread: that of independent samples stands for it.
             None => (expected * (1.0 - expected / samples)).sqrt(),
@@ -223,10 +230,11 @@ impl ClassCounts {
         let freedom = if runs >= 2.0 {
             runs - 1.0
         } else {
+            // The spread of independent samples is not estimated: Student's distribution becomes the normal one.
             f64::INFINITY
         };
 
-        let reach = student_quantile(1.0 - level, freedom) * error / expected;
+        let reach = student_quantile(1.0 - level, freedom) * error_of_sum / expected;
         let relative = observed as f64 / expected - 1.0;
         Deviation {
             observed,

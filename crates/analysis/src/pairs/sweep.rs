@@ -100,6 +100,7 @@ impl Sweep<'_> {
 
             let around = true;
             self.look(index, around);
+            // All samples are counted by now: the caller may only cancel here.
             if index % CHUNK == 0 {
                 monitor.advance(0)?;
             }
@@ -147,9 +148,10 @@ impl Sweep<'_> {
             usize::MAX
         };
 
-        for range in stretches(entry.position[1], reach * SLACK, periods[1]) {
-            let range = (*range.start(), 0)..=(*range.end(), u32::MAX);
-            for &(_, other) in self.behind.range(range).take(most_partners) {
+        for ordinates in stretches(entry.position[1], reach * SLACK, periods[1]) {
+            // With all indices at both ends.
+            let keys = (*ordinates.start(), 0)..=(*ordinates.end(), u32::MAX);
+            for &(_, other) in self.behind.range(keys).take(most_partners) {
                 let partner = &self.samples[other as usize];
                 let direct = (partner.position[0] - entry.position[0]).abs();
                 let is_closer_around = direct + direct > periods[0];

@@ -165,8 +165,8 @@ impl<'a> Neighbours<'a> {
         let fitting = region
             .size()
             .map(|extent| (0.999 * extent / reach).max(1.0));
-        // A cell of a set that covers holds at least five samples: its volume is that of nearly two balls. The 64 let a
-        // set of a few samples have a large region.
+        // A cell has the volume of nearly two balls, so that a set whose balls cover the region has more samples than
+        // cells of that size. The 64, chosen, not measured, let a set of a few samples have a large region.
         if fitting.iter().product::<f64>() > 64.0 + points.len() as f64 {
             return None;
         }
@@ -279,7 +279,8 @@ struct Circle {
 }
 
 impl Circle {
-    /// Returns the circle of a sphere whose plane is `distance` from the sphere's center in a direction.
+    /// Returns the circle in which a plane cuts a sphere of radius `limit`. The plane is `distance` from the sphere's
+    /// center, at right angles to a direction of length 1.
     fn of_sphere(limit: f64, direction: [f64; 3], distance: f64) -> Self {
         // An axis far from the direction, so that the product is long: of a direction whose x is 0.6 or more, y is at
         // most 0.8.
@@ -365,7 +366,7 @@ impl Sphere<'_> {
     /// Adds a place of each circle that is not covered, and of the sphere if it has no circles.
     fn add_exposed(&self, found: &mut CirclesFound, witnesses: usize) {
         let faces = self.faces();
-        // All that is left of a sphere without circles is bare.
+        // A sphere that meets no other one and no face lies in the region and is bare all over: any place of it serves.
         let met = || faces.iter().filter(|face| face.distance < self.limit);
         if self.near.is_empty() && met().next().is_none() {
             found.add(self.user([0.0, 0.0, self.limit]), witnesses);
@@ -475,6 +476,7 @@ fn add_bare_edges(
 ) {
     let size = region.size();
     for edge in 0..12 {
+        // Four edges lie along each axis: the bits of `side` say at which end of either other axis.
         let (axis, side) = (edge / 4, edge % 4);
         let [first, second] = [(axis + 1) % 3, (axis + 2) % 3];
         let mut corner = [0.0; 3];

@@ -155,7 +155,8 @@ impl CubeSearch {
         }
 
         let mut has_gap = false;
-        // The middle of the smallest cubes is covered, and no place is much farther than that.
+        // The smallest cubes are not cut: the middle is covered, and all other places are within `RESOLUTION` radii of
+        // it.
         if cube.longest_half() > self.rule.least_half {
             for part in cube.parts() {
                 has_gap |= self.visit(&part, listed.clone());

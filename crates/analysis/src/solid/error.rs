@@ -145,12 +145,14 @@ pub(super) fn check(question: &SolidQuestion<'_>) -> Result<(), SolidError> {
         return Err(SolidError::Period { side, limit });
     }
 
-    let (count, limit) = (points.len(), u32::MAX as usize);
+    // Samples are numbered in 32 bits, of which the judges keep the largest number for no sample. The limit itself
+    // would still fit, and is refused as well.
+    let (count, most) = (points.len(), u32::MAX as usize);
     if count == 0 {
         return Err(SolidError::Empty);
     }
-    if count >= limit {
-        return Err(SolidError::TooMany { count, limit });
+    if count >= most {
+        return Err(SolidError::TooMany { count, limit: most });
     }
 
     for (index, &point) in points.iter().enumerate() {

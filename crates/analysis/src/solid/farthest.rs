@@ -44,7 +44,8 @@ pub(super) fn search(
         half: size.map(|extent| extent / 2.0),
     };
 
-    // The nearest image of a sample is within half a period on each axis of any place.
+    // On each axis the nearest image of a sample is within half a period of a place, and the place within half a period
+    // of the middle.
     let is_near =
         |image: &[f64; 3]| (0..3).all(|axis| (image[axis] - root.middle[axis]).abs() <= size[axis]);
     let near: Vec<[f64; 3]> = question.images().filter(is_near).collect();
@@ -197,8 +198,9 @@ impl FarthestSearch {
             self.farthest = self.farthest.max(part.middle);
         }
 
-        // The part with the largest bound leads to the farthest place most quickly, which then spares most others. In the order of
-        // their places, parts raise the known distance by tiny steps, which did not end in ten minutes.
+        // The part with the largest bound leads to the farthest place most quickly, which then spares most others. In
+        // the order of their places, parts raise the known distance by tiny steps: the search of a box of 10 r did not
+        // end in ten minutes.
         parts.sort_by(|a, b| b.bound.total_cmp(&a.bound));
 
         for part in &parts {

@@ -83,6 +83,7 @@ pub fn measure_solid(
         region,
         radius,
         tolerance: options.covering_tolerance,
+        // The search for the farthest place lists none.
         witnesses: 0,
     };
     error::check(&question)?;
@@ -90,7 +91,8 @@ pub fn measure_solid(
     let monitor = Monitor::begin(control, points.len() as u64)?;
     let measured = farthest::search(&question, &monitor)?;
 
-    // A set that covers within less than its radius is no worse than one that covers within it.
+    // A set that covers within less than its radius has the factor 1. The tolerance that the judges are given leaves
+    // room for the error of the measured factor, and is never less than that of the caller.
     let factor = (measured / radius).max(1.0);
     let covering_factor = (is_prefix && factor <= MAX_SOLID_FACTOR).then_some(factor);
     let tolerance = match covering_factor {

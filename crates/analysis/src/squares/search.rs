@@ -490,8 +490,8 @@ impl<'a> TileSearch<'a> {
         first..self.lists.len()
     }
 
-    /// Finds the conflicts of the samples `own`, which were listed last, with those of `near`. Then takes `own` off the
-    /// list.
+    /// Finds the conflicts of the samples `own` with those of `near`. Then takes `own`, and all that was listed after
+    /// them, off the lists.
     fn find_conflicts(&mut self, own: Range<usize>, near: List) {
         for index in own.clone() {
             let one = self.lists[index];
@@ -521,7 +521,7 @@ impl<'a> TileSearch<'a> {
         });
     }
 
-    /// Counts a square that no sample reaches, and lists its middle place unless there are enough places.
+    /// Counts a square whose middle place is uncovered, and lists that place unless there are enough.
     fn report_uncovered(&mut self, PointSpan { min, max }: &PointSpan) {
         self.findings.uncovered += 1;
         if self.findings.places.len() < self.witnesses {

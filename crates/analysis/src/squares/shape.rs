@@ -3,7 +3,7 @@
 use super::error::SquaresError;
 use super::{LatticeRegion, MAX_PITCH_BITS, PointSpan, Shape};
 
-/// A ring is divided into at most this many bands: an edge is listed in each that it crosses.
+/// The region is divided into at most this many bands: an edge is listed in each that it crosses. Chosen, not measured.
 const MAX_BANDS: i64 = 1 << 10;
 
 /// A ring has at least this many corners.
@@ -154,8 +154,8 @@ impl EdgeRows {
             }
         }
 
-        // Low bands have few edges to look through. More bands than edges would take memory without need. A band of
-        // 2^32 rows holds any region, as heights have 31 bits.
+        // Low bands have few edges to look through. More bands than edges would take memory without need, and there is
+        // one even without edges. A band of 2^32 rows holds any region, as heights have 31 bits.
         let most_bands = (edges.len() as i64).clamp(1, MAX_BANDS);
         let bits = (0..32)
             .find(|bits| height >> bits < most_bands)

@@ -137,7 +137,9 @@ impl TileSearch<'_> {
         // The place in the middle soon gives a factor that is nearly the largest, so that fewer squares are cut.
         *largest = largest.max(self.factor_in_the_middle(&span, near));
 
-        // A sample whose factor exceeds the bound at all places of the square gives none of them its factor.
+        // The factor of a place is the least quotient over the samples, and at most the bound. A sample whose quotient
+        // is above the bound even if it is taken at the nearest place and with the greatest radius is the least at no
+        // place: only the other samples are kept.
         let first = self.lists.len();
         for index in near.all() {
             let sample = self.lists[index];
@@ -149,7 +151,7 @@ impl TileSearch<'_> {
         }
         let list = List {
             first,
-            // Which samples are in the square itself is needed only where conflicts are searched.
+            // No sample is listed as lying in the square: that is needed only where conflicts are searched.
             outside: first,
             end: self.lists.len(),
         };
