@@ -257,7 +257,8 @@ impl StreamVerifier {
         let search = &self.search;
         let (region, radius, options) = (search.region, search.radius, &search.options);
 
-        // A stream of which no band was judged yet is verified as a whole set, which is never refused for holes or crowds.
+        // A stream of which no band was judged yet is verified as a whole set, which is never refused for holes or
+        // crowds. Where both judges are asked, the first one has the samples for both.
         let unjudged = match (&mut self.bands, &mut self.circles) {
             (Some(bands), _) => bands.take_unjudged(search),
             (None, Some(circles)) => circles.unjudged(),

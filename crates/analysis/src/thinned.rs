@@ -203,7 +203,7 @@ struct Bounds {
 }
 
 impl Bounds {
-    /// Returns the bounds of some points, and by how much distances computed from them may be off.
+    /// Returns the bounds of some points, and by how much places in or near them may have been rounded.
     fn of(points: &[Placed]) -> Self {
         let mut bounds = Self {
             low: [f64::INFINITY; 2],
@@ -279,6 +279,7 @@ impl ThinnedSet<'_> {
         let (first, second) = (self.given[a as usize], self.given[b as usize]);
         let [dx, dy] = [0, 1].map(|axis| {
             let straight = (first[axis] - second[axis]).abs();
+            // The difference may exceed the period, as points are not refused outside of the torus.
             let around = |period: [f64; 2]| (period[axis] - straight).abs();
             self.period
                 .map_or(straight, |period| straight.min(around(period)))
@@ -323,6 +324,7 @@ fn is_below(shorter: f64, longer: f64, distance: f64) -> bool {
     match 2 * (unit - short.exponent) {
         finer @ 0..=127 => square >> finer < product,
         finer if finer > 127 => true,
+        // This does not occur, as a shorter number has no larger exponent.
         coarser => square << -coarser < product,
     }
 }
@@ -408,10 +410,11 @@ impl Search<'_> {
         kept: &mut Vec<Placed>,
         near: Range<usize>,
     ) -> Result<ThinnedReport, VerifyError> {
-        let (first, second) = if first.len() + second.len() < ON_ONE_THREAD {
-            let found = self.part(first, kept, near.clone());
-            (found, self.part(second, kept, near))
+        let (in_first, in_second) = if first.len() + second.len() < ON_ONE_THREAD {
+            let in_first = self.part(first, kept, near.clone());
+            (in_first, self.part(second, kept, near))
         } else {
+            // Each thread has a stack of its own.
             let part = |points: &mut [Placed]| {
                 let mut kept = kept[near.clone()].to_vec();
                 let all = 0..kept.len();
@@ -419,14 +422,15 @@ impl Search<'_> {
             };
             rayon::join(|| part(first), || part(second))
         };
-        let mut found = first?;
-        found.add(second?, self.witnesses);
+        let mut found = in_first?;
+        found.add(in_second?, self.witnesses);
         Ok(found)
     }
 
     /// Judges points one by one against the kept points `near` them, and returns the findings.
     fn each(&self, points: &[Placed], near: &mut [Placed]) -> Result<ThinnedReport, VerifyError> {
-        // Sorted by index, the images of one kept point follow each other: only the first of them is compared.
+        // Sorted by index, the images of one kept point follow each other: only the first of them is compared. Images
+        // of a point are all alike here, so that their order does not matter.
         near.sort_unstable_by_key(|point| point.index);
         let mut found = ThinnedReport::default();
         for point in points {

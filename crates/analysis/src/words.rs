@@ -47,6 +47,7 @@ fn escaped(text: &str, must_be: impl Fn(char) -> bool) -> Cow<'_, str> {
     let mut out = String::with_capacity(text.len() + 16);
     for c in text.chars() {
         if must_be(c) {
+            // All characters that terminals obey have at most four digits, and writing to a text does not fail.
             let _ = write!(out, "\\u{:04x}", u32::from(c));
         } else {
             out.push(c);

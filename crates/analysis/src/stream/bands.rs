@@ -186,7 +186,7 @@ impl Bands {
             let begin = self.closed.max(search.first_tiles());
 
             // At the limit of samples, or at half of that of cells, a band of any height is judged, to free memory. A band has
-            // one row at least.
+            // one row at least, also where the caller asks for none.
             let is_tight =
                 samples > most_samples || (complete - self.keep) * search.cells[0] > MAX_CELLS / 2;
             let least_rows = if is_tight { 1 } else { search.band.rows };
@@ -301,7 +301,7 @@ impl Bands {
         let wanted = (self.postponed.iter())
             .map(|visit| visit.wants.start.max(0) as usize)
             .fold(self.closed.saturating_sub(BELOW), usize::min);
-        // Rows below it are dropped already, so that it never falls.
+        // Rows below `keep` are dropped already, so that it never falls.
         self.keep = self.keep.max(wanted);
         let (keep, seam) = (self.keep, &mut self.seam);
 

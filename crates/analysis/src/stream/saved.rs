@@ -111,6 +111,8 @@ impl StreamVerifier {
             return Err(bad("it is of another region, radius, tolerance or judge"));
         }
 
+        // The size of bands is not saved, nor when the second judge looks for the next one: neither changes the
+        // verdict.
         let saved: RestoredState = postcard::from_bytes(findings).map_err(incomplete)?;
         verifier.expected = saved.expected;
         verifier.intake = saved.intake;

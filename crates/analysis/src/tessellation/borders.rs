@@ -96,6 +96,7 @@ impl Runs<'_> {
     fn arc(&self, run: usize, shift: IVec2) -> Edge {
         let sample = self.cell(run);
         let place = self.cells.samples[sample];
+        // A run has at least one part, whose end takes the place of this one.
         let (mut last, mut angle) = (DVec2::X, 0.0);
         for &part in &self.list[run].parts {
             let [from, to] = self.places(part).map(|end| end - place);
@@ -115,7 +116,8 @@ impl Runs<'_> {
         }
     }
 
-    /// The piece that begins where one ends, with the gap on the left, and the periods by which it is moved.
+    /// The piece that begins where one ends, with the gap on the left, and the periods by which it is moved; none
+    /// behind a whole circle, and where rounding left a side without a twin.
     fn after(&self, piece: Piece, shift: IVec2) -> Option<(Piece, IVec2)> {
         match piece {
             // A whole circle is a loop by itself.

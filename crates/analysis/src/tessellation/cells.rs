@@ -159,14 +159,15 @@ impl Cells {
                 ..
             } = self.sides[side]
             {
+                // The first one, as a search one by one would find it.
                 found.entry((cell, beyond)).or_insert(side);
             }
         }
         found
     }
 
-    /// Returns the same side as seen from the cell beyond; none at the border of the domain. `of_many` has the sides of
-    /// cells with many sides.
+    /// Returns the same side as seen from the cell beyond; none at the border of the domain, and where that cell lacks
+    /// the side, as it was too short there. `of_many` has the sides of cells with many sides.
     fn find_twin(&self, side: usize, of_many: &HashMap<(usize, Seen), usize>) -> Option<usize> {
         let Side { cell, beyond, .. } = self.sides[side];
         let beyond = beyond?;
@@ -227,7 +228,7 @@ impl Cells {
             [true, true] => (Some(1.0), None),
             // A head of 1 would say that the whole side is outside.
             [true, false] => (Some(fraction(enters).min(1.0 - f64::EPSILON)), None),
-            // The end alone is outside.
+            // The end alone is outside: two covered ends have left above.
             _ => (None, Some(fraction(leaves))),
         }
     }

@@ -47,7 +47,7 @@ pub fn voronoi_cells(points: &[[f64; 2]], region: Region) -> Result<Vec<VoronoiC
     voronoi_cells_of(0..points.len(), points, region)
 }
 
-/// Returns the Voronoi cells of some samples of a set, which are given by rising indices.
+/// Returns the Voronoi cells of some samples of a set, in the order in which their indices are given.
 pub(crate) fn voronoi_cells_of(
     wanted: impl IntoIterator<Item = usize>,
     points: &[[f64; 2]],
@@ -61,7 +61,8 @@ pub(crate) fn voronoi_cells_of(
         flags[*index] = true;
     }
 
-    // Cells need no triangles, and neither twins of their sides nor what disks leave uncovered of them.
+    // Cells need no triangles, and neither twins of their sides nor what disks leave uncovered of them. There is no
+    // radius: the mean distance of samples stands for it, as it only suggests how many copies to begin with.
     let (spacing, has_triangles) = (domain.spacing(points.len()), false);
     let is_wanted = |index: usize| flags[index];
     let window = Window::of_some(points, domain, spacing, has_triangles, is_wanted)?;

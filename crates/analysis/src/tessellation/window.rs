@@ -127,7 +127,7 @@ impl Window {
 fn home_and_copies(samples: &[DVec2], domain: &Domain, halo: f64) -> Vec<Site> {
     let mut order: Vec<u32> = (0..samples.len() as u32).collect();
     let at = |id: u32| samples[id as usize].to_array();
-    // Of samples at one place the lowest index gets the cell.
+    // Of samples at one place the lowest index gets the cell. Coordinates are finite, so that all of them compare.
     order.sort_unstable_by(|&a, &b| {
         at(a)
             .partial_cmp(&at(b))
