@@ -95,6 +95,7 @@ impl Recording {
             let stage = match self.event(begin).and_then(crate::Event::run_event) {
                 Some(RunEvent::Begin(stage)) => stage,
                 Some(RunEvent::Iteration { number, .. }) => Stage::Iterate(number),
+                // The list has events of these two kinds alone.
                 _ => continue,
             };
 

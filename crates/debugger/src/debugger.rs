@@ -398,7 +398,7 @@ impl Debugger {
             scenes: self.scenes.clone(),
             view: self.view.clone(),
             pattern: self.pattern.clone(),
-            // Its owner adds what the field was made from.
+            // A recording does not hold what its field and its shape were made from: the caller adds that.
             ground: serde_json::Value::Null,
         }
     }

@@ -164,7 +164,7 @@ const fn printed(run_event: &RunEvent) -> (&'static str, u8) {
     match *run_event {
         RunEvent::Take { .. } => ("printed", 2),
         RunEvent::Keep { rest: false, .. } => ("printed", 3),
-        // Line 4 marks the sample whose turn it is, line 9 another one because of a loss near it.
+        // Line 4 of the listing marks the sample whose turn it is, line 9 another one because of a loss near it.
         RunEvent::Mark { sample, because } => ("printed", if sample == because { 4 } else { 9 }),
 
         // The radius tells the searches apart: r for conflicts, a little above 2r for samples that border the gap of a lost

@@ -178,9 +178,9 @@ fn is_second(recording: &Recording, index: usize, event: &Event) -> bool {
     match &origins[sample as usize] {
         Origin::Tiled { .. } => false,
         Origin::Inserted {
+            // Without sites, as of a dart, the disk must touch that of an inserted sample: within 2r.
             sites: Sites::Dart | Sites::Unrecorded,
             ..
-        // A dart has no sites. Its disk touches that of an inserted sample within 2r.
         } => recording.point(sample).is_some_and(|point| {
             let near = recording.valid_near(point, 2 * R, index);
             near.iter().any(inserted)

@@ -280,6 +280,7 @@ impl Recording {
             } => self.gaps.push((sites, index)),
 
             RunEvent::Mark { sample, .. } => self.lives[sample as usize].marked = index,
+            // The other events change the status of a sample, or nothing that is listed.
             _ => note_change(&mut self.lives, run_event, index),
         }
     }

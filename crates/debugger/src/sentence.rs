@@ -92,7 +92,8 @@ impl Words<'_> {
 
     /// Returns the sentence of a run event, which has this index.
     fn run_event(&self, run_event: RunEvent, index: usize) -> String {
-        // Exact tiling shares events with other runs, but some mean another thing: a sample's turn is its arrival.
+        // Exact tiling shares events with other runs, but some mean something else in it: a sample is kept or
+        // eliminated as it arrives.
         if let Some(text) = self.exact(run_event) {
             return text;
         }
@@ -249,8 +250,8 @@ impl Words<'_> {
                 )
             }
 
-            // Line 3 of Algorithm 4 marks the sample whose turn it is. No other sample is the reason, so that its own id stands
-            // for one.
+            // Line 3 of the paper's Algorithm 4 marks the sample whose turn it is. No other sample is the reason, so
+            // that its own id stands for one.
             RunEvent::Mark { sample, because } if sample == because => {
                 format!("{} stays and becomes a gap detector", self.sample(sample))
             }

@@ -124,6 +124,7 @@ impl Tape {
         }
 
         self.chunks = whole;
+        // Nothing is left out of a tape that has ended.
         self.thinned = self.chunks.len();
     }
 

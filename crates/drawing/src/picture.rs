@@ -167,7 +167,7 @@ impl PictureView {
     }
 }
 
-/// The width of the part around a seam that a picture of a stage shows, in r.
+/// The width of the part around a seam that a picture of a stage shows, in r. Chosen, not measured.
 const SEAM_RADII: f64 = 32.0;
 
 /// Returns the camera that shows a domain of this size, in r, as large as a square has room for.

@@ -18,8 +18,9 @@ pub fn periodogram(spectrum: &Spectrum, title: String) -> ImageChart {
         [along_x, along_y] => format!(" (means of {along_x} \u{d7} {along_y})"),
     };
 
+    // Rows and columns are odd in number, so that the zero frequency is in the middle. If it is alone in its cell, the
+    // cell has no power to show, and is NaN.
     let middle = picture.power.len() / 2;
-    // The zero frequency is in the middle: alone in its cell it has no power to show, and the cell is NaN.
     let is_absent = !picture.power[middle].is_finite();
 
     ImageChart {

@@ -144,7 +144,8 @@ impl Arc {
     };
 }
 
-/// Draws a dashed circle with dashes and gaps of these lengths, in screen points.
+/// Draws a dashed circle with dashes and gaps of about these lengths, in screen points: a whole number of both goes
+/// around.
 pub(crate) fn dashed_circle(
     surface: &mut impl Surface,
     center: Pos2,

@@ -101,13 +101,13 @@ fn periodogram(subject: &Subject) -> Panel {
 /// Returns the row of spectra, and the pair correlation.
 fn curve_rows(analysis: &Analysis) -> (Vec<Panel>, Panel) {
     let subjects = &analysis.subjects;
-    let series_of_curve = |curve: usize| -> Vec<Series> {
+    let series_of_curve = |number_of_curve: usize| -> Vec<Series> {
         let each = subjects.iter().enumerate();
         let lines = each.map(|(index, subject)| {
             // The reference comes first, with a look of its own, and the others count from 0.
             let number = index.checked_sub(usize::from(analysis.has_reference));
             let look = number.map_or(Look::Reference, Look::Numbered);
-            let (_, curve) = &subject.curves[curve];
+            let (_, curve) = &subject.curves[number_of_curve];
             series(&subject.title, look, curve)
         });
         lines.flatten().collect()
@@ -133,11 +133,12 @@ fn difference_row(analysis: &Analysis) -> Vec<Panel> {
         ("radial mean power", FREQUENCY, "P(\u{3bd})"),
         ("pair correlation", DISTANCE, "g(r)"),
     ];
-    let charts = texts.iter().enumerate().map(|(curve, (what, x, y))| {
+    // Differences have their curves in the order of these texts.
+    let charts = texts.iter().enumerate().map(|(number, (what, x, y))| {
         let each = analysis.compared().iter().zip(&analysis.differences);
         // Colours are those of the curves above, which count without the reference as well.
         let lines = each.enumerate().map(|(index, (subject, differences))| {
-            let (_, curve) = &differences.curves[curve];
+            let (_, curve) = &differences.curves[number];
             series(&subject.label, Look::Numbered(index), curve)
         });
         let all: Vec<Series> = lines.flatten().collect();
@@ -211,12 +212,13 @@ fn cut_difference(label: &str, series: &[Series]) -> Axis {
     Axis::new(label)
 }
 
-/// The mean of K sets without preferred directions has an anisotropy of its own: a line for each K.
+/// Returns the anisotropies that means of K sets without preferred directions have: a line for each K of the subjects.
 fn levels_of_anisotropy(subjects: &[Subject]) -> Vec<Level> {
     let mut sets: Vec<u64> = subjects.iter().map(Subject::sets).collect();
     sets.sort_unstable();
     sets.dedup();
-    // Several names share a line: the first has the formula.
+    // The names of the lines stand side by side above the chart, where several have no room for the words. The first
+    // one has the formula for all.
     let is_only = sets.len() == 1;
     let what = if is_only {
         "no preferred direction: "

@@ -64,6 +64,7 @@ impl Analysis {
         if let [path] = &against[..]
             && request.sources(path).map_or(1, |sources| sources.len()) == 1
         {
+            // Only the sets of an average have frequencies and bins in common.
             let reference = request
                 .measure(Source::whole(path), None)
                 .context("--against")?;
@@ -100,6 +101,7 @@ impl Analysis {
     /// Measures each set by itself. A file that cannot be read is noted, and the others are measured.
     fn one_by_one(&mut self, paths: &[PathBuf], request: &Request<'_>) -> Result<()> {
         for (path, repetition) in paths.iter().zip(repetitions(paths)) {
+            // Each set has the frequencies and the bins that suit it.
             let set = (request.measure(Source::whole(path), None))
                 .and_then(|set| self.with_domain_of_reference(set));
             match set.and_then(|set| Ok(Subject::one(set)?)) {

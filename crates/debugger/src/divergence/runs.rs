@@ -160,16 +160,12 @@ impl Pair<'_> {
     /// Returns the first difference of the fates after a stage: after tiling, in which samples were dropped; after elimination,
     /// in any fate. `a` and `b` are the tiled samples of the runs with their ids, and have the same points in the same order.
     fn fates(&self, stage: Stage, a: &[(Key, u32)], b: &[(Key, u32)]) -> Option<Divergence> {
-        let fate = |run: &Run, id: u32| {
-            let fate = run.samples.fates[id as usize];
-            match fate {
-                Fate::Eliminated { by } => {
-                    ("eliminated", run.samples.points.get(by as usize).copied())
-                }
-                Fate::Dropped => ("dropped", None),
-                Fate::Kept => ("kept", None),
-                Fate::Undecided => ("undecided", None),
-            }
+        // The fate in words and, of an eliminated sample, the point of the one that eliminated it.
+        let fate = |run: &Run, id: u32| match run.samples.fates[id as usize] {
+            Fate::Eliminated { by } => ("eliminated", run.samples.points.get(by as usize).copied()),
+            Fate::Dropped => ("dropped", None),
+            Fate::Kept => ("kept", None),
+            Fate::Undecided => ("undecided", None),
         };
 
         let dropped = |(name, _): &(&str, _)| *name == "dropped";

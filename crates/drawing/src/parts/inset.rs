@@ -198,13 +198,13 @@ fn fly(
 
     // The clip is the block enlarged by r. It grows on its way from the pattern's scale to the picture's scale.
     let from = inset.at(tile.start.x, tile.start.y);
-    let to = block.expand(scene.scale()).left_bottom();
-    let size = block.expand(scene.scale()).size();
-    let small = size * (inset.scale / scene.scale());
-    let (corner, size) = (from.lerp(to, share), small + (size - small) * share);
+    let clip = block.expand(scene.scale());
+    let corner = from.lerp(clip.left_bottom(), share);
+    let in_pattern = clip.size() * (inset.scale / scene.scale());
+    let grown = in_pattern + (clip.size() - in_pattern) * share;
 
     // The corner is the lower left one, and the screen's y points down.
-    let rect = Rect::from_min_size(corner - vec2(0.0, size.y), size);
+    let rect = Rect::from_min_size(corner - vec2(0.0, grown.y), grown);
     surface.rect(
         rect,
         Some(color.gamma_multiply(0.18)),
@@ -227,11 +227,11 @@ fn window(tile: &Tile, block: &LatticeRect, extent: [i32; 2]) -> Vec<[[i32; 2]; 
     // A clip across the border of a periodic pattern goes on at the other side. No piece is longer than the pattern.
     let ranges = |start: i32, length: i32, period: i32| {
         let end = start + length;
-        let mut ranges = vec![[start, end.min(period)]];
+        let mut pieces = vec![[start, end.min(period)]];
         if end > period {
-            ranges.push([0, (end - period).min(period)]);
+            pieces.push([0, (end - period).min(period)]);
         }
-        ranges
+        pieces
     };
 
     // The clip is the block enlarged by r on each side.

@@ -85,7 +85,8 @@ pub fn draw(scene: &Scene<'_>, looks: &Looks<'_>, surface: &mut impl Surface) {
 
     visit(scene, |id, pos| {
         let look = looks.of(id);
-        // A brush enlarges or shrinks symbols, all by as much as dots.
+        // A brush enlarges or shrinks the symbols of samples that are in the set, diamonds by as much as dots. Crosses
+        // keep their size.
         let growth = dot * (look.size - 1.0);
         match look.symbol {
             Symbol::Dot => surface.mark(Mark::Dot, pos, [dot, growth], look.color),
@@ -197,7 +198,8 @@ pub fn search(scene: &Scene<'_>, surface: &mut impl Surface) {
     let view = scene.rect.expand(12.0);
 
     if scene.has(Layer::Detectors) {
-        // The last of the radii is that of detectors.
+        // The last of the radii is that of detectors. Runs with other spacings than r, of fields and nested levels,
+        // have none.
         let [.., radius] = radii_at(scale);
         // Where the scale is small, detectors lie so close that a strong colour would hide the samples.
         let color = (scene.palette.detector).gamma_multiply((scale / 6.0).clamp(0.5, 1.0));

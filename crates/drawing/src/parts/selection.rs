@@ -70,6 +70,7 @@ fn selected(
     stroke: Stroke,
 ) {
     let at = scene.at(position);
+    // Before tiling there are no samples that cover a disk.
     if scene.stage >= Stage::Tile {
         let radius = scene.session.radius_of(id) as f32 * scene.scale();
         surface.circle(at, radius, None, Some(stroke));

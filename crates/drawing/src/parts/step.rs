@@ -53,8 +53,7 @@ pub fn draw(scene: &Scene<'_>, surface: &mut impl Surface) {
         let color = color_of(scene, verdict);
         let border = Stroke::new(1.5, palette.halo);
         surface.circle(scene.point(dart), 4.0, Some(color), Some(border));
-        // The event of a refused dart names its blocker, if one is known.
-        if let Some(by) = named(scene, dart, verdict) {
+        if let Some(by) = blocker_of(scene, dart, verdict) {
             blocker(scene, surface, dart, by);
         }
     }
@@ -72,8 +71,9 @@ pub fn draw(scene: &Scene<'_>, surface: &mut impl Surface) {
     last_event(scene, surface);
 }
 
-/// Returns the sample that refused a dart: the event names it, or it follows from the radii at both places.
-fn named(scene: &Scene<'_>, dart: Point, verdict: Verdict) -> Option<u32> {
+/// Returns the sample that refused a dart: the event names it, or it follows from the radii at both places. `None` for
+/// a dart that no sample refused, and where insertion by darts did not record the sample.
+fn blocker_of(scene: &Scene<'_>, dart: Point, verdict: Verdict) -> Option<u32> {
     let Verdict::Covered { by } = verdict else {
         return None;
     };
@@ -247,6 +247,7 @@ fn examination(scene: &Scene<'_>, surface: &mut impl Surface, examined: &Examine
     }
 
     if let Verdict::Covered { by } | Verdict::NotNearest { nearer: by } = examined.verdict {
+        // Candidates are tested only where all samples have the radius r.
         let covering = scene.at(scene.session.image_near(by, center));
         surface.dashes([at, covering], Stroke::new(1.6, color));
         surface.circle(covering, scene.scale(), None, Some(Stroke::new(1.2, color)));

@@ -17,7 +17,8 @@ const MIN_LENGTHS: [f32; 2] = [2.0, 4.0];
 const MAX_WIDTH: f32 = 6.0;
 /// The width of the lines deep in the tree.
 const MIN_WIDTH: f32 = 1.2;
-/// Wider lines are drawn before the others.
+/// Wider lines are drawn before the others: on the canvas they are strokes by themselves, whereas thinner ones share a
+/// texture.
 const WIDE: f32 = 2.0;
 /// The width of a line relative to its parent's.
 const TAPER: f32 = 0.76;
@@ -66,7 +67,8 @@ pub fn lines(scene: &Scene<'_>, surface: &mut impl Surface) {
         }
     }
 
-    // Lines hardly cross, so that the order matters little, and drawing all lines of one kind together is fastest.
+    // In the order of the splits the canvas would change between strokes and the texture of thin lines again and again.
+    // As lines hardly cross, another order looks the same.
     for is_wide in [true, false] {
         for (_, split, ends) in visible(scene) {
             let line_width = width(split);

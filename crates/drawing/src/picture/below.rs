@@ -98,17 +98,20 @@ impl Below {
     pub(super) fn groups(&self, view: &PictureView) -> Vec<Group> {
         let (palette, frame, width) = (view.palette(), view.frame(), view.width());
         let start = at(frame.left_bottom()) + SPACE * width * DVec2::Y;
-        let written = |text: &str, at: DVec2, size: f64, ink: Color32| {
-            let mut text = Text::new(at, text.to_owned(), size, color(ink));
+        let written = |words: &str, middle: DVec2, size: f64, ink: Color32| {
+            let mut text = Text::new(middle, words.to_owned(), size, color(ink));
             text.baseline = Baseline::Middle;
             Shape::Text(text)
         };
 
         let mut caption = Group::new("caption");
-        let size = CAPTION_SIZE * width;
-        for (k, text) in self.lines.iter().enumerate() {
-            let at = start + (k as f64 + 0.5) * LINE_HEIGHT * size * DVec2::Y;
-            caption.shapes.push(written(text, at, size, palette.text));
+        let caption_size = CAPTION_SIZE * width;
+        for (k, row) in self.lines.iter().enumerate() {
+            // The middle of each line's height is half a line below its upper edge.
+            let middle = start + (k as f64 + 0.5) * LINE_HEIGHT * caption_size * DVec2::Y;
+            caption
+                .shapes
+                .push(written(row, middle, caption_size, palette.text));
         }
 
         let mut legend = Group::new("legend");

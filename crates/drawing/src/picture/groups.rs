@@ -28,10 +28,10 @@ pub(super) fn groups(
 ) -> Vec<Group> {
     let layers = shown.session.drawable(view.layers(shown.stage));
     let shows_gaps = layers.has(Layer::Gaps) && view.camera.scale >= MIN_DISK_SCALE;
-    let is_wanted = shows_gaps || layers.has(Layer::CoveredCircles) || layers.has_net();
+    let needs_geometry = shows_gaps || layers.has(Layer::CoveredCircles) || layers.has_net();
     // A triangulation takes longer than the drawing, so that it is made only for layers that need it. Before tiling there is
     // nothing to triangulate.
-    let geometry = if is_wanted && shown.stage >= Stage::Tile {
+    let geometry = if needs_geometry && shown.stage >= Stage::Tile {
         Geometry::computed(&shown, layers.has_net())
     } else {
         Geometry::default()

@@ -132,7 +132,7 @@ impl Surface for Shapes {
             return self.circle(center, radius, None, Some(stroke));
         }
         // A chord of a small angle is off its arc by radius * angle^2 / 8: for this one, by ARC_ERROR. The limits of
-        // the steps are chosen.
+        // the radius, which may be 0, and of the steps are chosen.
         let step = 2.0 * (2.0 * ARC_ERROR / radius.max(1.0)).sqrt();
         let steps = (arc.sweep.abs() / step).ceil().clamp(2.0, 1_000.0) as u32;
 
