@@ -16,7 +16,8 @@ use crate::region::Region;
 /// Bins of a distribution at most.
 const MAX_BINS: usize = 1 << 16;
 
-/// Cells along the largest distance: with more, fewer samples are compared in vain, but more cells are visited.
+/// Cells along the largest distance: with more, fewer samples are compared in vain, but more cells are visited. Chosen,
+/// not measured.
 const CELLS_ALONG: f64 = 5.0;
 
 /// The pair correlation of a set.

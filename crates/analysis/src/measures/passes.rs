@@ -56,7 +56,7 @@ impl TransformPlan {
     }
 
     /// Spreads strips of the grid, and transforms each while it is in the caches. `transform` gets the index of a pair
-    /// of lines, and writes both at the rows of the window.
+    /// of lines, and writes both at the rows of the window. `rooms` is empty at first; a test counts how many are made.
     fn strips_along_y<const C: usize>(
         &self,
         spread: &Spread<C>,

@@ -79,12 +79,15 @@ impl Spectrum {
         })
     }
 
-    /// Returns the shown parts from radial means and a picture of a set.
+    /// Returns the shown parts from radial means and a picture of a set. Live measures have them so: their curves have
+    /// no bands.
     pub(crate) fn without_bands(
         profile: RadialProfile,
         picture: CoarsePower,
         region: Region,
     ) -> Self {
+        // Half of the picture's frequencies lie on each side of zero. Over the root of the number of samples, a length
+        // is a `nu`.
         let half = [picture.size * picture.side, picture.rows * picture.row_side]
             .map(|frequencies| 0.5 * frequencies as f64 / profile.samples.sqrt());
         let scale = unit_lengths(region);

@@ -78,9 +78,9 @@ impl Window {
             cause,
         };
 
-        // The halo doubles until it holds all empty circles, so that the first one decides the time alone. A maximal set has
-        // circles of at most r, which reach at most 2 r beyond the domain; a radius that is far from the samples'
-        // spacing says little. The factors were chosen with room to spare.
+        // The halo doubles until it holds all empty circles, so that the result does not depend on the first halo, only
+        // the time. A maximal set has circles of at most r, which reach at most 2 r beyond the domain; a radius that is
+        // far from the samples' spacing says little. The factors were chosen with room to spare.
         let spacing = domain.spacing(samples.len());
         let mut halo = 4.0 * radius.clamp(spacing, 8.0 * spacing);
         loop {

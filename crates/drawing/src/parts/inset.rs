@@ -212,8 +212,8 @@ fn fly(
     );
 }
 
-/// Returns the part of the pattern that a tile was clipped from, in lattice units: rectangles, each by its lowest and
-/// highest corner, more than one where the clip reaches across the border of a periodic pattern.
+/// Returns the part of the pattern that a tile was clipped from, in lattice units: rectangles, each by two opposite
+/// corners, more than one where the clip reaches across the border of a periodic pattern.
 fn window(tile: &Tile, block: &LatticeRect, extent: [i32; 2]) -> Vec<[[i32; 2]; 2]> {
     let symmetry = tile.symmetry.0;
     // The clip's position is given in the pattern after it was turned and mirrored.

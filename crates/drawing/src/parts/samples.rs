@@ -228,7 +228,7 @@ fn candidates<'a>(
     scene: &'a Scene<'_>,
     iteration: &'a Iteration,
 ) -> impl Iterator<Item = Point> + 'a {
-    // At the end of the stage all have been found, whatever the events say.
+    // At the end of the stage all have been found, and no event has to be looked up.
     let debugger = scene.shown.debugger.filter(|_| !scene.shown.ends_stage());
     let found = move |candidate: &&Candidate| {
         debugger.is_none_or(|debugger| {
