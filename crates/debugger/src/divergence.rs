@@ -146,7 +146,7 @@ fn equal(a: &Recording, x: &Event, b: &Recording, y: &Event) -> bool {
 
 type Points = [Option<Point>; 5];
 
-/// Returns an event with its ids removed, and the points of these ids.
+/// Returns an event with its ids removed, and the points of these ids, or the points that describe its node or block.
 fn with_points(recording: &Recording, run_event: RunEvent) -> (RunEvent, Points) {
     let mut points = of_block(recording, run_event);
     let mut bare = run_event;

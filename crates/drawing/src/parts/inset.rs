@@ -18,6 +18,8 @@ const SIDES: [f32; 2] = [110.0, 300.0];
 const MARGIN: f32 = 14.0;
 /// The distance to the picture's upper edge, below the buttons of the projector mode.
 const TOP_MARGIN: f32 = 38.0;
+/// How far the frame reaches around the pattern, in screen points.
+const FRAME: f32 = 6.0;
 /// In a lower or narrower picture the inset would cover too much.
 const MIN_PICTURE: f32 = 260.0;
 /// Of a pattern with more samples only those of the window are drawn.
@@ -62,15 +64,15 @@ pub fn draw(scene: &Scene<'_>, surface: &mut impl Surface) {
         fly(scene, surface, &inset, tile, block_rect, color);
     }
 
-    // The label stands below the frame, which lies six points around the inset, and begins or ends at its side.
+    // The label stands four points below the frame, and begins or ends at its side.
     let (below, anchor) = if inset.is_left {
         (
-            inset.rect.left_bottom() + vec2(-6.0, 10.0),
+            inset.rect.left_bottom() + vec2(-FRAME, FRAME + 4.0),
             Align2::LEFT_TOP,
         )
     } else {
         (
-            inset.rect.right_bottom() + vec2(6.0, 10.0),
+            inset.rect.right_bottom() + vec2(FRAME, FRAME + 4.0),
             Align2::RIGHT_TOP,
         )
     };
@@ -130,7 +132,7 @@ impl Inset {
 fn ground(scene: &Scene<'_>, surface: &mut impl Surface, inset: &Inset) {
     let palette = scene.palette;
     surface.rect(
-        inset.rect.expand(6.0),
+        inset.rect.expand(FRAME),
         Some(palette.panel),
         Some(Stroke::new(1.0, palette.line)),
     );
@@ -168,8 +170,10 @@ fn copied(
             continue;
         };
         // The ids of the whole block are known, but some of its samples may still be to come.
-        let is_there = scene.shown.standing(id) != Standing::Absent;
-        let Some(point) = positions.get(pattern as usize).filter(|_| is_there) else {
+        if scene.shown.standing(id) == Standing::Absent {
+            continue;
+        }
+        let Some(point) = positions.get(pattern as usize) else {
             continue;
         };
 

@@ -78,7 +78,7 @@ fn local_disks(scene: &Scene<'_>, looks: &Looks<'_>, surface: &mut impl Surface)
     });
 }
 
-/// Draws the samples, eliminated ones below the others.
+/// Draws the samples: eliminated ones below the others, as a surface draws marks kind by kind.
 pub fn draw(scene: &Scene<'_>, looks: &Looks<'_>, surface: &mut impl Surface) {
     let [dot, cross, diamond, _] = radii_at(scene.symbol_scale());
     let around = outline(diamond);
@@ -109,7 +109,8 @@ pub fn copies(scene: &Scene<'_>, looks: &Looks<'_>, surface: &mut impl Surface) 
     let index = &scene.session.index;
     index.visit_images(scene.low, scene.high, drawn_around(scene.session), |seen| {
         let look = looks.of(seen.id);
-        // Copies of inserted samples are dots, too; eliminated samples have none. Chosen.
+        // Copies of inserted samples are dots, too; eliminated samples have none, and a brush changes the colour of
+        // copies alone. Chosen.
         if matches!(look.symbol, Symbol::Dot | Symbol::Diamond) {
             let color = look.color.gamma_multiply(DIMMED);
             surface.mark(

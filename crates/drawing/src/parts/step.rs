@@ -21,8 +21,8 @@ pub fn draw(scene: &Scene<'_>, surface: &mut impl Surface) {
         return;
     };
 
-    // A candidate across the border is shown inside the domain, and the search around it with it.
     let palette = scene.palette;
+    // A candidate across the border is shown inside the domain, and the search that found it with it.
     let shift = context
         .examined
         .map_or(DVec2::ZERO, |examined| shift_of(scene, &examined));
@@ -247,9 +247,9 @@ fn examination(scene: &Scene<'_>, surface: &mut impl Surface, examined: &Examine
     }
 
     if let Verdict::Covered { by } | Verdict::NotNearest { nearer: by } = examined.verdict {
-        // Candidates are tested only where all samples have the radius r.
         let covering = scene.at(scene.session.image_near(by, center));
         surface.dashes([at, covering], Stroke::new(1.6, color));
+        // The disk has a radius of r, as candidates are tested only where all samples have it.
         surface.circle(covering, scene.scale(), None, Some(Stroke::new(1.2, color)));
     }
 

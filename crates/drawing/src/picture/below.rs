@@ -115,7 +115,7 @@ impl Below {
         }
 
         let mut legend = Group::new("legend");
-        let size = LEGEND_SIZE * width;
+        let legend_size = LEGEND_SIZE * width;
         for entry in &self.entries {
             let LegendEntry {
                 layer,
@@ -123,17 +123,20 @@ impl Below {
                 meaning,
                 at: place,
             } = entry;
-            let (left, symbol_width) = (start + *place, SYMBOL_WIDTH * size * DVec2::X);
+            let (left, symbol_width) = (start + *place, SYMBOL_WIDTH * legend_size * DVec2::X);
             let middle = left + 0.5 * symbol_width;
             // Symbols are made for the size of the window's letters.
-            let scale = size / FONT_OF_SYMBOLS;
+            let scale = legend_size / FONT_OF_SYMBOLS;
             let shapes = symbol(*layer, *kind, palette).into_iter();
             legend
                 .shapes
                 .extend(shapes.map(|shape| placed(shape, middle, scale)));
-            legend
-                .shapes
-                .push(written(meaning, left + symbol_width, size, palette.muted));
+            legend.shapes.push(written(
+                meaning,
+                left + symbol_width,
+                legend_size,
+                palette.muted,
+            ));
         }
 
         // Empty groups would be empty elements of SVG files.

@@ -43,7 +43,8 @@ impl Column {
     /// the picture, or as high as its own axes need.
     pub(super) fn of(view: &PictureView, [left, height]: [f64; 2]) -> Self {
         let top = MARGIN * view.width() + NAME_HEIGHT;
-        // The panel around a plot of no size has the size that a heading and axes take.
+        // The panel around a plot of no size has the size that a heading and axes take, and begins as far before the
+        // plot as they do.
         let axes = panel_around(Rect::new(DVec2::ZERO, DVec2::ZERO));
         let room = height - top - 2.0 * axes.size().y - MARGIN * view.width();
         let side = (room / (1.0 + MEAN_HEIGHT)).max(MIN_SIDE).floor();

@@ -112,8 +112,8 @@ fn ground(scene: &Scene<'_>, view: &PictureView) -> Vec<Group> {
     shapes.rect(scene.rect, Some(view.outside()), None);
     let mut groups: Vec<Group> = shapes.into_groups("surroundings", scene.rect).collect();
 
-    // Here the gaps of the copies around the domain are drawn. The ground of the domain, drawn next, covers those
-    // within it, which are drawn over that ground later.
+    // The gaps of the copies around the domain are drawn here, and those of the domain with them. The ground of the
+    // domain, drawn next, covers the latter, and `groups` draws them again over that ground.
     if draws_gaps(scene) && drawn_around(scene.session) > 0.0 {
         groups.extend(gaps(scene, scene.around(), view.outside()));
     }
