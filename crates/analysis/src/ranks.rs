@@ -89,7 +89,7 @@ impl RankedSet<'_> {
     }
 
     /// Returns how many samples have a rank outside of the part of [0, 1) that their level has, lie behind the last
-    /// level, or are stated by the levels and lack in the set.
+    /// level, or are stated by the levels and missing from the set.
     fn misplaced(&self) -> u64 {
         let found = self.ranks.len();
         let (mut first, mut begin, mut misplaced) = (0, 0.0, 0);

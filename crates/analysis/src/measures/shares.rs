@@ -143,7 +143,8 @@ fn shares_by(
         }
     }
 
-    // The power of the ring is the sum over samples of the wave at their places, less the part of the mean density.
+    // The power of the ring is a sum over the samples: of the wave at the place of each, less the part of the mean
+    // density, times the sample's weight.
     let shares = (set.samples.iter().zip(waves))
         .map(|(sample, wave)| sample.weight * (wave - sums.mean_wave) * set.scale)
         .collect();

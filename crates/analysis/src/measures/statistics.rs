@@ -102,7 +102,7 @@ impl Average {
     pub fn join(&mut self, other: &Self) -> Result<(), MeasureError> {
         check_length("an average of curves", other.means.len(), self.means.len())?;
         let [ours, theirs] = [self.sets, other.sets].map(|sets| sets as f64);
-        // No curves change nothing, and would divide by zero.
+        // No curves change nothing. With none in this average either, the division below would be one by zero.
         if other.sets == 0 {
             return Ok(());
         }

@@ -33,11 +33,10 @@ pub(super) fn map_cells<T: Clone + Send + Sync>(
 
     let mapped_tiles = (0..parts[0] * parts[1]).into_par_iter().map(|index| {
         let tile = CellTile::new(&grid, tile_cells, [index % parts[0], index / parts[0]]);
-        let found = tile.cells()?;
-        let own = tile.own();
-        let Some(found) = found else {
+        let Some(found) = tile.cells()? else {
             return Ok(None);
         };
+        let own = tile.own();
         monitor.advance(own.len() as u64)?;
         let mapped: Vec<T> = found.iter().map(&f).collect();
         Ok(Some((own, mapped)))

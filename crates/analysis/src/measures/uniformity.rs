@@ -254,7 +254,7 @@ impl ClassCounts {
         check_length("classes", other.observed.len(), self.observed.len())?;
         let totals = [self, other].map(|counts| counts.observed.iter().sum::<u64>() as f64);
 
-        // The terms of chi-square for two sets of counts, times both totals.
+        // The terms of chi-square for two sets of counts, times the product of both totals.
         let (mut sum, mut classes) = (0.0, 0);
         for (a, b) in self.observed.iter().zip(&other.observed) {
             let [a, b] = [*a as f64, *b as f64];

@@ -200,7 +200,7 @@ impl<'a> Neighbours<'a> {
         (z * self.counts[1] + y) * self.counts[0] + x
     }
 
-    /// Lists the samples nearer than the reach to one, with all of their images that are.
+    /// Lists all samples, and images of samples, that are nearer than the reach to one.
     fn list(&self, index: usize, near: &mut Vec<Other>) {
         near.clear();
         let center = self.points[index];

@@ -123,7 +123,8 @@ struct CubeSearch {
 }
 
 impl CubeSearch {
-    /// Looks for uncovered places in a cube, given the samples within the limit of a larger one; returns whether it has one.
+    /// Looks for uncovered places in a cube, given the samples within the limit of a cube that holds it. Returns
+    /// whether an uncovered place was found.
     fn visit(&mut self, cube: &Cube, near: Range<usize>) -> bool {
         let limit = self.rule.limit_squared;
         let first = self.lists.len();

@@ -73,7 +73,8 @@ impl FarthestTask<'_> {
     /// Returns the largest squared distance in a cube, or that of the sketch, given all samples that may be nearest to a place
     /// of it.
     fn of_cube(&self, cube: &Cube, near: &[[f64; 3]]) -> Result<f64, SolidError> {
-        // No place is farther from its nearest sample than from the one that is nearest to the whole cube.
+        // A place is no farther from its nearest sample than any sample is from its farthest place of the cube: the
+        // least of these distances bounds all.
         let bounds = near.iter().map(|&sample| cube.distances(sample).farthest);
         let bound = bounds.fold(f64::INFINITY, f64::min);
         let may_be_nearest = |&sample: &[f64; 3]| cube.distances(sample).nearest <= bound;
@@ -135,17 +136,17 @@ impl FarthestSearch {
         }
 
         for part in cube.parts() {
-            // Without distances left the sketch ends early: the search after it finds what it has missed.
+            // Without distances left the sketch ends early: the proof after it finds what it has missed.
             let Some(left) = self.distances_left.checked_sub(near.len()) else {
                 return;
             };
             self.distances_left = left;
-            let part = self.ranked(part, near);
-            self.farthest = self.farthest.max(part.middle);
+            let ranked = self.ranked(part, near);
+            self.farthest = self.farthest.max(ranked.middle);
             // The list of a part is dropped once the part is done.
             let first = self.lists.len();
-            let listed = self.list(&part, near);
-            self.sketch(&part.cube, &listed, cuts - 1);
+            let listed = self.list(&ranked, near);
+            self.sketch(&part, &listed, cuts - 1);
             self.lists.truncate(first);
         }
     }
@@ -153,7 +154,7 @@ impl FarthestSearch {
     /// Looks at the centre of the sphere through the four samples that are nearest to the middle of a cube. Only within the cube
     /// is the nearest sample to it known to be in the list.
     fn look_at_centre(&mut self, cube: &Cube, near: &Range<usize>) {
-        // Four samples make a sphere.
+        // Fewer than four samples make no sphere.
         let samples = &mut self.lists[near.clone()];
         if samples.len() < 4 {
             return;

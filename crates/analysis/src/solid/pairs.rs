@@ -280,7 +280,7 @@ impl<'a> Bins<'a> {
         around
     }
 
-    /// Returns the numbers of the bins around one on an axis.
+    /// Returns the numbers on an axis of a bin and of those beside it, in ranges.
     fn spans(&self, number: u64, axis: u32) -> Vec<RangeInclusive<u64>> {
         let count = self.counts[axis as usize];
         let last = count - 1;
