@@ -299,11 +299,13 @@ impl<'a> TileSearch<'a> {
             bits: self.bits,
         };
         let span = self.span(&tile);
-        // No place of the tile is to be covered, and no sample lies in it.
         let share = self.judge.shape.share(span, self.bits);
+        // Outside of the domain no place is to be covered, and no sample lies there.
         if share == Share::Nothing {
             return;
         }
+
+        // Conflicts and covering are decided by near places alone, not by places that are some times as far.
         let times = 1;
         let near = self.gather(tiles, &tile, &span, times);
         self.visit(&tile, share, near);
@@ -493,10 +495,10 @@ impl<'a> TileSearch<'a> {
     /// Finds the conflicts of the samples `own` with those of `near`. Then takes `own`, and all that was listed after
     /// them, off the lists.
     fn find_conflicts(&mut self, own: Range<usize>, near: List) {
-        for index in own.clone() {
-            let one = self.lists[index];
-            for index in near.all() {
-                let other = self.lists[index];
+        for own_index in own.clone() {
+            let one = self.lists[own_index];
+            for near_index in near.all() {
+                let other = self.lists[near_index];
                 // Of a pair each sample finds the other, and the first one counts.
                 if one.index >= other.index || !self.counts_conflicts {
                     continue;

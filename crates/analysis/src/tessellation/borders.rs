@@ -40,6 +40,7 @@ impl Drawn {
                 .map(|&part| Piece::Line(part))
                 .chain([Piece::Arc(run)]);
 
+            // Each loop is drawn once, from the first of its pieces that is met.
             for piece in pieces {
                 if !*self.mark(piece) {
                     loops.push(self.chain(runs, piece, shift));

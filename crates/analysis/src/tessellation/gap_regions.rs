@@ -327,7 +327,7 @@ impl GapRegion {
         self.strips.push(strip);
 
         // The strip is drawn in pieces whose chords hardly leave the arc.
-        let count = (angle / CHORD).ceil().max(1.0);
+        let count = (angle / CHORD).ceil();
         self.fill.reserve(2 * count as usize);
         let first = from.to_angle();
         let across = to - from;
