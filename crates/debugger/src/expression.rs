@@ -253,17 +253,17 @@ impl Evaluator {
         steps: u64,
         add: impl FnOnce(&mut Scope<'static>),
     ) -> Result<Dynamic, ExpressionError> {
-        let mut scope = scope(&self.recording, state);
+        let mut names = scope(&self.recording, state);
         for number in &expression.numbers {
             let value = self.number(number, state.cursor(), steps)?;
-            scope.push_constant_dynamic(number.name, value);
+            names.push_constant_dynamic(number.name, value);
         }
-        add(&mut scope);
+        add(&mut names);
         let error = |e: Box<rhai::EvalAltResult>| ExpressionError::Evaluation {
             message: e.to_string(),
         };
         self.engine
-            .eval_ast_with_scope(&mut scope, &expression.tree)
+            .eval_ast_with_scope(&mut names, &expression.tree)
             .map_err(error)
     }
 
@@ -466,11 +466,11 @@ fn scope(recording: &Recording, state: &State) -> Scope<'static> {
     );
 
     // The detector is one of a candidate's sites; m and n are the names of the other two in Algorithm 3.
-    let others = context
+    let [m, n] = context
         .examined
         .map_or([NONE; 2], |examined| others(&examined));
-    put("m", maybe(sample(others[0])));
-    put("n", maybe(sample(others[1])));
+    put("m", maybe(sample(m)));
+    put("n", maybe(sample(n)));
 
     for (name, count) in [
         ("undecided", counts.undecided),

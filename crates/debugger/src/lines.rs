@@ -155,6 +155,7 @@ const fn exact(run_event: &RunEvent) -> (&'static str, u8) {
         RunEvent::Insert { .. } => ("exact", 12),
         RunEvent::Cut { .. } => ("exact", 13),
         RunEvent::IterationEnd { .. } => ("exact", 14),
+        // Blocks and the result are those of any run.
         _ => shared(run_event),
     }
 }

@@ -154,7 +154,7 @@ pub fn matches_target(recording: &Recording, index: usize, event: &Event, target
     match target {
         Target::Line(line) => event.line() == line,
         Target::Kind(kind) => event.kind() == kind,
-        // In exact tiling a conflict is found when a sample arrives, and is lost at once.
+        // In exact tiling a conflict is found as a sample arrives, and this sample is lost at once.
         Target::Conflict if recording.is_exact() => event.kind() == EventKind::Eliminate,
         Target::Conflict => matches!(event.run_event(), Some(RunEvent::Test { covers: true, .. })),
         Target::Elimination => event.kind() == EventKind::Eliminate,

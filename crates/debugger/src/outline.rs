@@ -55,7 +55,8 @@ impl Outline {
         outline
     }
 
-    /// Stores the open events at every `STRIDE`th event, from which the ancestors of any event are found in few steps.
+    /// Stores the open events at every `STRIDE`th event: those with descendants at or behind it. From them the
+    /// ancestors of any event are found in few steps.
     fn keep_ancestors(&mut self) {
         let mut open: Vec<u32> = Vec::with_capacity(LEVELS);
         for index in 0..self.ends.len() {

@@ -131,15 +131,15 @@ impl Recording {
         Ok(Self::of(engine.finish(observer)?, tape))
     }
 
-    /// Makes the set of a field of radii and a shape by darts, and records it with about `budget` events at most. Only the seed
-    /// of the parameters is used.
+    /// Makes the set of a field of radii and a shape by darts, and records it with about `budget` events at most. The
+    /// set depends on the seed of the parameters alone.
     pub fn with_locality(
         locality: &Arc<Locality>,
         parameters: &Parameters,
         budget: usize,
         observer: &mut dyn Observer,
     ) -> Result<Self, SampleError> {
-        // The tape finds the lines of events by the parameters, which must be those of insertion by darts.
+        // The tape finds the lines of events by the parameters: of these, by the kind of insertion.
         let parameters = &Parameters {
             insertion: Insertion::Uniform,
             ..*parameters

@@ -72,7 +72,7 @@ impl State {
                 .from(self.cursor)
                 .take(cursor - self.cursor)
             {
-                self.count(recording, event, [index, index + 1]);
+                self.change_counts(recording, event, [index, index + 1]);
                 self.context.apply(event, index as u32);
             }
         } else {
@@ -81,7 +81,7 @@ impl State {
                 .before(self.cursor)
                 .take(self.cursor - cursor)
             {
-                self.count(recording, event, [index + 1, index]);
+                self.change_counts(recording, event, [index + 1, index]);
             }
             // Events cannot be undone in a context: the recording applies them again from the last stored context on.
             self.context = recording.context(cursor);
@@ -107,7 +107,7 @@ impl State {
     }
 
     /// Moves the sample that an event changes from the count of its status at the first cursor to that at the second.
-    fn count(&mut self, recording: &Recording, event: &Event, cursors: [usize; 2]) {
+    fn change_counts(&mut self, recording: &Recording, event: &Event, cursors: [usize; 2]) {
         if !matches!(
             event.kind(),
             EventKind::Tiled | EventKind::Keep | EventKind::Eliminate | EventKind::Insert

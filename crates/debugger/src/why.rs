@@ -136,13 +136,12 @@ pub fn history_of_point(recording: &Recording, point: Point) -> Vec<usize> {
     events.into_iter().map(|event| event as usize).collect()
 }
 
-/// Returns the event by which a dart was refused, or had its chance.
+/// Returns the event because of which a dart was refused, or could be thrown or arrive.
 fn cause_of_dart(recording: &Recording, dart: RunEvent, index: usize) -> Option<u32> {
     let RunEvent::Dart {
         point,
         verdict,
         ranked,
-        ..
     } = dart
     else {
         return None;

@@ -26,7 +26,7 @@ pub fn short(recording: &Recording, index: usize) -> String {
     }
 }
 
-/// Returns a sample's number, or words for a sample that is not recorded.
+/// Returns the number of a sample, a block or an iteration, or words for a sample that is not recorded.
 fn number(id: u32) -> String {
     match id {
         NONE => "a sample".to_owned(),
