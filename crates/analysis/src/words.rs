@@ -96,7 +96,8 @@ pub fn cell(text: &str) -> Cow<'_, str> {
     }
 
     let mut out = String::with_capacity(text.len() + 8);
-    // Spreadsheets drop a tab or a line end at the beginning, and look at what follows.
+    // Spreadsheets drop a tab or a line end at the beginning, and look at what follows. Behind a semicolon a cell
+    // begins, too.
     if text.starts_with(divides) {
         out.push('\'');
     }

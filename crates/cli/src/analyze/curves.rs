@@ -277,12 +277,12 @@ fn range_of_many(all: &[Anisotropy], levels: impl Iterator<Item = f64>) -> Axis 
     let spare = (0.05 * (most - least)).max(0.5);
     let [low, high] = [least - spare, most + spare];
     let is_cut = (all.iter()).any(|one| !(low..=high).contains(&one.decibels));
-    let cut = if is_cut {
+    let remark = if is_cut {
         "; few frequencies cut off"
     } else {
         ""
     };
-    Axis::new(format!("{label}{cut}")).with_range(low, high)
+    Axis::new(format!("{label}{remark}")).with_range(low, high)
 }
 
 #[cfg(test)]
