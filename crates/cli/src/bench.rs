@@ -20,6 +20,7 @@ pub fn run(arguments: &BenchArguments) -> Result<u8> {
         return bench_solid::run(arguments);
     }
 
+    // Without a round there is no median. The largest number is chosen, not measured.
     ensure!(
         (1..=1000).contains(&arguments.rounds),
         "--rounds is {}; it must be between 1 and 1000",
@@ -34,6 +35,8 @@ pub fn run(arguments: &BenchArguments) -> Result<u8> {
         arguments.adapter.gpu_adapter.is_none(),
         "--gpu-adapter needs --engine gpu"
     );
+    // A window has to fit into the plane, with the samples around it by which it is judged. Twice its samples leave
+    // room for these: chosen, not measured.
     ensure!(
         arguments.plane as f64 >= 2.0 * Bench::WINDOW_SAMPLES,
         "--plane is {}; it must be at least {}, twice a window",
@@ -78,7 +81,8 @@ fn names(row: &EngineRate) -> (&'static str, String) {
     }
 }
 
-/// The heading of the table.
+/// The heading of the table. The first ratio is to the reference sampler; that "of KDRT" is to the parallel engine on
+/// one thread.
 const HEADING: &str = "\
 method                             samples Msamples/s    ratio  \
 of KDRT from nothing N r2/area  min dist/r  covering/r verifier Ms/s  valid\n";

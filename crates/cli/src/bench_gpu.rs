@@ -37,7 +37,7 @@ fn to_text(rates: &GpuRates, gpu: &Gpu, arguments: &BenchArguments) -> String {
         // Only sets made from scratch have no leaf, and this bench makes none.
         let leaf = row.leaf.unwrap_or_default();
         let (name, equal) = match row.engine {
-            // Only the GPU's set is compared, with that of the threads.
+            // This bench has rows of two engines. Only the GPU's set is compared, with that of the threads.
             Engine::Parallel { threads } => (parallel_name(leaf, threads), ""),
             _ => (format!("gpu, leaf {leaf} r"), yes(row.equal())),
         };
@@ -61,7 +61,8 @@ fn to_text(rates: &GpuRates, gpu: &Gpu, arguments: &BenchArguments) -> String {
     out + passes_text(&rates.run, rates.copy_rate).as_str()
 }
 
-/// Returns the table of passes of a run: how often each ran, how long, and over how many bytes.
+/// Returns the table of passes of a run: how often each ran, how long, and over how many bytes. Beside it stands
+/// `copy_rate`, the bytes that a copy of a buffer reads and writes a second, with which the rates can be compared.
 fn passes_text(run: &GpuRun, copy_rate: f64) -> String {
     let mut out =
         "stage      pass           times         ms  share        MB     GB/s\n".to_owned();
@@ -106,21 +107,22 @@ fn passes_text(run: &GpuRun, copy_rate: f64) -> String {
 fn to_json(rates: &GpuRates, gpu: &Gpu, arguments: &BenchArguments) -> Value {
     let seconds = |row: &EngineRate| row.times.iter().map(|one| one.seconds).collect::<Vec<_>>();
 
-    // Rows come in pairs, one for each leaf: that of all threads, then that of the GPU.
+    // Rows come in pairs, one for each leaf: that of all threads, then that of the GPU. A single one at the end, which
+    // there is not, would be null. Of three quartiles the middle one is the median.
     let row = |pair: &[EngineRate]| {
-        let [parallel, gpu] = pair else {
+        let [on_threads, on_gpu] = pair else {
             return Value::Null;
         };
         json!({
-            "leaf": gpu.leaf,
-            "counts": gpu.times.iter().map(|one| one.report.count).collect::<Vec<_>>(),
-            "parallel_seconds": seconds(parallel),
-            "gpu_seconds": seconds(gpu),
-            "parallel_samples_per_second": parallel.rate.quartiles[1],
-            "gpu_samples_per_second": gpu.rate.quartiles[1],
-            "ratio_to_parallel": gpu.ratio.quartiles[1],
-            "equal": gpu.equal(),
-            "valid": parallel.valid() && gpu.valid(),
+            "leaf": on_gpu.leaf,
+            "counts": on_gpu.times.iter().map(|one| one.report.count).collect::<Vec<_>>(),
+            "parallel_seconds": seconds(on_threads),
+            "gpu_seconds": seconds(on_gpu),
+            "parallel_samples_per_second": on_threads.rate.quartiles[1],
+            "gpu_samples_per_second": on_gpu.rate.quartiles[1],
+            "ratio_to_parallel": on_gpu.ratio.quartiles[1],
+            "equal": on_gpu.equal(),
+            "valid": on_threads.valid() && on_gpu.valid(),
         })
     };
 

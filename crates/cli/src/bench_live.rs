@@ -54,6 +54,8 @@ fn measured() -> Result<Vec<Timed>> {
     Ok(rows)
 }
 
+/// Returns the rows as a table: steps and milliseconds of a move, the part of the moments at which all measures were
+/// there, and the part of the frequencies that were shown.
 fn to_text(rows: &[Timed]) -> String {
     let mut out =
         "samples motion analysis           steps       ms  arrived  frequencies\n".to_owned();

@@ -48,6 +48,7 @@ impl TimedWork {
 
 /// The seconds of each kind of work, and whether all sets were valid.
 struct Timed {
+    /// Of the set of the last round; those of other seeds have about as many.
     samples: usize,
     seconds: Vec<(TimedWork, Vec<f64>)>,
     is_valid: bool,
@@ -55,6 +56,7 @@ struct Timed {
 
 /// Times the making and the verifying of sets in space, and prints the rates.
 pub fn run(arguments: &BenchArguments) -> Result<u8> {
+    // Without a round there is no median. The largest number is chosen, not measured.
     ensure!(
         (1..=1000).contains(&arguments.rounds),
         "--rounds is {}; it must be between 1 and 1000",

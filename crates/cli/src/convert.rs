@@ -72,6 +72,8 @@ pub fn run(arguments: &ConvertArguments) -> Result<u8> {
         return solid::plane::write([input, path], arguments.to, given, slice);
     }
     if solid::is_in_space(given, input) {
+        // Fields, shapes and ranks are those of sets in the plane: their options, whose names `option` returns only if
+        // they are given, are refused.
         let is_given = true;
         let ground = arguments.ground.option().map(|name| (name, is_given));
         let kept = arguments.ranks.option().map(|name| (name, is_given));
@@ -92,6 +94,7 @@ pub fn run(arguments: &ConvertArguments) -> Result<u8> {
     let (set, context) = match arguments.ranks.rank {
         Some(below) => {
             let (set, mut context) = ranks::set_below(input, given, below)?;
+            // `read` in the other arm does the same.
             leave_out_origin(path, arguments.to, &mut context)?;
             (set, context)
         }
@@ -179,6 +182,7 @@ fn certified(check: Check, path: &Path) -> Result<ExportContext> {
         context.method = certificate.method;
         context.parameters = certificate.parameters;
         context.precision = certificate.precision;
+        // A set that is the beginning of a larger one states how many points that one has.
         context.made = certificate.prefix.map(|prefix| prefix.made);
     }
     Ok(context)

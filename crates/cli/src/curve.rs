@@ -135,7 +135,8 @@ fn course(arguments: &CurveArguments) -> Result<Course> {
 
     let mut recipe = arguments.run.recipe()?;
     if let Some(nested) = arguments.nested.request()? {
-        // Nested levels are defined for randomized tiling alone.
+        // Nested levels are defined for randomized tiling alone. `of_levels` checks how many samples there are, as an
+        // exact number of them decides the radius.
         ensure!(arguments.method == SamplingMethod::Kdrt, "{NEEDS_KDRT}");
         ask_for_levels(&nested, &recipe.parameters)?;
         return Ok(Course::of_levels(&recipe, &nested, &mut watch)?);

@@ -149,6 +149,8 @@ fn of_set(arguments: &DrawArguments) -> Result<(Scene, usize)> {
 
 /// Returns the picture of a plane of a set in space, and how many balls it meets.
 fn of_plane(arguments: &DrawArguments, slice: Slice) -> Result<(Scene, usize)> {
+    // Fields and shapes are those of sets in the plane: an option of theirs, whose name `option` returns only if it is
+    // given, is refused.
     let is_given = true;
     let ground = arguments.ground.option().map(|name| (name, is_given));
     solid::refuse(ground.as_slice(), solid::PLANAR)?;
@@ -165,6 +167,7 @@ fn of_plane(arguments: &DrawArguments, slice: Slice) -> Result<(Scene, usize)> {
         exposed: Vec::new(),
         caption: format!("{name}: {slice} meets {count} of {} balls", disks.samples),
     };
+    // The origin of a set in space is left out: reading one refuses --origin, and its certificates state none.
     let options = picture_options(arguments, &region, [0.0; 2])?;
     Ok((set_scene(&picture, &options), count))
 }
@@ -224,7 +227,7 @@ fn scene(arguments: &DrawArguments, read: &ReadSet, region: Region) -> Result<Sc
         "--gaps: where the radius varies a sample covers no disk, and beyond a shape nothing is covered, so that parts of \
          circles show no gaps; tilescope verify counts them; leave it out"
     );
-    let exposed = (arguments.gaps).then(|| exposed(set, region, radius));
+    let arcs = (arguments.gaps).then(|| exposed(set, region, radius));
 
     let radii = match (&own_radii, radius) {
         (Some(own), _) => DiskRadii::Own(own),
@@ -238,7 +241,7 @@ fn scene(arguments: &DrawArguments, read: &ReadSet, region: Region) -> Result<Sc
         radii,
         blocks: (certificate.filter(|_| as_certified).and_then(blocks)).unwrap_or_default(),
         block_of: provenance.map(|all| all.iter().map(block_of).collect()),
-        exposed: exposed.transpose()?.unwrap_or_default(),
+        exposed: arcs.transpose()?.unwrap_or_default(),
         caption: caption(set.len(), radii, &arguments.file),
     };
 
@@ -286,6 +289,7 @@ fn own_radii(arguments: &DrawArguments, read: &ReadSet) -> Result<Option<Vec<f64
             stated.radius
         );
     }
+    // Only a field has a radius for each sample; a shape alone has one radius everywhere, and `radii` is empty.
     Ok(Some(varying.radii(&read.set.points)).filter(|radii| !radii.is_empty()))
 }
 

@@ -118,7 +118,8 @@ impl Analysis {
         Ok(())
     }
 
-    /// Averages all sets of files and keeps only their numbers; `None` if no set can be used.
+    /// Averages all sets of files and keeps only their numbers. A file or a set that cannot be used is noted and left
+    /// out; `None` if no set can be used.
     fn average(&mut self, paths: &[PathBuf], request: &Request<'_>) -> Result<Option<Subject>> {
         let mut population = Population::default();
         for (path, repetition) in paths.iter().zip(repetitions(paths)) {
@@ -232,8 +233,8 @@ impl Analysis {
         }
     }
 
-    /// Gives every subject names that no other has. The reference may be one of the compared files: then its name says that
-    /// it is the reference.
+    /// Gives every subject a name and a title that no other has. The reference may be one of the compared files: then
+    /// its name says that it is the reference, and the label alone is the same for both.
     fn assign_names(&mut self) {
         // The names of two averages differ by their files.
         let is_average = |subject: &&mut Subject| subject.average;
@@ -253,7 +254,6 @@ impl Analysis {
         for subject in &mut *reference {
             subject.label.clone_from(&labels[0]);
             subject.title = format!("{} (reference)", subject.label);
-            // The reference may be one of the compared files as well.
             if names[1..].contains(&subject.name) {
                 subject.name.push_str(" (reference)");
             }

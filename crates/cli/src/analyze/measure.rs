@@ -50,7 +50,8 @@ pub fn of_set(set: &MeasuredSet) -> Vec<Measure> {
     set.numbers().map(measure).collect()
 }
 
-/// Returns the measures of the mean power of several sets, which vary less than those of one.
+/// Returns the measures of `curve`, the mean of the smooth spectra of several sets: it scatters less than the spectrum
+/// of one set. Without a curve, as where a set has none, both measures are undefined.
 pub fn of_mean_power(curve: Option<&PowerCurve>) -> [Measure; 2] {
     let nyquist = curve.and_then(PowerCurve::effective_nyquist);
     let oscillation = curve.and_then(PowerCurve::oscillation);
@@ -60,6 +61,7 @@ pub fn of_mean_power(curve: Option<&PowerCurve>) -> [Measure; 2] {
             format!("mean_power_{key}"),
             format!("{label} of the mean power"),
         );
+        // As many decimals as these numbers have for single sets.
         let form = Form { unit, decimals: 3 };
         Measure::new(key, label, form, value)
     };

@@ -109,7 +109,8 @@ pub struct Request<'a> {
 impl<'a> Request<'a> {
     /// Returns how all of `paths` are measured. Files that cannot be read do not influence it.
     pub fn new(arguments: &'a SetArguments, nu: Option<f64>, paths: &[&Path]) -> Self {
-        // Files that cannot be read are passed over here; of the others, some may have no radius.
+        // Files that cannot be read are passed over here; of the others, some may have no radius. Where a radius
+        // varies, no two samples are nearer than the least one, so that bins may begin there.
         let readable = paths
             .iter()
             .filter_map(|path| arguments.certificate(path).ok());
@@ -147,7 +148,7 @@ impl<'a> Request<'a> {
         self.measured(source, common).in_file(source.path)
     }
 
-    /// Reads, verifies and measures a set; with the window and the bins in `common` if it is one of an average.
+    /// Reads, verifies and measures a set; with the window and the bins in `common` if it is a later one of an average.
     fn measured(&self, source: Source<'_>, common: Option<&Common>) -> Result<Measurement> {
         self.refuse_early(source.path)?;
         let VerifiedFile {
@@ -174,7 +175,8 @@ impl<'a> Request<'a> {
             // The report has the smallest distance, which need not be searched for again.
             let mut measures = MeasuredSet::new(samples, region, radius);
             measures.take_report(report.clone());
-            // The spectrum comes last and by its own window: it takes the most memory.
+            // The spectrum comes last, as it takes the most memory, and by the window above, in place of the default
+            // one.
             for part in Part::of_numbers().filter(|part| *part != Part::Spectrum) {
                 measures.measure(part, points, control)?;
             }
@@ -322,7 +324,8 @@ fn read(source: Source<'_>, arguments: &SetArguments) -> Result<VerifiedFile> {
     }
 
     let (set, check) = outcome.map_err(reason)?;
-    // Numbers of other points must not be averaged. A region or a radius that the caller replaced is only warned of.
+    // A certificate that is not true may be that of other points, and such a set must not be averaged. Where only the
+    // region, the radius or the shape differs, as the arguments replaced it, that is warned of below.
     if let Some(differs) = check.falsehood() {
         bail!("its certificate is not true: {differs}; {WITHOUT_CERTIFICATE}");
     }

@@ -131,8 +131,9 @@ fn page_table(out: &mut String, table: &Table) {
     out.push_str("</tbody></table></div>\n");
 }
 
-/// Returns the command as a shell takes it; an argument that is not UTF-8 says so.
+/// Returns the command as a shell takes it. An argument that is not UTF-8 cannot be repeated; `lossy` marks it.
 fn command_line(arguments: impl Iterator<Item = OsString>) -> String {
+    // Of these characters none means anything else to a POSIX shell: they need no quotes.
     let plain = |c: char| c.is_ascii_alphanumeric() || "-_./=+,:@%".contains(c);
     let mut line = "tilescope".to_owned();
     for argument in arguments {

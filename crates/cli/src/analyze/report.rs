@@ -13,8 +13,9 @@ use super::gather::Analysis;
 use super::measure::{Measure, Spread};
 use super::subject::Subject;
 
-/// Returns all numbers as CSV, one a line; measures have no x. The measures of files precede those of their average. The
-/// table can be opened in a spreadsheet: it begins with a byte-order mark, and no name in it is a formula.
+/// Returns the numbers as CSV, one a line; measures have no x. The measures of files precede those of their average.
+/// Differences of measures have no lines, as they follow from those of the two subjects. The table can be opened in a
+/// spreadsheet: it begins with a byte-order mark, and no name in it is a formula.
 pub fn csv(analysis: &Analysis) -> String {
     let mut out = format!("{BYTE_ORDER_MARK}file,measure,x,y,lower,upper\n");
     for (index, subject) in analysis.subjects.iter().enumerate() {

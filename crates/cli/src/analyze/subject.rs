@@ -137,13 +137,14 @@ impl Population {
         let mut measures = means(&self.members)?;
         let mut name = self.members[0].name.clone();
         if average {
-            let of_mean = |mean: SmoothMean| {
-                PowerCurve::new(mean.frequencies, mean.powers.means().to_vec()).ok()
+            // The mean of valid curves at the same frequencies is a valid curve, so that `ok` hides no error.
+            let of_mean = |smooth: SmoothMean| {
+                PowerCurve::new(smooth.frequencies, smooth.powers.means().to_vec()).ok()
             };
             let smooth = (self.smooth.filter(|_| !self.lacks_smooth)).and_then(of_mean);
             measures.extend(of_mean_power(smooth.as_ref()));
 
-            // Also of one file it is called an average, as only that was asked for.
+            // An average was asked for, so that it is called one even if only one of the sets could be used.
             let sets = self.members.len();
             let plural = if sets == 1 { "" } else { "s" };
             name = format!("average of {sets} set{plural}");

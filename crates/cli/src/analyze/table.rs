@@ -196,7 +196,8 @@ pub fn text(table: &Table) -> String {
 
         line(&table.head, &|column| column.name.clone());
         for (row, label) in labels.iter().enumerate() {
-            // Rows of text have cells only in the first column of a subject: leave them out of parts where all are empty.
+            // The first part has every row, so that none is lost. A later one leaves out rows whose cells are all
+            // empty, as the text of a set may be: it stands only in the first column of a subject.
             if parts.is_empty() || part.iter().any(|column| !column.cells[row].is_empty()) {
                 line(label, &|column| column.cells[row].clone());
             }

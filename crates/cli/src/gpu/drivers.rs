@@ -128,11 +128,11 @@ impl DriverFile {
 impl System<'_> {
     /// Returns the drivers that Vulkan's loader would find, as it looks for them.
     fn drivers(&self) -> Drivers {
-        let set = |name: &'static str| Some((name, (self.variable)(name)?));
+        let with_value = |name: &'static str| Some((name, (self.variable)(name)?));
         // The loader does not read the older name where the newer one is set.
-        let variable = VARIABLES.into_iter().find_map(set);
+        let variable = VARIABLES.into_iter().find_map(with_value);
         let mut looked_in = Vec::new();
-        // A set, as two directories may lead to one file.
+        // A variable may list a file or a directory twice: a set has each file once.
         let paths: BTreeSet<PathBuf> = if let Some((_, value)) = &variable {
             std::env::split_paths(value).collect()
         } else {
@@ -164,8 +164,8 @@ impl System<'_> {
             std::env::split_paths(&value).collect::<Vec<_>>()
         };
 
-        // Settings of the user come before those of the system, and all settings before installed data. The two between them
-        // are those that the loader is usually built with.
+        // Settings of the user come before those of the system, and all settings before installed data. The loader's
+        // own two stand between settings and data: it is usually built with these.
         let mut bases = Vec::from_iter(under_home("XDG_CONFIG_HOME", ".config"));
         bases.extend(listed("XDG_CONFIG_DIRS", "/etc/xdg"));
         bases.extend(["/usr/local/etc", "/etc"].map(PathBuf::from));
