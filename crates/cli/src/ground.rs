@@ -121,7 +121,8 @@ impl GroundArguments {
     ) -> Result<Option<Ground>> {
         let recipe = match stated.filter(|stated| stated.is_varying()) {
             Some(stated) => {
-                // With another domain or radius the digests could only differ.
+                // The certificate has the digests of the field's and the mask's values in its own domain: with another
+                // domain or radius they could only be found to differ.
                 set.refuse_domain("to which its field and its shape belong")?;
                 VaryingRecipe::of_certificate(stated, self.given(set.planar)?)?
             }

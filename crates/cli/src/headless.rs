@@ -135,7 +135,9 @@ fn pictures(run: Run, folder: &Path) -> Result<Vec<PathBuf>> {
             view: PictureView::of_stage(&session, stage, SIDE),
         };
         let path = folder.join(format!("{number}-{name}.png"));
-        write_whole(&path, &to_png(&scene(&session, &shown, None), SCALE)?)?;
+        // No sample is chosen whose causes the picture could show.
+        let causes = None;
+        write_whole(&path, &to_png(&scene(&session, &shown, causes), SCALE)?)?;
         paths.push(path);
     }
     Ok(paths)

@@ -400,12 +400,14 @@ fn reported(source: Source, seeds: u64, window: FromWindow) -> Result<Report> {
             });
         }
     };
+    // All questions in the runs of so many seeds: their faults, and the mean scores of three kinds of learners.
     let found = checked(&lesson, seeds)?;
     // A letter that is missing is no fault: the lesson may be for machines whose fonts have it.
     let original = lesson.texts().concat();
     let mut warnings: Vec<String> = letters_warning(&name, &original).into_iter().collect();
 
-    // Without a window the other rules are checked all the same, and the report names the one that was not.
+    // Leaks are texts of the window that give an answer away. Without a window all other rules are checked, and the
+    // report says that this one was not.
     let leaks = (window.leaks)(&lesson.name, &source.text).unwrap_or_else(|why| {
         warnings.push(format!(
             "{name}: warning: the texts of the window are not searched for answers: {why}"
@@ -565,7 +567,7 @@ fn handout(arguments: &HandoutArguments, window: FromWindow) -> Result<()> {
     output::emit(&format!("{path}: {} bytes\n", html.len()))
 }
 
-/// The longest session, in bytes.
+/// The longest session that is read, in bytes: 16 MiB, chosen, not measured.
 const MAX_SESSION: u64 = 16 << 20;
 
 /// Makes a lesson of the scenes of a saved session.

@@ -93,7 +93,7 @@ pub fn whole(run: &Settled, backend: &Backend, mut watch: Stopwatch) -> Result<W
     // The memory is asked for before the work, as a failed allocation would end the program without a reason.
     ask_for_whole(making, &run.parameters)?;
 
-    // A set in memory may be saved in any format, and some state where samples come from.
+    // A set in memory may be saved in any format, and some formats state from where in the pattern samples come.
     let sources = true;
     let (made, backend) = if is_sequential {
         (run.sequential(sources, &mut watch)?, backend.clone())

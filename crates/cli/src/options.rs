@@ -171,6 +171,7 @@ impl SetArguments {
         }
 
         let region = || self.region_over(stated.unwrap_or(Region::UNIT_SQUARE));
+        // The parser of arguments takes two names or none, so that no other number gets lost here.
         let columns = self.columns.clone();
         // A region of which nothing is given, and a radius and an origin that are not, stay empty: the check takes them from
         // the certificate.

@@ -205,7 +205,8 @@ pub fn add(object: &mut Value, fields: Value) {
     }
 }
 
-/// Returns the fields of a verdict. Lengths are in radii if the name ends in `_r`.
+/// Returns the fields of a verdict. Lengths are in radii if the name ends in `_r`; where the radius varies, in the
+/// least one, which is that of the report.
 pub fn verdict_json(report: &Report) -> Value {
     // JSON has null for numbers that are not finite.
     json!({
@@ -287,7 +288,8 @@ fn stage_table(facts: &Facts, seconds: &[(Stage, f64)]) -> String {
     // levels share a row.
     let levels_share_row = summary.is_none() || facts.method == "exact";
 
-    // Algorithm 4 as printed fills the first gaps while it eliminates, and has no separate iteration 1.
+    // Algorithm 4 as printed fills the first gaps while it eliminates, and has no separate iteration 1. Sets that are
+    // made by regions have no row in which it would matter.
     let at_once = !seconds.iter().any(|&(stage, _)| stage == Stage::Iterate(1));
     for &(stage, time) in seconds {
         if matches!(stage, Stage::Iterate(_)) && levels_share_row {
@@ -329,6 +331,7 @@ fn what_happened(stage: Stage, s: &Summary, at_once: bool) -> String {
             format!("{eliminated} eliminated, {first} inserted at once")
         }
         Stage::Eliminate => format!("{eliminated} eliminated"),
+        // Iterations are numbered from 1.
         Stage::Iterate(k) => match s.inserted.get(k as usize - 1) {
             Some(n) => format!("{n} inserted"),
             // The last detection finds no gap, so that it has no count.
@@ -384,7 +387,7 @@ pub fn verdict_text(report: &Report, levels: &[CertifiedLevel]) -> String {
         let (a, b, apart) = (conflict.first, conflict.second, conflict.distance / r);
         let apart = match compared(apart, 1.0, 6) {
             // Below r by less than the digits of a quotient can show.
-            (apart, limit) if apart == limit => "less than 1 r apart by rounding".to_owned(),
+            (apart, one) if apart == one => "less than 1 r apart by rounding".to_owned(),
             (apart, _) => format!("{apart} r apart"),
         };
         let _ = writeln!(out, "  conflict: samples {a} and {b}, {apart}");

@@ -212,12 +212,12 @@ fn take(parameters: &mut Parameters, parameter: Parameter, matches: &ArgMatches)
     let key = parameter.key();
     match &parameter.row().kind {
         ParameterKind::Real { place, .. } => {
-            let place = place(parameters);
-            *place = matches.get_one(key).copied().unwrap_or(*place);
+            let value = place(parameters);
+            *value = matches.get_one(key).copied().unwrap_or(*value);
         }
         ParameterKind::Whole(place) => {
-            let place = place(parameters);
-            *place = matches.get_one(key).copied().unwrap_or(*place);
+            let value = place(parameters);
+            *value = matches.get_one(key).copied().unwrap_or(*value);
         }
         ParameterKind::Switch { place, .. } => *place(parameters) = matches.get_flag(key),
         ParameterKind::Choice { options, .. } => {

@@ -51,6 +51,7 @@ pub fn check_inputs_stay<'a>(out: &Path, inputs: impl IntoIterator<Item = &'a Pa
     let file = destination(out)?;
     let replaced = [certificate_path(&file), file];
     for input in inputs {
+        // The certificate of an input is beside the file that its links lead to, or else beside the link.
         for kept in [input, &certificate_beside(input)] {
             ensure!(
                 !replaced.iter().any(|replaced| are_same(kept, replaced)),

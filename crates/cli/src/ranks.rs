@@ -118,7 +118,7 @@ impl RankedFile {
         let ranks = of_file(path, set, read.detection.format)?.with_context(|| {
             format!("{name}: it has no column {RANK}; csv, ply and geojson files of nested levels have one")
         })?;
-        // The certificate's levels are about so many samples, and each has to have its rank.
+        // The certificate's levels are about all samples of the file, so that each has to have a rank.
         ensure!(
             ranks.len() == read.set.len(),
             "{name}: there are {} ranks of {} samples",
@@ -157,7 +157,8 @@ impl RankedFile {
         (PointSet::from_points(points), ranks)
     }
 
-    /// Returns the statements of a file with some of the samples, which has these levels and this radius.
+    /// Returns the statements of a file with some of the samples, which has these levels and this radius. `kept` is a
+    /// parameter of the new file, its name and its value: by what the samples were chosen.
     fn context(
         &self,
         radius: f64,
@@ -166,7 +167,7 @@ impl RankedFile {
         kept: (&str, serde_json::Value),
     ) -> ExportContext {
         let stated = &self.certificate;
-        // The parameters are those of a larger set, which other samples than these come from.
+        // The stated parameters make the larger set that these samples were chosen from, and stand under the name `of`.
         let of = json!(stated.parameters);
         let parameters = [(kept.0.to_owned(), kept.1), ("of".to_owned(), of)];
         ExportContext {
@@ -253,14 +254,16 @@ pub fn set_below(
     let claim = view
         .claim(below, kept.len())
         .context("there are no levels")?;
-    // What covers nothing promises nothing that a certificate could state.
+    // What covers nothing promises nothing that a certificate could state. The finest threshold of 0 is that of the
+    // first level.
     ensure!(
         claim.covering.is_some(),
         "{name}: of its first level the ranks go up to {}, and samples below {below} hold no whole level",
         view.finest_threshold(0.0)
     );
 
-    // In the levels that are left the last one in use has the threshold 1, and ranks are as in a run of these alone.
+    // The last of the levels that are left has a threshold below 1. Over it, ranks are those of a run of these levels
+    // alone, which go up to 1.
     let finest = view.finest_threshold(below);
     let ranks = ranks.into_iter().map(|rank| rank / finest).collect();
     let before = ranked

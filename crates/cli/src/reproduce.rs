@@ -114,11 +114,14 @@ pub fn run(arguments: &ReproduceArguments) -> Result<u8> {
         kept: arguments.before.kept,
     };
 
-    // Only batches of one kind can be fewer: other experiments conclude from all of their units.
+    // With --kept an experiment concludes from the units that it has. Only density can do so, whose units are batches
+    // of which there may be any number; other experiments conclude from all of their units.
     let of_density = experiments == [Experiment::Density];
     ensure!(of_density || !settings.kept, "--kept is for density alone");
 
-    let watch = WatchBar(bar("reproduce", 0));
+    // `planned` gives the bar its length, once the units are counted.
+    let no_length = 0;
+    let watch = WatchBar(bar("reproduce", no_length));
     let fresh = arguments.before.fresh;
 
     // Without a folder there is no place for results, so that the plan is all that can be shown.

@@ -50,8 +50,9 @@ pub fn run(arguments: &SampleArguments) -> Result<u8> {
 /// Makes a set of one radius in a rectangle, and returns its report.
 fn outcome(arguments: &SampleArguments) -> Result<Outcome> {
     let mut recipe = arguments.run.recipe()?;
-    let expected = arguments.run.expected(&recipe.parameters)?;
-    let streams = arguments.streams(expected)?;
+    // So many samples decide whether the set is made band by band, and by which engine.
+    let expected_samples = arguments.run.expected(&recipe.parameters)?;
+    let is_streamed = arguments.streams(expected_samples)?;
 
     let worked = match arguments.method() {
         SamplingMethod::Reference => {
@@ -65,15 +66,17 @@ fn outcome(arguments: &SampleArguments) -> Result<Outcome> {
         }
         SamplingMethod::Kdrt => {
             let variant = recipe.parameters.variant;
-            let backend = arguments.engine.choose(variant, expected)?;
+            let backend = arguments.engine.choose(variant, expected_samples)?;
 
             let mut watch = Stopwatch::start();
-            let in_memory = !streams;
+            // The pattern is made or read, and the radius of --count is found. A set that stays in memory must not be
+            // too large for that.
+            let in_memory = !is_streamed;
             let run = arguments
                 .run
                 .settle(recipe.clone(), in_memory, &mut watch)?;
             // A large set passes by band by band, and is never in memory as a whole.
-            if streams {
+            if is_streamed {
                 let passed = stream::pass(arguments, &run, &backend, watch);
                 let outcome = match &arguments.out {
                     Some(path) => passed.in_file(path)?,

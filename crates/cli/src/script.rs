@@ -30,7 +30,7 @@ pub struct ScriptArguments {
     each: bool,
 }
 
-/// The longest script, in bytes.
+/// The longest script, in bytes: 16 MiB, chosen, not measured.
 const MAX_BYTES: u64 = 16 << 20;
 
 const EXAMPLES: &str = r#"A script begins with the default session. It holds the commands that buttons and keys of the window issue;

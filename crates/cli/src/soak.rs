@@ -85,13 +85,13 @@ Examples:
 /// The approximate smallest and largest number of samples of a round.
 const ROUND_SAMPLES: [f64; 2] = [500.0, 400_000.0];
 
-/// Rounds that are computed at a time.
+/// Rounds that are computed at a time. Chosen, not measured.
 const ROUNDS_AT_ONCE: u64 = 16;
 
-/// The run ends after this many faults.
+/// The run ends after this many faults. Chosen, not measured.
 const MAX_FAULTS: usize = 50;
 
-/// Windows compared in a round.
+/// Windows compared in a round. Chosen, not measured.
 const WINDOWS: u32 = 4;
 
 /// Totals over the rounds.
@@ -174,7 +174,7 @@ fn text(sum: &Tally) -> String {
          unequal engines    {}\n",
         sum.rounds, sum.samples, sum.conflicts, sum.gaps, sum.unequal
     );
-    // Rounds of varying radii measure no covering radius.
+    // Rounds of varying radii measure no covering radius, and those with the short search do not count it.
     if sum.covering_radius_r > 0.0 {
         let _ = writeln!(
             out,
@@ -255,7 +255,7 @@ const ORDERS: [Order; 4] = [
 
 /// Returns the pattern of a round.
 fn pattern(dice: &Dice, leaf: f64, seed: u64) -> PatternSpec {
-    // Such a pattern is made for this round alone, which takes longer than most rounds.
+    // Such a pattern is made for this round alone, which takes longer than most rounds: 0.3 is chosen, not measured.
     if dice.has(Feature::BoundedPattern) && dice.share(4) < 0.3 {
         // A bounded pattern must hold every clip: a block has less than two leaves along a side, and its clip r more on
         // either side. One r is to spare.
@@ -265,7 +265,8 @@ fn pattern(dice: &Dice, leaf: f64, seed: u64) -> PatternSpec {
             seed,
         }
     } else {
-        // Mostly a few sides and seeds, whose patterns are kept: to make one takes longer than a small round.
+        // Mostly a few sides and seeds, whose patterns are kept: to make one takes longer than a small round. The sides
+        // are chosen, not measured.
         let any = dice.scale(5, [MIN_PATTERN_SIDE_RADII, 160.0]);
         let side = if dice.has(Feature::AnyPattern) {
             // In a third of these rounds any side.
@@ -344,6 +345,7 @@ fn round_or_fault(arguments: &SoakArguments, index: u64) -> Tally {
     if interrupt::requested() {
         return Tally::default();
     }
+    // Nothing else is drawn from the key of the soak's seed, so that any stream serves.
     let key = Key::from_seed(arguments.seed).derive(Stream::Pattern, index as u32);
     // The two words of the round's key are also the 64 bits of its seed.
     let [low, high] = key.words();

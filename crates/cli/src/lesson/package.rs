@@ -237,7 +237,7 @@ fn source(arguments: &PackageArguments) -> Result<Shipped> {
         text,
         translation,
     } = asked;
-    // In an English package German can be chosen, if there is a translation.
+    // In an English package German can be chosen, if there is a translation: an error means that there is none.
     let in_german = || lesson_texts(&arguments.lesson, "de").ok()?.translation;
     let german = translation.or_else(in_german);
 
@@ -255,6 +255,7 @@ fn source(arguments: &PackageArguments) -> Result<Shipped> {
         name: name.into(),
         text: text.into(),
         german: german.unwrap_or_default().into(),
+        // Keys are compared where lessons are checked; a package has none.
         keys: "",
     })
 }
@@ -266,7 +267,8 @@ fn packaged_lesson(
     source: &Shipped,
     arguments: &PackageArguments,
 ) -> PackagedLesson {
-    // A gate's index is its number among the questions, which name it where its own name cannot.
+    // A question whose name a course system would refuse is named by its number among the questions, which is the index
+    // of its gate.
     let questions = lesson
         .gates()
         .enumerate()

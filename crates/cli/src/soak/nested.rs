@@ -11,7 +11,7 @@ use tilescope_sets::region;
 use super::{Dice, Feature, Tally, command, windows_agree};
 use crate::interrupt;
 
-/// The share of rounds with levels that make them.
+/// The share of the rounds with [`Feature::Levels`] that make levels. Chosen, not measured.
 const SHARE: f64 = 0.5;
 
 /// Adds to some rounds a run of nested levels with the same sides, leaf, boundary and seed.
@@ -36,6 +36,7 @@ pub fn add(
         ..*parameters
     };
 
+    // The numbers of levels are chosen, not measured.
     let (plane, levels) = plane(&parameters, dice.pick(21, &[2, 3, 4, 5, 7]))?;
     let nested = plane.whole(&mut Unobserved)?;
     let domain = nested.domain();

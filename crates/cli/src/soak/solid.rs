@@ -15,8 +15,9 @@ use crate::interrupt;
 /// up to 30,000 samples, which take a second to make and to judge.
 const VOLUMES: [f64; 2] = [70.0, 40_000.0];
 
-/// The shortest side in radii, and the lengths of two sides of a round over the third.
+/// The shortest side that a box may have, in radii.
 const SHORTEST: f64 = 4.0;
+/// The lengths of two sides of a round over the third. Chosen, not measured.
 const ASPECTS: [f64; 2] = [0.2, 5.0];
 
 /// Returns the sides that a round draws, in radii.
@@ -27,7 +28,8 @@ fn sides(dice: &Dice) -> [f64; 3] {
     [across * deep, up * deep, deep].map(|side| side.max(SHORTEST))
 }
 
-/// Makes a round of the boundary and the seed that were drawn; the other parameters have no meaning here.
+/// Makes a round of the boundary and the seed that were drawn. The radius is 1 in every round, so that lengths in radii
+/// are lengths of the domain; the other parameters have no meaning here.
 pub fn round(parameters: &Parameters, dice: &Dice, options: &VerifyOptions) -> Result<Tally> {
     let (size, radius) = (sides(dice), parameters.radius);
     let (boundary, seed) = (parameters.boundary, parameters.seed);
@@ -40,7 +42,8 @@ pub fn round(parameters: &Parameters, dice: &Dice, options: &VerifyOptions) -> R
     let base = Region::new([size[0], size[1]], boundary == Boundary::Periodic);
     let positions = domain.users_from_lattice(&samples);
     let (region, control) = (in_space(base, size[2]), |_| interrupt::flow());
-    // Short sides have longer units, for which the tolerance of certificates is a little too small.
+    // A side has a whole number of lattice units, no shorter than those of the radius. Along a short side they may be
+    // so much longer that the tolerance of certificates is a little too small; the domain's own bound is not.
     let options = VerifyOptions {
         covering_tolerance: domain.covering_bound() / radius - 1.0,
         ..options.clone()

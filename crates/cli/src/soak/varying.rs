@@ -53,7 +53,7 @@ pub fn round(
 ) -> Result<Tally> {
     let recipe = recipe(parameters.seed, dice)?;
     let made = match recipe.make(&mut Unobserved) {
-        // A mask of few pixels may have none of the shape, which is refused rightly.
+        // A mask of few pixels may have no pixel that belongs to the shape, and is then refused rightly.
         Err(VaryingError::Nothing | VaryingError::Shape(_))
             if matches!(recipe.shape, Some(ShapeSource::Mask(_))) =>
         {

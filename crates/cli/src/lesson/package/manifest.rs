@@ -166,6 +166,7 @@ fn scorm_2004(package: &Description<'_>, files: &[&str]) -> Element {
         "item",
         &[("identifier", "lesson"), ("identifierref", "page")],
     );
+    // A learner may choose the lesson in a list, and come to it from the one before.
     let ways = element("imsss:controlMode", &[("choice", "true"), ("flow", "true")]);
     let course = element("organization", &[("identifier", "course")]).holding([
         saying("title", &package.title),
