@@ -330,9 +330,11 @@ impl InstancedCanvas {
         )
     }
 
-    /// Returns whether the view differs from the last frame's, and the number of this layer in its frame.
+    /// Returns whether the view differs from the last frame's, and the number of this layer in its frame. Keeps the
+    /// view and the number for the layer that is drawn next.
     fn next_layer(&self, frame: u64, view: (PlaneView, u32)) -> (bool, u32) {
-        // The first layer of a frame compares its view with that of the frame before; the others follow it.
+        // The first layer of a frame compares its view with that of the frame before; for the other layers the answer
+        // is the same.
         let last = self.motion.get();
         let next = if last.view.is_some() && last.frame == frame {
             Motion {

@@ -131,7 +131,8 @@ impl<'a> View<'a> {
             return;
         }
         let gaps = subject.geometry.gaps(shown);
-        // The page's later part has the functions of gaps: without any it need not be there.
+        // On a page the functions of gaps are in the part of the program that is loaded later. Without a gap none of
+        // them is called below, and that part need not be there.
         if gaps.is_empty() {
             return;
         }
@@ -147,11 +148,14 @@ impl<'a> View<'a> {
             ["more gap in view", "more gaps in view"],
             |near| {
                 let gap = &gaps[near.number];
+                // The place of the gap that lies farthest from all samples, and how far it does: the disk around it has
+                // no sample.
+                let (_, distance) = gap.deepest;
                 Object {
                     key: ("gap", near.number),
                     text: located(&hover::gap_text(gap), near.place),
                     place: near.place,
-                    reach: gap.deepest.1,
+                    reach: distance,
                     selection: Selection::Place(near.place),
                 }
             },
@@ -175,10 +179,12 @@ impl<'a> View<'a> {
         let kind = ["more sample in view", "more samples in view"];
         objects.add(found, kind, |near| {
             let id = near.number as u32;
+            let [_, description] = hover::sample(subject, id);
             Object {
                 key: ("sample", near.number),
-                text: located(&hover::sample(subject, id)[1], near.place),
+                text: located(&description, near.place),
                 place: near.place,
+                // Disks of this radius do not overlap in a set of one radius.
                 reach: 0.5,
                 selection: Selection::Sample(id),
             }
@@ -197,12 +203,16 @@ impl<'a> View<'a> {
             Some(_) => ["more piece in view", "more pieces in view"],
             None => ["more block in view", "more blocks in view"],
         };
-        objects.add(found.collect(), kind, |near| Object {
-            key: ("block", near.number),
-            text: located(&hover::block_of(subject, near.number)[1], near.place),
-            place: near.place,
-            reach: 1.0,
-            selection: Selection::Place(near.place),
+        objects.add(found.collect(), kind, |near| {
+            let [_, description] = hover::block_of(subject, near.number);
+            Object {
+                key: ("block", near.number),
+                text: located(&description, near.place),
+                place: near.place,
+                // The middle of the block is marked, not all of it. Chosen, not measured.
+                reach: 1.0,
+                selection: Selection::Place(near.place),
+            }
         });
     }
 }

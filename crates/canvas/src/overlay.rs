@@ -92,8 +92,8 @@ fn bar(subject: &Subject<'_>) -> (f64, f32) {
 fn local_position(subject: &Subject<'_>, position: DVec2) -> Option<String> {
     let unit = own_unit(subject)?;
     let session = subject.shown.session;
-    let origin = session.ground.as_ref()?.asked.1.origin;
-    let DVec2 { x, y } = position * unit + DVec2::from(origin);
+    let (_, request) = &session.ground.as_ref()?.asked;
+    let DVec2 { x, y } = position * unit + DVec2::from(request.origin);
     let text = format!("x {x:>9.5}  y {y:>9.5}");
 
     let locality = session.run().locality.as_ref()?;
@@ -134,16 +134,16 @@ pub fn cursor(
     // Numbers have fixed widths, so that the text does not jump while they change.
     let zoom = format!("{:>5.0}%", 100.0 * subject.camera.scale / fitted);
     // Without a pointer over the picture there are no coordinates, and the scale is shown alone.
-    let position = pointer
+    let coordinates = pointer
         .map(|pos| subject.camera.domain_from_screen(rect, pos))
         .map(|position| {
             let DVec2 { x, y } = position;
             let in_radii = || format!("x {x:>8.3} r  y {y:>8.3} r");
             local_position(subject, position).unwrap_or_else(in_radii)
         });
-    let both = position
+    let both = coordinates
         .as_ref()
-        .map(|position| format!("{position}  {zoom}"));
+        .map(|coordinates| format!("{coordinates}  {zoom}"));
 
     // The text must fit beside the scale bar, which takes 15 points besides its length; the text's own ground takes 6.
     let room = rect.width() - 2.0 * INSET - (bar(subject).1 + 21.0);
@@ -154,7 +154,7 @@ pub fn cursor(
     };
 
     // The longest text that fits is shown.
-    let texts = [both, position, Some(zoom.trim_start().to_owned())];
+    let texts = [both, coordinates, Some(zoom.trim_start().to_owned())];
     if let Some(text) = texts.into_iter().flatten().find(fits) {
         let corner = rect.right_bottom() - vec2(INSET, INSET - 4.0);
         tag(painter, corner, Align2::RIGHT_BOTTOM, &text, palette);

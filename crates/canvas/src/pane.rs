@@ -118,7 +118,8 @@ impl Pane {
             stack.all();
         }
 
-        // At most one remark is shown: the first of these that there is.
+        // Marks of the samples that only one of two compared runs has; a remark if they are too many to mark. At most
+        // one remark is shown: the first of the three that there is.
         let unmarked = crate::contrast::paint(painter, scene, crowded);
         let draws_points = crowded && stack.draws_points();
         let cut = self.edges.note(crowded);
@@ -178,6 +179,7 @@ fn coverage(frame: &PixelGrid, shown: &ShownMoment<'_>) -> Coverage {
     let (low, high) = frame.camera.visible(frame.viewport);
     if let Some(locality) = session.run().locality.as_deref() {
         let radii = coverage.local_radii(frame, locality);
+        // How many lattice units a pixel is wide.
         let unit = f64::from(R) / frame.scale();
         // A sample is near places up to twice its radius away (see `Coverage::cover_near`).
         let reach = 2.0 * session.largest_radius();

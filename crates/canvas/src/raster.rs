@@ -230,6 +230,7 @@ fn centres(from: f64, to: f64, count: usize) -> std::ops::Range<usize> {
 /// Points accumulated per pixel.
 pub struct Density {
     size: [usize; 2],
+    /// Red, green and blue of the points on each pixel, times their weights there, and the sum of these weights.
     sums: Vec<[f32; 4]>,
 }
 
@@ -248,7 +249,7 @@ impl Density {
     pub fn add(&mut self, at: DVec2, color: Color32) {
         let corner = (at - 0.5).floor();
         let [right, down] = (at - 0.5 - corner).as_vec2().to_array();
-        // A point lies between four pixels and is shared by them.
+        // A point lies between the centres of four pixels, which share it: the nearer a centre, the larger its part.
         let weights = [
             (0, 0, (1.0 - right) * (1.0 - down)),
             (1, 0, right * (1.0 - down)),

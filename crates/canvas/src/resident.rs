@@ -124,7 +124,7 @@ fn changed<'a>(
     if indices.len() > MAX_EVENTS {
         return None;
     }
-    // An event names `NONE` in the places that it does not need.
+    // An event has places for several samples, and `NONE`, the largest number, in those that it does not need.
     let count = scene.session.run().samples.len() as u32;
     let events = indices.filter_map(|index| recording.event(index));
     let ids = events.flat_map(tilescope_debugger::Event::samples);

@@ -101,8 +101,7 @@ impl<K: PartialEq> Stack<'_, K> {
         let mut points = Some(points);
         for part in OF_CROWD {
             match (part, self.resident) {
-                // Without a device a crowd has no disks, and with one none of several radii, which the GPU does not
-                // draw.
+                // A crowd's disks are drawn by the GPU alone, and by it only if all have one radius.
                 (Part::Disks, None) => {}
                 (Part::Disks, Some(_)) if self.scene.session.ground.is_some() => {}
                 (Part::Samples, None) => {

@@ -118,8 +118,8 @@ impl Strokes {
 
         let mut start = 0.0;
         while start < length {
-            let [from, to] = [start, (start + dash).min(length)].map(|t| from + along * t);
-            self.quad(from, to, across, color);
+            let ends = [start, (start + dash).min(length)].map(|t| from + along * t);
+            self.quad(ends[0], ends[1], across, color);
             start += dash + gap;
         }
     }
@@ -134,7 +134,7 @@ impl Strokes {
         color: Color32,
     ) {
         // The polygon stays within a tenth of a point of the arc: a chord of the angle `a` is off by radius * a^2 / 8.
-        // The limits of the steps are chosen.
+        // A radius below a point counts as one, which keeps the division from 0. The limits of the steps are chosen.
         let step = 2.0 * (2.0 * 0.1 / radius.max(1.0)).sqrt();
         let steps = (sweep.abs() / step).ceil().clamp(2.0, 512.0) as u32;
 

@@ -179,7 +179,9 @@ fn marks(
         })
         .collect();
 
-    for (mark, label) in drawn.into_iter().zip(places(&labelled, &[], frame)) {
+    // Nothing else stands in the picture that labels would have to leave free.
+    let taken: &[Rect] = &[];
+    for (mark, label) in drawn.into_iter().zip(places(&labelled, taken, frame)) {
         let ink = color(match mark.kind {
             MarkKind::Named => palette.halo,
             MarkKind::Listed => palette.accent,

@@ -483,7 +483,8 @@ impl OpenLesson {
             return Vec::new();
         };
 
-        // If the moment itself decides there is no event to give reasons for.
+        // If the moment itself decides there is no event to give reasons for. Moments count events, which are numbered
+        // from 0: the event that leads to a moment has the number before it.
         let is_known = !self.learner.is_open() && question.decided > question.cursor;
         let event = question.decided.checked_sub(1);
         let Some(event) = event.filter(|_| is_known) else {

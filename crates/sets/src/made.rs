@@ -99,6 +99,7 @@ pub fn provenance(sources: &[Source]) -> Vec<Provenance> {
 #[must_use]
 pub fn point_set(run: &Run, ids: &[u32]) -> PointSet {
     let samples = &run.samples;
+    // Dropped samples lie outside of the domain, and no set has them.
     debug_assert!(
         ids.iter()
             .all(|&id| samples.fates[id as usize] != Fate::Dropped)

@@ -51,7 +51,7 @@ pub fn facts_of_exact(
     pattern: &Pattern,
     samples: f64,
 ) -> Facts {
-    // Stated parameters can be typed again as they are: those go that exact tiling would refuse.
+    // Stated parameters can be typed again as they are, so that those are removed that exact tiling would refuse.
     let mut used = stated(parameters);
     for parameter in NOT_OF_EXACT {
         used.remove(parameter.key());
@@ -206,7 +206,7 @@ impl Recipe {
         };
 
         let domain = made.domain();
-        // The radius is that of the last level, which the number of samples may have decided.
+        // The radius is that of the last level. Where a number of samples was asked for, it follows from that.
         let mut parameters = self.stated(domain.radius());
         parameters.extend(stated(nested));
         Ok(Made {

@@ -9,7 +9,8 @@ use tilescope_drawing::palette::Palette;
 
 use crate::language::Worded;
 
-/// Width of the ring, and its distance from the focused widget, in screen points.
+/// Width of the ring, and its distance from the focused widget, in screen points. These and the ring's rounding are
+/// chosen, not measured.
 const WIDTH: f32 = 2.0;
 const AROUND: f32 = 2.0;
 
@@ -43,9 +44,9 @@ pub fn keep_arrows(ctx: &Context, is_covered: bool) {
     let Some(focused) = ctx.memory(Memory::focused) else {
         return;
     };
-    let is_theirs = ctx.text_edit_focused() || Popup::is_any_open(ctx);
     // In a text field the arrows move the cursor, in a menu the choice.
-    if is_theirs || is_covered {
+    let is_used_there = ctx.text_edit_focused() || Popup::is_any_open(ctx);
+    if is_used_there || is_covered {
         return;
     }
 

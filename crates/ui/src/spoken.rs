@@ -115,15 +115,15 @@ impl SpokenFocus {
 
     /// Returns the parts that differ from the previous frame, if any do; all parts if the focus has moved.
     fn since(&self, before: Option<&Self>) -> Option<Spoken> {
-        let parts = |focus: &Self| {
-            let parts: [&str; 5] = [
-                &focus.name,
-                focus.role,
-                &focus.state,
-                &focus.value,
-                &focus.chosen,
+        let parts = |spoken: &Self| {
+            let texts: [&str; 5] = [
+                &spoken.name,
+                spoken.role,
+                &spoken.state,
+                &spoken.value,
+                &spoken.chosen,
             ];
-            parts.map(str::to_owned)
+            texts.map(str::to_owned)
         };
 
         // After the focus has moved, all old parts count as empty, so that every part is new.

@@ -228,7 +228,8 @@ fn show_chip(
     let color = if on { palette.text } else { palette.muted };
     let galley = ui.painter().layout_no_wrap(name.clone(), font, color);
 
-    // The name has 10 points of room on each side; a symbol before it takes 12 points more.
+    // The name has 10 points of room on each side. A symbol before it moves it by 14 points, of which 12 make the pill
+    // wider, and leaves 8 points behind it.
     let size = vec2(
         galley.size().x + if layer.is_some() { 32.0 } else { 20.0 },
         row_height(ui.ctx(), 26.0),

@@ -139,7 +139,7 @@ impl CellOrder {
 
     /// Returns the level of each sample, in the order of `by_cell`.
     fn levels(&self, points: &[Point], by_cell: &[u32]) -> Vec<usize> {
-        // In the order in which they are visited, which is faster.
+        // The places in the order in which they are visited: read one after another, they come faster from memory.
         let visited: Vec<Point> = by_cell.iter().map(|&id| points[id as usize]).collect();
         let mut levels = vec![LEVELS - 1; visited.len()];
 
@@ -179,6 +179,7 @@ impl CellOrder {
             return ranges;
         };
 
+        // Positions ascend by level, row and column, and so do the ranges.
         for level in 0..levels.min(self.ends.len()) {
             for row in rows.clone() {
                 let first = level * self.cell_count() + row * self.cells[0];
@@ -239,7 +240,8 @@ impl Taken {
         }
     }
 
-    /// Takes a point unless it is too near to another one. Returns whether it was taken.
+    /// Takes a point unless it is too near to another one. Returns whether it was taken. Images across the border of a
+    /// periodic domain do not count: a picture of fewer samples may have two near each other there.
     fn take(&mut self, point: Point) -> bool {
         // A sample a little outside the domain is taken to be in the outermost cell.
         let cell = |units: i32, count: usize| {

@@ -151,6 +151,7 @@ impl PlaneView {
             .domain_from_screen(self.rect, clip.left_bottom());
         let high = self.camera.domain_from_screen(self.rect, clip.right_top());
 
+        // The domain itself comes first, and its images are drawn over it.
         let steps: &[f64] = if periodic && options.images {
             &[0.0, -1.0, 1.0]
         } else {

@@ -75,6 +75,7 @@ impl Lessons {
             "text": paragraphs(&step.text),
             "after": after,
             "fault": open.fault.as_ref().map(|fault| self.in_words(&fault.to_string())),
+            // Whether the run of the step is still being made.
             "waits": open.fault.is_none() && learner.scene().is_none(),
             "practice": learner.practised(),
             "question": QuestionTold::of(open, &self.language),
@@ -85,6 +86,7 @@ impl Lessons {
             "asked_to_give_up": learner.is_asked_to_give_up(),
             "reasons": open.reasons().iter().map(|reason| self.in_words(reason)).collect::<Value>(),
             "may_go_on": learner.may_go_on(),
+            // How many answers were given since the start, in any lesson.
             "answers": self.last.as_ref().map_or(0, |last| last.number),
             "labels": labels,
         })

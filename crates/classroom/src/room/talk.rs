@@ -368,6 +368,7 @@ impl Classroom {
 
         Kept {
             lesson: (name, text),
+            // All other talks have one part: a lesson, or scenes.
             is_lecture: talk.parts.len() > 1,
             begun: talk.begun,
             part: talk.part,

@@ -308,11 +308,12 @@ fn around(points: &[[f64; 2]], radius: Option<f64>) -> Result<(Region, [f64; 2])
     // A field has no radius before it is evaluated: about a thousandth of the longer side stands for it. The part was
     // chosen, not measured.
     let least = radius.unwrap_or(longer / 1024.0);
-    let region = Region::new(size.map(|side| side.max(least)), false);
+    let is_periodic = false;
+    let region = Region::new(size.map(|side| side.max(least)), is_periodic);
     if region.is_supported() {
         return Ok((region, origin));
     }
-    // Radii that are none have an error of their own.
+    // A radius that is not a positive number has an error of its own.
     match radius {
         Some(radius) if !(radius > 0.0 && radius.is_finite()) => {
             Err(ThinError::Radius { radius }.into())

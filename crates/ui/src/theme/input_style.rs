@@ -213,29 +213,17 @@ fn visuals(palette: &Palette) -> Visuals {
 
     let hover = palette.text.gamma_multiply(0.08);
     let states = [
-        (
-            &mut visuals.widgets.noninteractive,
-            Color32::TRANSPARENT,
-            1.0,
-        ),
-        (&mut visuals.widgets.inactive, palette.raised, 1.0),
-        (
-            &mut visuals.widgets.hovered,
-            palette.raised.blend(hover),
-            1.0,
-        ),
-        (
-            &mut visuals.widgets.active,
-            palette.raised.blend(hover),
-            1.0,
-        ),
-        (&mut visuals.widgets.open, palette.raised, 1.0),
+        (&mut visuals.widgets.noninteractive, Color32::TRANSPARENT),
+        (&mut visuals.widgets.inactive, palette.raised),
+        (&mut visuals.widgets.hovered, palette.raised.blend(hover)),
+        (&mut visuals.widgets.active, palette.raised.blend(hover)),
+        (&mut visuals.widgets.open, palette.raised),
     ];
 
-    for (state, fill, width) in states {
+    for (state, fill) in states {
         state.bg_fill = fill;
         state.weak_bg_fill = fill;
-        state.bg_stroke = Stroke::new(width, palette.line);
+        state.bg_stroke = Stroke::new(1.0, palette.line);
         state.fg_stroke = Stroke::new(1.0, palette.text);
         state.corner_radius = corner;
         // By default, egui enlarges a widget under the pointer.
