@@ -165,7 +165,7 @@ impl<'a> View<'a> {
     fn add_samples(&self, objects: &mut Objects) {
         let (subject, shown) = (self.subject, &self.subject.shown);
         let index = &shown.session.index;
-        // Where symbols overlap no sample can be pointed at either.
+        // Where symbols overlap no sample can be pointed at in the picture, and none is listed.
         if !is_fine(subject) || index.count_in(self.low, self.high) > MAX_LOOKED_AT {
             return;
         }

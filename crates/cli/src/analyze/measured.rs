@@ -162,6 +162,7 @@ impl<'a> Request<'a> {
             common.admit(samples, region)?;
         }
 
+        // A set by itself has its own frequencies and bins; in an average those of the first set are taken.
         let bins = PairBins::of(self.radius, samples, region);
         let own = (self.window(samples as f64, region)?, bins);
         let shared = common.map(|common| (common.window.clone(), common.bins));
@@ -185,7 +186,6 @@ impl<'a> Request<'a> {
             let powers = spectrum.profile.powers();
             measures.take_spectrum(Arc::clone(&spectrum));
 
-            // In an average the bins are those of the first set.
             let farthest = bins.farthest(samples, region);
             let pairs = PairCorrelation::of(points, region, farthest, bins.count(), control)?;
             let member = Member {
