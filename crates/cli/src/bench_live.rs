@@ -37,6 +37,7 @@ fn measured() -> Result<Vec<Timed>> {
             radius,
             ..Parameters::default()
         };
+        // Making the run is not timed; the stopwatch lets Ctrl-C end it.
         let recording = Recording::new(&parameters, DEFAULT_BUDGET, &mut Stopwatch::start())?;
         let course = Arc::new(Course::of_recording(&recording));
 
