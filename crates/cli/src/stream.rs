@@ -42,7 +42,8 @@ pub fn pass(
         .map(|path| state_of(path, &facts, arguments.no_verify))
         .transpose()?;
 
-    // The interrupted process may have written all samples, and only its last renames may be left to do.
+    // The interrupted process may have written all samples and given the file its name. Then at most the certificate
+    // has to get its name, and no band is computed.
     if let Some(path) = resumed
         && let Some(count) = finish_interrupted(path)?
     {
@@ -59,7 +60,7 @@ pub fn pass(
 
     let parameters = serde_json::to_value(&facts.parameters)?;
     let verify = !arguments.no_verify;
-    // A run that is resumed compares the first two with its own arguments.
+    // A run that is resumed compares `parameters` and `verify` with its own arguments, in `state_of`.
     let token = |state| json!({ "parameters": parameters, "verify": verify, "state": state });
     let end = pass_into(&mut bands, sink, &run.domain, token, &mut watch);
     let (verdict, digest) = end.map_err(|error| with_hint(error, out))?;
@@ -73,13 +74,14 @@ pub fn pass(
     };
     let outcome = Outcome::new(facts, work, count, verdict);
     Ok(Outcome {
-        // A resumed run has not seen the samples before the checkpoint, so that it has no digest of all.
+        // The digest of a resumed run is that of the samples after the checkpoint alone, and is left out.
         positions_digest: state.is_none().then_some(digest),
         ..outcome
     })
 }
 
-/// Returns the outcome of a run whose file had its name already when it was interrupted; it is judged once more.
+/// Returns the outcome of a run that was interrupted when its file was whole already. Unless --no-verify is given, the
+/// file is judged once more, since the first verdict ended with the interrupted process.
 fn finished(arguments: &SampleArguments, path: &Path, facts: Facts, count: u64) -> Result<Outcome> {
     // The run itself was the work of the process that was interrupted.
     let outcome = |judged| Outcome::new(facts, Work::default(), count, judged);
@@ -108,8 +110,8 @@ fn with_hint(error: anyhow::Error, out: Option<&Path>) -> anyhow::Error {
     }
 }
 
-/// Returns the state of the interrupted run of `path`. Fails if there is none; if its parameters differ, the error names
-/// them.
+/// Returns the state of the interrupted run of `path`. Fails if there is none, and if it had another parameter or was
+/// not verified as this run is: the error names the first that differs.
 fn state_of(path: &Path, facts: &Facts, no_verify: bool) -> Result<SweepState> {
     let token = checkpoint_token(path)?.with_context(|| {
         let resume = resume_path(path);
@@ -138,7 +140,8 @@ fn state_of(path: &Path, facts: &Facts, no_verify: bool) -> Result<SweepState> {
     serde_json::from_value(state).context("the checkpoint is not that of a run")
 }
 
-/// Computes on this thread (and the pool's, or a device) while another thread writes and verifies.
+/// Computes bands on this thread (and the pool's, or a device) while another thread writes and verifies them. Returns
+/// the verdict and the digest of the positions.
 fn pass_into(
     bands: &mut Bands,
     sink: Sink,
@@ -169,7 +172,8 @@ fn pass_into(
         let written = writer.join().map_err(|_| anyhow!("the writer failed"))?;
 
         match computed {
-            // Both may fail, for instance if the disk is full and the process is asked to end.
+            // Both threads may fail, for instance if the disk is full and the process is asked to end. The writer's
+            // error is then the one that is reported.
             Err(error) => Err(written.err().unwrap_or(error)),
             Ok(()) => written?.context("the writer ended before the run"),
         }
@@ -199,10 +203,11 @@ impl Sink {
             return Ok(Self::Judge(Box::new(verifier)));
         };
         let export = if arguments.resume {
-            // The state of the run was taken from the token before, with which the engine began.
+            // The token has the state of the run, from which the engine has begun already.
             let (export, _token) = StreamExport::resume(path, context)?;
             export
         } else {
+            // Every file that is written band by band can be resumed with --resume.
             let (verify, resumable) = (!arguments.no_verify, true);
             StreamExport::create(path, context, StreamOptions { verify, resumable })?
         };
@@ -213,7 +218,8 @@ impl Sink {
         })
     }
 
-    /// Takes all bands, then finishes; `None` if there is no end message. Returns also the digest of the positions.
+    /// Takes all bands, then finishes, and returns the verdict and the digest of the positions; `None` if the channel
+    /// is closed without an end message.
     fn take_all(
         mut self,
         domain: &Domain,
@@ -234,7 +240,7 @@ impl Sink {
                 self.push(&points, provenance.as_ref().map(|all| &all[range]))?;
             }
 
-            // Only between bands, as the state of the token is that after the whole band.
+            // A checkpoint is written only between bands, as the token has the state after the whole band.
             if let Self::File {
                 export,
                 last_checkpoint,

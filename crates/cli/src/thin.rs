@@ -191,7 +191,7 @@ fn write(
     let chosen = file.keep(kept, &mut rows, &name).in_file(path)?;
     let certificate = thinning.certificate(file.points(), &chosen, report);
     let certificate_path = write_certified(path, chosen.bytes, &certificate).in_file(path)?;
-    // It borrows the rows, from which the names of the left-out parts are taken now.
+    // `chosen` borrows `rows`, whose list of left-out elements is moved out below.
     drop(chosen);
     Ok(Written {
         certificate,
@@ -247,7 +247,8 @@ impl ThinArguments {
         let span = self.radius.context(
             "give --radius R, or --radius-expression or --radius-image for radii that vary",
         )?;
-        // Grey needs two radii to lie between, and without an image there is nothing between two.
+        // The greys of an image lie between two radii, and without an image nothing has a use for a second one. A
+        // single radius is the span's `least`.
         match (&self.radius_image, span.greatest) {
             (None, None) => Ok(RadiusSource::Constant(span.least)),
             (None, Some(_)) => {
@@ -351,6 +352,7 @@ impl Laps {
 struct Written {
     certificate: Certificate,
     certificate_path: PathBuf,
+    /// The names of the elements of a PLY file that are not written, as they number vertices: faces and edges.
     left_out: Vec<String>,
 }
 
@@ -363,7 +365,7 @@ struct ThinnedFile {
 }
 
 impl ThinnedFile {
-    /// Returns the report for programs.
+    /// Returns the report for programs. Fields of a file are null if none was written.
     fn json(&self) -> Value {
         let (written, thinning) = (self.written.as_ref(), &self.thinning);
         let seconds = self.laps.seconds.iter();

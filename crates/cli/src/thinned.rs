@@ -39,7 +39,7 @@ pub fn run(
     // The points were chosen by the certificate's own values: the choice cannot be judged by other ones.
     refuse_others(set, ground)?;
 
-    let verdict = verdict(
+    let findings = verdict(
         path,
         set,
         ground.given(set.planar)?.radius,
@@ -49,10 +49,10 @@ pub fn run(
     )?;
     output::report(
         as_json,
-        || verdict.json(thinned),
-        || verdict.text(stated, thinned),
+        || findings.json(thinned),
+        || findings.text(stated, thinned),
     )?;
-    Ok(verdict_code(verdict.passed()))
+    Ok(verdict_code(findings.passed()))
 }
 
 /// Refuses arguments that would describe another set than the certificate, or that no thinned set has.
@@ -121,7 +121,7 @@ fn verdict(
         .and_then(serde_json::Value::as_u64);
     let source_hint = Hint {
         name: &source_name,
-        set: set.set.or(of_set.map(|set| set as usize)),
+        set: set.set.or(of_set.map(|index| index as usize)),
         ..hint
     };
     let given = PointFile::new(&source_bytes, source_hint).in_file(source)?;
@@ -180,7 +180,8 @@ fn against(
         vec![false; points.len()]
     });
 
-    // Other columns, and the order of the rows, are compared as bytes.
+    // Other columns, and the order of the rows, are compared as bytes; not after the finding above, where `kept` is
+    // empty.
     if differences.is_empty() && keep_rows(given.bytes, &given.hint, &kept)?.bytes != chosen.bytes {
         differences.push(CertificateDifference {
             field: "rows",

@@ -36,6 +36,7 @@ pub fn make(arguments: &SampleArguments) -> Result<Worked> {
 
 /// Refuses, by their names, options of other ways to make a set.
 fn refuse_tiling(arguments: &SampleArguments) -> Result<()> {
+    // One option of the ground is always given: without one, other code makes the set.
     let option = arguments.ground.option().unwrap_or_default();
     let why = format!("{option} needs the reference sampler, whose darts need no pattern");
     match arguments.method {
@@ -78,13 +79,13 @@ fn recipe(arguments: &SampleArguments) -> Result<VaryingRecipe> {
     let (run, ground) = (&arguments.run, &arguments.ground);
     let asked = &run.asked;
     let is_typed = |parameter: Parameter| run.typed.contains(&parameter);
-    // Where no radius is typed a count is, or a formula; and a count scales any radius that is put in its place.
-    let black = is_typed(Parameter::Radius).then_some(asked.radius);
-    let any = 1.0;
+    // Without a typed radius there is a formula or a count. A count scales the radius, so that any radius will do.
+    let typed_radius = is_typed(Parameter::Radius).then_some(asked.radius);
+    let any_radius = 1.0;
     let radius = if let Some(text) = &ground.radius_expression {
         formula(text)?
     } else if let Some(path) = &ground.radius_image {
-        let (least, greatest) = black
+        let (least, greatest) = typed_radius
             .zip(run.greatest)
             .context("--radius-image needs --radius MIN..MAX, the radii of black and of white")?;
         let image = image(path, "--radius-image")?;
@@ -92,10 +93,10 @@ fn recipe(arguments: &SampleArguments) -> Result<VaryingRecipe> {
         RadiusSource::Image { image, radii }
     } else if let Some(path) = &ground.density_image {
         let image = image(path, "--density-image")?;
-        let black = black.unwrap_or(any);
+        let black = typed_radius.unwrap_or(any_radius);
         RadiusSource::Density { image, black }
     } else {
-        RadiusSource::Constant(black.unwrap_or(any))
+        RadiusSource::Constant(typed_radius.unwrap_or(any_radius))
     };
 
     // A side that is not typed follows from the shape or the pixels, and not from the parameters' defaults.

@@ -42,7 +42,8 @@ pub fn run(arguments: &SampleArguments, asked: &[f64]) -> Result<u8> {
                 arguments.engine.makes_windows(arguments.run.asked.variant),
                 "--window needs the parallel engine: the others, also the GPU's, make whole sets"
             );
-            // Only the window is in memory, and `check_size` limits it.
+            // Only the window is in memory, and `check_size` limits it. A count is allowed: of a large set its radius
+            // is as a rule an estimate, which a small set confirms, and the whole set is not made.
             let in_memory = false;
             let run = arguments.run.settle(recipe, in_memory, &mut watch)?;
             let plane = Plane::new(&run.parameters, &run.pattern)?;
@@ -92,10 +93,10 @@ fn show(
     let widened = plane.widened(&window, &mut |_: Progress| interrupt::flow())?;
     let report = judge(&widened, domain.radius())?;
 
-    // A conflict counts wherever it is in the part around the window that was judged, but a gap only in the window: around it
-    // the cut makes gaps.
     let count = points.len();
     let set = PointSet::from_points(domain.users_from_lattice(&points));
+    // A conflict counts wherever it is in the part around the window that was judged, but a gap only in the window:
+    // around it the cut makes gaps.
     let mut object = json!({
         "method": facts.method,
         "parameters": facts.parameters,
@@ -113,11 +114,11 @@ fn show(
         "file": null,
     });
 
-    let mut text = text(corners, &domain, count, seconds, &report);
-    if let Some(file) = save(arguments, &set, facts, &mut text)? {
+    let mut lines = text(corners, &domain, count, seconds, &report);
+    if let Some(file) = save(arguments, &set, facts, &mut lines)? {
         object["file"] = json!(file);
     }
-    output::report(arguments.json, || object, || text)?;
+    output::report(arguments.json, || object, || lines)?;
     Ok(verdict_code(report.valid()))
 }
 
@@ -179,7 +180,8 @@ fn head(
     count: usize,
     seconds: f64,
 ) -> String {
-    // The border of a bounded domain belongs to the windows that reach it.
+    // A window has its lower ends and not its upper ones, so that windows side by side share no sample. Only the border
+    // of a bounded domain belongs to the windows that reach it.
     let end = |high: f64, axis: usize| {
         let is_border = !domain.is_periodic() && high >= domain.size()[axis];
         if is_border { ']' } else { ')' }

@@ -44,7 +44,8 @@ const OF_FIELD: u32 = 100_000;
 const OF_MASK: u32 = 200_000;
 const OF_CORNERS: u32 = 300_000;
 
-/// Makes a round of the seed that was drawn; the other parameters have no meaning here. Faults are reported with `command`.
+/// Makes a round of the seed that was drawn. The set depends on no other of the `parameters`: size, radius and boundary
+/// are drawn here. Faults are reported with `command`.
 pub fn round(
     parameters: &Parameters,
     dice: &Dice,
@@ -134,13 +135,13 @@ impl Frame {
         Ok(GrayImage::from_grey(columns, grey)?)
     }
 
-    /// Returns radii up to 1.
+    /// Draws where the radii come from. The largest is 1, the unit of the frame, or a little less.
     fn radius(&self, dice: &Dice) -> Result<RadiusSource> {
         if !dice.has(Feature::Field) {
             return Ok(RadiusSource::Constant(1.0));
         }
-        // Nodes are at most 32 of the least radii apart, and those of an image and of a mask are pixels. One radius is
-        // to spare.
+        // A field is refused whose nodes are more than 32 of the least radii apart. Pixels are the nodes of images, and
+        // of formulas beside a mask. The least radius is 1/31 of a pixel, so that rounding does not matter.
         let pitch = self.size[0] / self.pixels[0] as f64;
         let least = dice.scale(3, CONTRASTS).recip().max(pitch / 31.0);
         if dice.has(Feature::Image) {
@@ -148,12 +149,14 @@ impl Frame {
             return Ok(RadiusSource::Image { image, radii });
         }
         if dice.has(Feature::Density) {
-            // The radius goes with the root of the darkness, of which the lightest grey has the least.
+            // The radius is `black` over the root of the darkness. So it is 1 for the lightest grey, which has 0.05 of the
+            // darkness of black.
             let (image, black) = (self.image(OF_FIELD, dice)?, (1.0 - LIGHTEST).sqrt());
             return Ok(RadiusSource::Density { image, black });
         }
 
-        // Whole waves along each side, so that the field goes around as a periodic domain does.
+        // A formula. Whole waves along each side, so that the field goes around as a periodic domain does; the values
+        // are from `least` to 1.
         let waves = [4, 5].map(|index| dice.pick(index, &[1.0, 2.0, 3.0, 5.0]));
         let [along_x, along_y] = [0, 1].map(|axis| TAU * waves[axis] / self.size[axis]);
         let (middle, half) = (0.5 * (1.0 + least), 0.5 * (1.0 - least));
@@ -182,7 +185,7 @@ impl Frame {
             let angle = TAU * f64::from(index) / f64::from(corners);
             // A quarter of the way to the border at least: chosen, not measured.
             let reach = part * (0.25 + 0.75 * dice.share(OF_CORNERS + index));
-            let [x, y] = [angle.cos(), angle.sin()].map(|share| 0.5 + 0.5 * reach * share);
+            let [x, y] = [angle.cos(), angle.sin()].map(|along| 0.5 + 0.5 * reach * along);
             [self.size[0] * x, self.size[1] * y]
         };
         let ring = |part: f64| (0..corners).map(|index| corner(index, part)).collect();
@@ -199,12 +202,13 @@ impl Frame {
 fn recipe(seed: u64, dice: &Dice) -> Result<VaryingRecipe> {
     let frame = Frame::draw(dice);
     let shape = frame.shape(dice)?;
-    // A shape does not go around.
+    // A domain with a shape has to be bounded.
     let is_periodic = shape.is_none() && !dice.has(Feature::Bounded);
     Ok(VaryingRecipe {
         radius: frame.radius(dice)?,
         shape,
         size: frame.size.map(Some),
+        // Formulas and polygons are drawn for a domain whose lower corner is 0.
         origin: Some([0.0; 2]),
         boundary: Boundary::of(is_periodic),
         seed,

@@ -34,7 +34,7 @@ const USED: [Parameter; 5] = [
 pub fn sample(arguments: &SampleArguments) -> Result<u8> {
     refuse_planar(arguments)?;
     let path = arguments.out.as_deref();
-    // Asked before the set is made, which may take minutes.
+    // The format is checked before the set is made, which may take minutes.
     if let Some(path) = path {
         check_solid_format(Format::to_write(path, arguments.format)?).in_file(path)?;
     }
@@ -60,7 +60,7 @@ fn refuse_planar(arguments: &SampleArguments) -> Result<()> {
         Some(SamplingMethod::Kdrt) => bail!("--method kdrt: {why}; leave it out"),
         Some(SamplingMethod::Exact) => bail!("--method exact: {why}; leave it out"),
     }
-    // A field and a shape would go with the reference sampler, but are functions of x and y.
+    // The reference sampler takes fields and shapes in the plane, but they depend on x and y alone.
     if let Some(ground) = arguments.ground.option() {
         bail!("{ground}: {why}, with one radius in a whole box; leave it out");
     }
@@ -92,12 +92,14 @@ fn recipe(arguments: &SampleArguments) -> Result<SolidRecipe> {
         .space
         .size([asked.width, asked.height])
         .context("a set in space has three sides")?;
-    // Clap lets at least one of --exactly, --count and --radius through, and --exactly only by itself.
+    // Clap lets just one of --exactly, --count and --radius through, but for a radius beside a count with
+    // --radius-image, which is refused by now.
     let balls = match (arguments.nested.exactly, arguments.run.count) {
         (Some(count), _) => BallSize::Exactly(count as u64),
         (None, Some(count)) => BallSize::Count(count),
         (None, None) => BallSize::Radius(asked.radius),
     };
+    // In space there is one radius: `greatest` is the second of MIN..MAX.
     ensure!(
         arguments.run.greatest.is_none(),
         "--radius takes two radii, MIN..MAX, with --radius-image only"
@@ -170,8 +172,9 @@ struct SolidOutcome {
     /// The digest of its positions as they were made.
     digest: String,
     seconds: f64,
-    /// Nothing, of a set that was not verified.
+    /// The verdict; nothing, of a set that was not verified.
     verdict: Option<SolidVerdict>,
+    /// The path of the certificate; nothing without a file or a verdict.
     certificate: Option<PathBuf>,
     warnings: Vec<String>,
 }
@@ -184,6 +187,7 @@ impl SolidOutcome {
             "method": SolidMade::METHOD,
             "parameters": made.parameters(),
             "radius": made.domain.radius(),
+            // How many samples were made, where only the first of them were taken: null for a whole set.
             "made": made.made,
             "seconds": [{ "stage": "throw darts", "seconds": self.seconds }],
             "positions_digest": self.digest,

@@ -111,7 +111,8 @@ fn disks(
     };
     for point in points {
         let straight = point[slice.axis] - slice.place;
-        // Around the torus the nearest image counts: others are more than a radius away.
+        // Around the torus the nearest image of a ball counts. The verifier refuses sides of two radii or less, so that
+        // only one image of a ball meets the plane.
         let depth = if region.is_periodic() {
             straight - (straight / side).round() * side
         } else {
@@ -127,7 +128,8 @@ fn disks(
     Ok(found)
 }
 
-/// Writes the disks of a plane as a table of x, y, radius and depth. They are no set of samples, and have no certificate.
+/// Writes the disks of a plane as a table: the two coordinates in the plane, radius and depth. They are no set of
+/// samples, and have no certificate.
 pub fn write(
     [input, path]: [&Path; 2],
     to: Option<Format>,
@@ -142,8 +144,9 @@ pub fn write(
     );
     let disks = read(input, set, slice)?;
 
+    // The first two columns have the names of the plane's axes, so that planes across different axes cannot be
+    // mistaken.
     let [across, up] = slice.axes().map(|axis| AXES[axis]);
-    // The columns have the names of the two axes, so that planes of other axes cannot be mistaken.
     let mut table = format!("{across},{up},radius,depth\n");
     let rows = disks.middles.iter().zip(&disks.radii).zip(&disks.depths);
     for (([a, b], radius), depth) in rows {

@@ -19,7 +19,8 @@ pub fn box_text(region: &SolidRegion) -> String {
 
 /// Returns the fields of a verdict, as those of planar sets. Lengths are in radii if the name ends in `_r`.
 pub fn json(verdict: &SolidVerdict) -> Value {
-    // JSON has null for numbers that are not finite. Of a prefix the report is about its factor: it is not maximal.
+    // Numbers that are not finite become null. The beginning of a larger set has a covering factor: it is judged within
+    // that factor of the radius, so that `report.maximal()` does not say that it is maximal.
     let report = &verdict.report;
     json!({
         "count": report.count,
@@ -41,7 +42,9 @@ pub fn json(verdict: &SolidVerdict) -> Value {
 
 /// Returns the verdict in a few lines.
 pub fn text(verdict: &SolidVerdict) -> String {
-    // Lengths are in radii, as in the verdict on planar sets.
+    // Lengths are in radii, as in the verdict on planar sets. `compared` returns the texts of a length and of its
+    // limit, with as many decimals as show which is larger, and at least so many as are given: 9, and 6 for single
+    // witnesses.
     let report = &verdict.report;
     let r = report.radius;
     let (closest, _) = compared(report.min_distance / r, 1.0, 9);
@@ -72,7 +75,7 @@ pub fn text(verdict: &SolidVerdict) -> String {
         Judge::joined(&report.judges),
     );
 
-    // A set may have millions of conflicts; three show the fault.
+    // A set may have millions of conflicts and of gaps; three of each show the fault.
     for conflict in report.worst_conflicts.iter().take(3) {
         let (apart, _) = compared(conflict.distance / r, 1.0, 6);
         let (a, b) = (conflict.first, conflict.second);

@@ -46,7 +46,7 @@ pub fn add_always(headers: &mut HeaderMap) {
     }
 }
 
-/// Adds the headers of the file `file`, whose path in the folder is `path`.
+/// Adds the headers of the file `file`, which answers a request with the path `path`.
 pub fn add(headers: &mut HeaderMap, file: &Path, path: &str) {
     // The page itself needs no frame, and a policy allows no more than is needed.
     let is_example = path.starts_with("/example/");
@@ -57,9 +57,9 @@ pub fn add(headers: &mut HeaderMap, file: &Path, path: &str) {
         .get(CONTENT_TYPE)
         .and_then(|kind| kind.to_str().ok());
     if let Some(kind) = kind.filter(|kind| kind.starts_with("text/"))
-        && let Ok(kind) = HeaderValue::from_str(&format!("{kind}; charset=utf-8"))
+        && let Ok(with_charset) = HeaderValue::from_str(&format!("{kind}; charset=utf-8"))
     {
-        headers.insert(CONTENT_TYPE, kind);
+        headers.insert(CONTENT_TYPE, with_charset);
     }
     // A name that has the hash of its content never gets another content.
     let keep = if is_hashed(file) { KEEP } else { CHECK };

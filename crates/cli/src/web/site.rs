@@ -138,7 +138,8 @@ async fn file(site: &ServedFolder, request: Request) -> Response {
     };
     let mut response = response.map(Body::new);
     let status = response.status();
-    // An answer that the file is unchanged renews its headers, too.
+    // An answer that the file is unchanged renews its headers, too. A refusal, as of a range beyond the file's end, is
+    // not about the file.
     if status.is_success() || status == StatusCode::NOT_MODIFIED {
         headers::add(response.headers_mut(), &file, &path);
     }

@@ -28,13 +28,15 @@ pub fn file(folder: &Path, path: &str) -> Option<PathBuf> {
     }
 
     let file = named.canonicalize().ok()?;
-    // Without a copy the file itself is served; a broken link fails when it is opened.
+    // A copy that is missing, or that is a broken link, does not lie outside: the file itself is then served, or the
+    // copy fails when it is opened.
     let is_outside = |ending| {
         let mut copy = file.clone().into_os_string();
         copy.push(ending);
         let copy = Path::new(&copy).canonicalize();
         copy.is_ok_and(|copy| !copy.starts_with(folder))
     };
+    // The file itself and its copies, compressed with brotli and gzip.
     let is_served = file.is_file() && !["", ".br", ".gz"].into_iter().any(is_outside);
     is_served.then_some(file)
 }

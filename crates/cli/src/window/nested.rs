@@ -33,15 +33,14 @@ pub fn run(
     let began = Instant::now();
     let found = plane.window(&window, &mut |_: Progress| interrupt::flow())?;
     let seconds = began.elapsed().as_secs_f64();
-    let judged = judged(&plane, &window, request.levels)?;
-    let is_valid = judged.iter().all(CutReport::valid);
+    let reports = judged(&plane, &window, request.levels)?;
+    let is_valid = reports.iter().all(CutReport::valid);
 
     // The levels are parameters of the run as well: both together make the window again.
     let mut parameters = recipe.stated(plane.domain().radius());
     parameters.extend(stated(&request));
     let set = PointSet::from_points(found.positions());
-    let levels = found.ends().iter().zip(&judged);
-    let levels: Vec<_> = levels
+    let levels: Vec<_> = (found.ends().iter().zip(&reports))
         .map(|(&count, report)| level_json(count, report))
         .collect();
     let mut object = json!({
@@ -58,7 +57,7 @@ pub fn run(
     });
 
     let mut text = head(corners, plane.domain(), set.len(), seconds);
-    for (&count, report) in found.ends().iter().zip(&judged) {
+    for (&count, report) in found.ends().iter().zip(&reports) {
         text += &level_text(count, report);
     }
     let _ = writeln!(text, "verdict        {}", output::validity(is_valid));
@@ -76,10 +75,11 @@ pub fn run(
     Ok(verdict_code(is_valid))
 }
 
-/// Refuses what needs the whole set, and what makes no levels.
+/// Refuses options that need the whole set, which is never made for a window, and methods and engines that make no
+/// levels.
 fn check(arguments: &SampleArguments, recipe: &Recipe, request: NestedRequest) -> Result<()> {
     ensure!(arguments.method() == SamplingMethod::Kdrt, "{NEEDS_KDRT}");
-    // A window is made without the whole, which alone shows how many samples a radius gives and which is the farthest.
+    // Only the whole set shows how many samples a radius gives.
     ensure!(
         recipe.count.is_none() && request.exactly.is_none(),
         "--count and --exactly would make the whole set to find its radius: with --window and --levels give --radius"
