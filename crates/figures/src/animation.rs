@@ -129,6 +129,7 @@ pub fn write_gif(
     let mut encoder = Encoder::new(out, width, height, &[]).map_err(refused)?;
     encoder.set_repeat(Repeat::Infinite).map_err(refused)?;
 
+    // The program's name, and the metadata.
     for (key, value) in with_program(metadata) {
         let comment = format!("{key}: {value}");
         let kind = AnyExtension::from(Extension::Comment);
@@ -193,10 +194,6 @@ pub fn write_apng(
     encoder
         .set_frame_delay(delay, per_second)
         .map_err(refused)?;
-    encoder
-        .set_blend_op(png::BlendOp::Source)
-        .map_err(refused)?;
-
     for (key, value) in with_program(metadata) {
         let (keyword, text) = text_chunk(&key, &value);
         encoder.add_itxt_chunk(keyword, text).map_err(refused)?;

@@ -46,7 +46,7 @@ impl Bitmap {
     fn new(columns: usize, depth: usize, bytes: Vec<u8>) -> Result<Self, FigureError> {
         let sides = 1..=MAX_BITMAP_SIDE;
         let row = columns.saturating_mul(depth);
-        // The columns are checked first, as rows without any would be a division by zero.
+        // The columns are checked first: without any, a row would have no bytes, and is divided by.
         let fits = sides.contains(&columns)
             && bytes.len().is_multiple_of(row)
             && sides.contains(&(bytes.len() / row));
@@ -111,6 +111,7 @@ impl Bitmap {
             ColorType::Rgb
         });
         encoder.set_depth(BitDepth::Eight);
+        // Small files rather than short times: chosen, not measured.
         encoder.set_compression(Compression::High);
 
         let mut writer = encoder.write_header().map_err(refused)?;

@@ -219,11 +219,11 @@ impl<'a> Canvas<'a> {
                 .collect();
 
             for image in self.images(points[index]) {
-                let points = arc
-                    .iter()
-                    .map(|&offset| self.flip(image + offset))
-                    .collect();
-                group.shapes.push(Shape::Polyline { points, stroke });
+                let places = arc.iter().map(|&offset| self.flip(image + offset));
+                group.shapes.push(Shape::Polyline {
+                    points: places.collect(),
+                    stroke,
+                });
             }
         }
         self.push([group]);

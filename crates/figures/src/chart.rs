@@ -305,7 +305,7 @@ impl ImageChart {
     fn check(&self) -> Result<(), ChartError> {
         let sides = 1..=MAX_CELLS;
         let values = self.values.len();
-        // The columns are checked first, as rows without any would be a division by zero.
+        // The columns are checked first: the values are divided by their number.
         let fits = sides.contains(&self.columns)
             && values.is_multiple_of(self.columns)
             && sides.contains(&(values / self.columns));
@@ -370,7 +370,7 @@ fn rises([low, high]: [f64; 2]) -> bool {
     low.is_finite() && high.is_finite() && low < high && (high - low).is_normal()
 }
 
-/// Refuses the first of indexed values that is not finite.
+/// Refuses the first of indexed values that is not finite. `series` names what the values belong to.
 fn finite(
     chart: &str,
     series: &str,

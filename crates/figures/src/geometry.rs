@@ -59,7 +59,7 @@ pub(crate) fn clip_segment([a, b]: [DVec2; 2], frame: Rect) -> Option<[DVec2; 2]
 
     for axis in [0, 1] {
         let (step, low, high) = (way[axis], lowest[axis], highest[axis]);
-        // Parallel to these two sides, it is between them or out of sight, and there is no crossing to compute.
+        // A segment parallel to these two sides is between them or out of sight, and there is no crossing to compute.
         if step == 0.0 {
             if low > 0.0 || high < 0.0 {
                 return None;
@@ -151,8 +151,10 @@ pub(crate) fn edges(points: &[DVec2]) -> impl Iterator<Item = [DVec2; 2]> {
     points.iter().zip(next).map(|(&a, &b)| [a, b])
 }
 
-/// Values of x + y where lines pass through the range of `diagonals`.
+/// Returns the values of x + y of the hatching lines that pass between the least and the greatest of `diagonals`,
+/// values of x + y themselves.
 fn levels(diagonals: impl Iterator<Item = f64>, spacing: f64) -> impl Iterator<Item = f64> {
+    // Lines closer than a pixel would run together. Two lines a distance apart differ by sqrt 2 times as much in x + y.
     let step = spacing.max(1.0) * std::f64::consts::SQRT_2;
     let range = diagonals.fold([f64::INFINITY, f64::NEG_INFINITY], |[low, high], d| {
         [low.min(d), high.max(d)]

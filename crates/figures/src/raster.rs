@@ -61,6 +61,7 @@ pub(crate) fn paint_pixels(
     scene.validate()?;
     let [width, height] = size(scene, scale)?;
 
+    // `size` refuses every picture that the library does, so that this error is never seen.
     let too_large = FigureError::Pixels {
         pixels: u64::from(width) * u64::from(height),
     };

@@ -89,9 +89,9 @@ impl Group {
     /// Fails if the view, the clip or a shape of the group cannot be drawn.
     fn validate(&self) -> Result<(), FigureError> {
         let View { scale, origin } = self.view;
-        // A view places every shape: a wrong one is named before the shapes, of which all would be wrong.
-        let is_finite = origin.is_finite() && self.clip.is_none_or(|clip| clip.is_finite());
-        if !(is_finite && scale.is_finite() && scale > 0.0) {
+        // View and clip are checked before the shapes, as they are about every one of them. One error stands for both.
+        let are_finite = origin.is_finite() && self.clip.is_none_or(|clip| clip.is_finite());
+        if !(are_finite && scale.is_finite() && scale > 0.0) {
             let group = self.name.clone();
             return Err(FigureError::View { group });
         }
@@ -457,9 +457,9 @@ impl Shape {
         }
     }
 
-    /// Returns whether all numbers of the shape are finite.
+    /// Returns whether all numbers of the shape are finite. Exporters compare lengths with limits, and NaN is neither
+    /// within one nor beyond it.
     fn is_finite(&self) -> bool {
-        // Exporters compare lengths with limits, and NaN is neither within one nor beyond it.
         let all = |points: &[DVec2]| points.iter().all(|p| p.is_finite());
 
         match self {

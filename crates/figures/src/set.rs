@@ -112,6 +112,7 @@ fn laid_out<E>(
     let mut inserted = canvas.group("inserted");
     for (index, &point) in points.iter().enumerate() {
         step()?;
+        // A mark is as large as the canvas's radius makes it.
         canvas.radius = set.radii.of(index);
         let block = set.block_of.as_ref().map(|of| of[index]);
         match block {

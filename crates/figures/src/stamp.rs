@@ -30,10 +30,12 @@ pub struct Stamp {
 pub fn stamp(text: &str, size: f64) -> Option<Stamp> {
     let fonts = Fonts::new().ok()?;
     let width = fonts.width(text, Font::Regular, size).ceil();
-    // Letters may reach above capitals and below the baseline: there is room for that, as parts of an em.
+    // Letters may reach above capitals and below the baseline: there is room for that, in parts of an em that were
+    // chosen, not measured.
     let [above, below] = [1.1 * size, 0.3 * size].map(f64::ceil);
 
-    // A text without width would have no pixels, and a text of any length may come from a file: neither is drawn.
+    // A text without width would have no pixels, and a text from a file may be longer than any picture: neither is
+    // drawn.
     let is_small = (1.0..=MAX_SIDE).contains(&width) && above + below <= MAX_SIDE;
     let [columns, rows] = [width, above + below].map(|side| side as u32);
     let mut pixmap = is_small.then(|| Pixmap::new(columns, rows)).flatten()?;

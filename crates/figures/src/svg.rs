@@ -123,8 +123,8 @@ impl Writer {
     fn head(&mut self, scene: &Scene) {
         let (width, height) = (number(scene.width), number(scene.height));
 
-        // The attributes ask for what the rasteriser does with every shape: round joins, areas by the even-odd rule, figures of
-        // one width.
+        // The attributes ask for what the rasteriser does with every shape and text: round joins, areas by the even-odd
+        // rule, digits of one width.
         self.push(format_args!(
             "<svg xmlns=\"http://www.w3.org/2000/svg\" width=\"{width}\" height=\"{height}\" \
              viewBox=\"0 0 {width} {height}\" role=\"img\" stroke-linejoin=\"round\" \
@@ -303,6 +303,7 @@ impl Writer {
             Anchor::End => "end",
         };
 
+        // The text turns about its place, together with the shift of its baseline.
         let turn = match text.quarter_turns % 4 {
             0 => String::new(),
             turns => format!(" transform=\"rotate({} {x} {y})\"", u32::from(turns) * 90),

@@ -36,7 +36,8 @@ impl Change {
             None => vec![false; now.rgba.len() / 4],
         };
 
-        // Where nothing differs, the first pixel stands for the frame, since no format has frames without pixels.
+        // Where nothing differs, the first pixel stands for the frame, since no format has frames without pixels. Rows
+        // of no length cannot be cut, so that a frame without columns has rows of one.
         let rows = || stays.chunks_exact(width.max(1));
         let differs = |row: &[bool]| row.contains(&false);
         let top = rows().position(differs).unwrap_or(0);
@@ -77,8 +78,8 @@ impl Change {
         let pixels = || self.rgba.chunks_exact(4).zip(&self.stays);
 
         // A changed pixel that is not opaque would let the old one show through. If all change, transparency saves nothing.
-        let all = !self.stays.contains(&true);
-        if all || pixels().any(|(pixel, stays)| !stays && pixel[3] != 255) {
+        let all_change = !self.stays.contains(&true);
+        if all_change || pixels().any(|(pixel, stays)| !stays && pixel[3] != 255) {
             return Layer::Instead(rgba);
         }
 

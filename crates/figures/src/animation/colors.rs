@@ -33,7 +33,7 @@ impl Indexed {
         let some_stay = change.stays.contains(&true);
         let room = COLORS - usize::from(some_stay);
 
-        // Equal neighbours are counted together, as most pixels have one: a look-up for each pixel would take longer.
+        // Most pixels have the colour of the one before. Such runs are counted first, and looked up once each.
         let mut counts: BTreeMap<Rgb, u32> = BTreeMap::new();
         let mut last: Option<(Rgb, u32)> = None;
         for color in colors() {

@@ -135,6 +135,7 @@ impl BarChart {
             y += head(group);
             let end = y + LINE * group.bars.len() as f64;
 
+            // Lines at the ticks come first, below the bars.
             let lines = ticks
                 .values
                 .iter()

@@ -27,8 +27,8 @@ pub(super) fn groups(chart: &ImageChart, frame: &Frame<'_>) -> Vec<Group> {
     let rows = chart.values.len() / chart.columns;
     let size = frame.plot.size() / DVec2::new(chart.columns as f64, rows as f64);
 
-    // Pictures have two pixels for each unit. If edges of cells lie between pixels, the background would show through: then cells
-    // overlap a little.
+    // Pictures are often made at scale 2, with two pixels for each of the scene. If edges of cells lie between pixels,
+    // the background would show through: then cells overlap a little.
     let on_pixels = (2.0 * size).fract().max_element() < 1e-6;
     let over = if on_pixels { 0.0 } else { OVER };
 

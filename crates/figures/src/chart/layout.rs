@@ -115,6 +115,7 @@ pub fn figure_scene(figure: &Figure, palette: &Palette) -> Result<Scene, ChartEr
         let cell_height = row_height(&panels, cell_width);
 
         for (index, panel) in panels.iter().enumerate() {
+            // Panels begin at whole pixels, as cells of images do.
             let left = (MARGIN + index as f64 * cell_width).round();
             let cell = Rect::new([left, top], [left + cell_width, top + cell_height]);
             scene.groups.extend(panel_groups(panel, cell, palette)?);
@@ -270,6 +271,7 @@ pub fn panel_groups(
             let cells = [chart.columns, chart.values.len() / chart.columns];
             let plot = true_to_scale(cells, ranges, plot);
             let frame = framed(plot, ranges, [&chart.x, &chart.y]);
+            // No grid: the cells would cover it.
             let mut groups = image::groups(chart, &frame);
             groups.push(frame.border(&chart.title));
             Ok(groups)
@@ -293,7 +295,7 @@ pub fn panel_groups(
 }
 
 /// Returns the largest plot of these columns and rows of cells within `plot` in which a unit is as long along both
-/// axes, so that circles are round; square cells are of whole pixels where these suffice.
+/// axes, so that circles are round. Square cells have whole or half pixels, if these use nine tenths of the room.
 fn true_to_scale([columns, rows]: [usize; 2], [x, y]: [[f64; 2]; 2], plot: Rect) -> Rect {
     let span = DVec2::new(x[1] - x[0], y[1] - y[0]);
     let unit = (plot.size() / span).min_element();

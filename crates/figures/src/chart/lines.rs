@@ -72,6 +72,8 @@ impl LineChart {
     /// Returns the ranges of both axes: those given, or those of the data with some room.
     pub(super) fn ranges(&self) -> [[f64; 2]; 2] {
         let points = || self.series.iter().flat_map(|series| &series.points);
+        // Curves begin and end at the borders left and right. Above and below they keep a little away, so that they can
+        // be seen.
         let x = self.x.range.unwrap_or_else(|| wide(points().map(|p| p[0])));
 
         let y = self.y.range.unwrap_or_else(|| {
@@ -81,7 +83,7 @@ impl LineChart {
             let levels = self.levels.iter().map(|level| level.y);
             let [low, high] = wide(points().map(|p| p[1]).chain(ends).chain(levels));
             let spare = SPARE * (high - low);
-            // Quantities that cannot be negative start at zero.
+            // Where no value is negative, the axis starts at zero.
             let floor = if low >= 0.0 { 0.0 } else { low - spare };
             [floor, high + spare]
         });
@@ -169,7 +171,8 @@ fn level_names(chart: &LineChart, frame: &Frame<'_>) -> Group {
     let widths: Vec<f64> = (chart.levels.iter())
         .map(|level| text_width(&level.name, Font::Regular, LEVEL_NAME))
         .collect();
-    // The heading and all names share one line above the plot, if they fit. A single name stands above the plot in any case.
+    // The heading and all names share one line above the plot, if they fit. A single name stands above the plot in any
+    // case, where no curve runs through it.
     let all: f64 = widths
         .iter()
         .map(|width| width + LEVEL_SAMPLE + LEVEL_GAP)

@@ -81,6 +81,7 @@ impl TileChart {
             TileContent::Pixels(bitmap) => {
                 let size = DVec2::from(bitmap.size().map(|cells| cells as f64));
                 // Each pixel of the bitmap is a whole number of pixels wide, so that none is wider than its neighbour.
+                // Pixels beyond the tile are cut off.
                 let pixel = (side / size.x).floor().max(1.0);
                 let end = frame.min + size * pixel;
                 let (rect, bitmap) = (Rect::new(frame.min, end), bitmap.clone());
