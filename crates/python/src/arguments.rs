@@ -234,7 +234,7 @@ fn set_parameter(
         ParameterKind::Switch { place, .. } => {
             *place(parameters) = value.extract().map_err(wrong_type)?;
         }
-        // Python has the number of radii, as a number.
+        // In Python `search` is the number of radii, and no name.
         ParameterKind::Choice { .. } if parameter == Parameter::Search => {
             parameters.search = search_of(value)?;
         }
@@ -387,7 +387,8 @@ impl RunRequest {
         let count = count.map(|count| whole("count", count)).transpose()?;
         let exactly = exactly.map(|count| whole("exactly", count)).transpose()?;
         let levels = levels.map(|levels| whole("levels", levels)).transpose()?;
-        // Arguments that exclude each other come before values: of two, one has to go, whatever it is.
+        // Of two arguments that exclude each other, one has to go whatever its value: this is checked before the values
+        // of parameters are.
         let nested = nested_of(levels, exactly, named("order_within", order_within)?)?;
         if nested.is_some() {
             check_beside_levels(count.is_some(), pattern.is_some())?;
@@ -443,7 +444,7 @@ impl RunRequest {
             )));
         }
 
-        // With a count the radius is an estimate, which is near enough.
+        // With a count the radius is an estimate, which is near enough to choose the pattern by.
         let domain = asked.validate().map_err(Failure::from)?;
         let samples = domain.area_radii() * MAXIMAL_DENSITY;
         let mut recipe = self.recipe.clone();

@@ -51,6 +51,7 @@ pub fn combine<'py>(
     let made = run(py, progress, |watch| {
         ask_for(samples, Making::Sequential.bytes_a_sample())?;
         let make = |source: &PieceSource| set_of(source, &folder, &given, watch);
+        // The callback after each set has nothing to do: `watch` shows the progress within sets.
         let pieces = placed.pieces(make, |_| {})?;
         let options = layout.options();
 
@@ -81,7 +82,7 @@ fn set_of(
     set_of_piece(source, &mut watch.observer(), |path, beside| {
         let missing = || Failure::Value("the set has no certificate; give its radius".into());
         if let Some(held) = given.get(path) {
-            // The layout's own words about a set come before the set's.
+            // `beside` is what the layout states beside the set's name: it comes before what the set has of its own.
             let known = beside.over(Some(held.domain)).ok_or_else(missing)?;
             return Ok(known.set(held.points)?);
         }

@@ -250,7 +250,7 @@ impl From<VaryingError> for Failure {
 
             // Options of the command line have other names here.
             VaryingError::Needed { what, file, option } => {
-                // A certificate without a file's name states an array.
+                // The crate of sets writes FILE where a certificate states no name: the pixels came from an array.
                 let (from, value) = match &*file {
                     "FILE" => ("an array".to_owned(), "the same array".to_owned()),
                     _ => (shortened(&file), format!("pathlib.Path({file:?})")),
@@ -258,6 +258,7 @@ impl From<VaryingError> for Failure {
                 let name = match option {
                     "--radius-image" => "radius",
                     "--density-image" => "density",
+                    // The option is --mask.
                     _ => "mask",
                 };
                 needed(&format!("{what} from {from}"), format!("{name}={value}"))

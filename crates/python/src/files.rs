@@ -67,7 +67,7 @@ pub fn read<'py>(
             py,
             progress.as_ref().map(|one| one.clone_ref(py)),
             |watch| {
-                // Asked for first, as a failed allocation would end the interpreter.
+                // Memory is asked for first, as a failed allocation would end the interpreter.
                 ask_to_read(&path)?;
                 // The failure is returned as a value: one that asks for a field is no error of the call yet.
                 Ok(of_file(
@@ -79,6 +79,7 @@ pub fn read<'py>(
             },
         )
     };
+    // Returns the field and the shape of the certificate or of the arguments, and has the file judged in them.
     let ground_by = |overrides: &mut Overrides| -> PyResult<Option<Ground>> {
         let format = overrides.format;
         let stated = certificate
@@ -122,21 +123,23 @@ fn of_found<'py>(
         .or(given.radius)
         .or(stated.map(|stated| stated.radius.least()));
 
-    // What a certificate says of another domain or radius is not true of this set.
-    let stated =
+    // A certificate of another domain or radius than the given ones says nothing of this set.
+    let holding =
         stated.filter(|stated| stated.region == region && Some(stated.radius.least()) == radius);
     let facts = json!({
-        "method": stated.map_or("unknown", |stated| &stated.method),
-        "parameters": stated.map_or(&BTreeMap::new(), |stated| &stated.parameters),
+        "method": holding.map_or("unknown", |stated| &stated.method),
+        "parameters": holding.map_or(&BTreeMap::new(), |stated| &stated.parameters),
         "domain": [region.width, region.height, region.boundary],
         "radius": radius,
         "origin": found.origin,
-        "levels": stated.map(|stated| level_fields(&stated.claims())).unwrap_or_default(),
+        "levels": holding.map(|stated| level_fields(&stated.claims())).unwrap_or_default(),
         "summary": null,
-        "certificate": stated,
+        "certificate": holding,
     });
     // Ranks are those of the levels that the certificate states.
-    let ranks = stated.and_then(|_| found.ranks.clone()).unwrap_or_default();
+    let ranks = holding
+        .and_then(|_| found.ranks.clone())
+        .unwrap_or_default();
     let set = found.in_domain(Some(region)).set;
     Ok((set_into_python(set, ranks, &facts, py)?, ground))
 }
@@ -204,7 +207,8 @@ fn certified(
         )));
     }
 
-    // An origin that is given is the stated one: another would be a difference. Without either it is 0 0.
+    // An origin that is given is the stated one: another would be a difference. Without a given and a stated one it is
+    // 0 0.
     let stated = check.certificate.as_ref().and_then(|stated| stated.origin);
     let ranks = if check.levels.is_empty() {
         None
@@ -292,6 +296,7 @@ pub fn save(
 
     // Refused here, where the message can name the argument of Python.
     if let Err(FormatError::UnknownFormat { .. }) = Format::to_write(&path, stated.format) {
+        // Two formats with one extension are neighbours in the list.
         let mut known = Format::ALL.map(Format::extension).to_vec();
         known.dedup();
         return Err(Failure::Value(format!(

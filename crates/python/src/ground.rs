@@ -143,8 +143,7 @@ impl FieldArgument<'_> {
         }
     }
 
-    /// Returns the recipe of a set in the domain of another recipe, whose radius is not looked at. With a count any
-    /// scale does.
+    /// Returns the recipe of a set in the domain of another recipe, whose radius is replaced.
     pub fn recipe(&self, mut like: VaryingRecipe) -> PyResult<VaryingRecipe> {
         let wanted = |name: &str| {
             PyValueError::new_err(format!("{name} is given without count or radius; give one"))
