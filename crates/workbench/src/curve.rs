@@ -160,10 +160,11 @@ impl CurvePoints {
         }))
     }
 
-    /// Returns the cursor of the next moment behind `cursor`, or of the last one before it, at which the value has risen since the
-    /// moment before; `None` if there is none.
+    /// Returns the cursor of the next moment behind `cursor`, or backwards of the last one before it, at which the
+    /// value has risen since the moment before; `None` if there is none.
     #[must_use]
     pub fn rise(&self, cursor: usize, direction: Direction) -> Option<usize> {
+        // A value that is not defined is NaN: it is above no other value, and no other value is above it.
         let is_rise = |index: &usize| self.values[*index] > self.values[*index - 1];
         let index = match direction {
             Direction::Forwards => {

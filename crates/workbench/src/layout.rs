@@ -229,7 +229,7 @@ impl LayoutTile {
         }
     }
 
-    /// Returns the tabs that directly contain a panel, to be changed.
+    /// Returns the tabs that directly contain a panel, to be changed; `None` if it stands in a row or a column.
     fn tabs_around(&mut self, panel: Panel) -> Option<&mut Vec<Self>> {
         let is_here = self.children().any(|tile| *tile == Self::Panel(panel));
         match self {
@@ -497,7 +497,7 @@ struct Room<L> {
 }
 
 impl<L: Fn(Panel) -> Vec2> Room<L> {
-    /// Returns the smallest size of a tile.
+    /// Returns the smallest size of a tile, which has room for all panels in it that are not hidden.
     fn least_size(&self, tile: &LayoutTile) -> Vec2 {
         if tile.is_hidden(self.hidden) {
             return Vec2::ZERO;

@@ -216,6 +216,7 @@ pub(crate) fn refusal(session: &Session) -> Option<String> {
     if session.ground.is_some() {
         return Some(ONE_RADIUS.to_owned());
     }
+    // Nested levels have no events either, but their samples have an order, in which the measures can move.
     if session.recording().is_none() && session.nested.is_none() {
         let why = "This run has no events, so that its moments are measured at rest alone.";
         return Some(why.to_owned());

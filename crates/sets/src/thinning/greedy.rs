@@ -287,7 +287,8 @@ impl Visitor<'_> {
         let mut earliest: Option<(u32, Cell)> = None;
         for &cell in &self.around {
             let layer_there = &choice.layers[cell.layer];
-            // The head before the kept points: points that are kept meanwhile come later than this head.
+            // The head is read before the kept points, since another thread may decide points of the cell meanwhile.
+            // Read the other way round, an earlier point that is kept between the two readings would be missed by both.
             if let Some(head) = layer_there.head(cell.number) {
                 let before = layer_there.ranks[head as usize];
                 if before < rank && earliest.is_none_or(|(least, _)| before < least) {

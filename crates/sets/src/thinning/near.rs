@@ -56,6 +56,7 @@ pub(super) fn offset(a: [f64; 2], b: [f64; 2], period: Option<[f64; 2]>) -> [f64
 /// That changes nothing: the distance is not as small, so that such a square matters only where the other difference
 /// equals the distance, and then the sum is not below, with or without these bits.
 fn is_below(dx: f64, dy: f64, distance: f64) -> bool {
+    // Each square in two doubles: the rounded one, and what rounding took from it, which a fused multiplication gives.
     let [x, y, limit] = [dx, dy, distance].map(|length| {
         let square = length * length;
         [square, length.mul_add(length, -square)]

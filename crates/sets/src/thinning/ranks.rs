@@ -81,7 +81,7 @@ impl FromStr for ThinningPriority {
             Some(Self::Column { column, first })
         };
         let drawn = || seed().map(|seed| Self::Random { seed });
-        // The words before a column end in a blank, so that a column may have any name.
+        // Words come before the name of a column, so that a column may be called "order" or "random 7" as well.
         (text == "order")
             .then_some(Self::Order)
             .or_else(drawn)
@@ -116,7 +116,7 @@ pub fn ranks(priority: &ThinningPriority, count: usize, column: &[f64]) -> Optio
             Some(places(all.map(|index| (value(index), index)).collect()))
         }
         ThinningPriority::Random { seed } => {
-            // Keyed by the place in the file: no draw depends on the others, nor on threads.
+            // Draws are keyed by the place in the file: no draw depends on the others, nor on threads.
             let key = Key::from_seed(*seed);
             let draw = |index| {
                 let [high, low] = key.draw(Stream::Priority, index);

@@ -7,7 +7,7 @@ use serde::{Deserialize, Serialize};
 
 use super::error::VaryingError;
 
-/// The longest text of an expression, so that one without end is refused before it is looked at.
+/// The longest text of an expression: a longer one is refused before it is parsed. Chosen, not measured.
 pub const MAX_EXPRESSION: usize = 4096;
 
 /// How deep parentheses and functions may be nested: the parser calls itself for each.
@@ -79,7 +79,7 @@ impl Expression {
             depth: 0,
             steps: Vec::new(),
         };
-        // A text without end is refused before it is parsed.
+        // The place of this fault is the first character that is too many.
         let length = text.chars().count();
         if length > MAX_EXPRESSION {
             parser.at = MAX_EXPRESSION;
@@ -115,7 +115,7 @@ impl Expression {
     /// The same with a stack that is used again.
     pub(super) fn on(&self, stack: &mut Vec<f64>, x: f64, y: f64) -> f64 {
         stack.clear();
-        // The parser leaves no step without its operands.
+        // The parser leaves no step without its operands, so that the stack is never empty where one is taken.
         for step in &self.steps {
             let value = match *step {
                 Step::Number(value) => value,
@@ -175,12 +175,12 @@ impl Parser<'_> {
         // From the left: 1-2-3 is (1-2)-3.
         while let Some(sign) = self.take(b"+-") {
             self.product()?;
-            let add: OfTwo = if sign == b'+' {
+            let operation: OfTwo = if sign == b'+' {
                 |a, b| a + b
             } else {
                 |a, b| a - b
             };
-            self.steps.push(Step::Two(add));
+            self.steps.push(Step::Two(operation));
         }
         self.depth -= 1;
         Ok(())
@@ -190,12 +190,12 @@ impl Parser<'_> {
         self.signed()?;
         while let Some(sign) = self.take(b"*/") {
             self.signed()?;
-            let multiply: OfTwo = if sign == b'*' {
+            let operation: OfTwo = if sign == b'*' {
                 |a, b| a * b
             } else {
                 |a, b| a / b
             };
-            self.steps.push(Step::Two(multiply));
+            self.steps.push(Step::Two(operation));
         }
         Ok(())
     }
@@ -302,7 +302,7 @@ impl Parser<'_> {
             }
         };
 
-        // The arguments come first, as they do on the stack.
+        // The steps of the arguments come before that of the function, which takes their values from the stack.
         if self.take(b"(").is_none() {
             return Err(self.unexpected("("));
         }

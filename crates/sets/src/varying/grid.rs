@@ -48,18 +48,19 @@ impl RadiusGrid {
         boundary: Boundary,
     ) -> Result<Self, VaryingError> {
         check_pixels(columns, pixels.len())?;
-        // As for images, so that an array and an image of the same values give nodes at the same places.
+        // Nodes lie as those of images do: an array and an image of as many pixels have them at the same places.
         let wraps = boundary == Boundary::Periodic;
         let squares = [columns, pixels.len() / columns];
-        let [columns, rows] = squares.map(|count| count + usize::from(!wraps));
+        let [node_columns, node_rows] = squares.map(|count| count + usize::from(!wraps));
         let mean = |at: usize| {
-            let around = pixels_around(squares, wraps, [at % columns, at / columns]);
+            let around = pixels_around(squares, wraps, [at % node_columns, at / node_columns]);
             let (sum, count) = around.fold((0.0, 0.0), |(sum, count), pixel| {
                 (sum + pixels[pixel], count + 1.0)
             });
             sum / count
         };
-        Self::new(columns, (0..columns * rows).map(mean).collect())
+        let means = (0..node_columns * node_rows).map(mean);
+        Self::new(node_columns, means.collect())
     }
 
     /// Returns radii from the density of pixels: 1 where it is 1, and elsewhere so that samples are as dense; at most 64 times the
@@ -82,7 +83,8 @@ impl RadiusGrid {
             return Err(VaryingError::Density { density, place });
         }
 
-        // Means are taken of densities and not of radii, since a density is the number of samples that is asked for.
+        // Means are taken of densities and not of radii, since a density is the number of samples that is asked for. So
+        // the `radii` of this grid are densities still.
         let means = Self::of_pixels(columns, pixels, boundary)?;
         let greatest = means.radii.iter().copied().fold(0.0, f64::max);
         if greatest == 0.0 {

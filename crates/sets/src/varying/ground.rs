@@ -102,7 +102,7 @@ impl VaryingRecipe {
         };
 
         let shapes = self.shapes(&frame, &domain, bits)?;
-        let radius = stated_radius(radius, &nodes);
+        let stated = stated_radius(radius, &nodes);
         // The judge gets the same integers, and makes its own tables of them.
         let columns = RadiusField::node_counts(&domain, bits)?[0];
         let radii = if nodes.units.len() == 1 {
@@ -119,7 +119,7 @@ impl VaryingRecipe {
         let judged = VaryingRegion::new(
             region(&domain),
             sides,
-            radius.least(),
+            stated.least(),
             radii,
             &shapes.judged,
         )?;
@@ -128,7 +128,7 @@ impl VaryingRecipe {
             shape: shapes.sampled,
             varying: Arc::new(VaryingDomain {
                 judged,
-                radius,
+                radius: stated,
                 shape: shapes.stated,
             }),
             origin: frame.origin,
@@ -196,7 +196,7 @@ impl VaryingRecipe {
                 limit: MAX_CONTRAST,
             });
         }
-        // The lattice of the field, and the domain with the radius that stands for r in it.
+        // The lattice of the field, as `nodes` finds it. The domain is made to learn whether it is refused.
         let pitch = squares.pitch;
         let in_units = |bits: u32| least / pitch * f64::from(1_u32 << bits);
         let bits = (0..=MAX_PITCH_BITS)
@@ -215,7 +215,7 @@ impl VaryingRecipe {
         match (frame.squares, radius) {
             (Some(squares), _) => {
                 let radii = self.requests(radius, &frame, squares)?;
-                // The field around a node is about that of the node, over the area of a square.
+                // Each node stands for the area of one square, in which the radius is about that of the node.
                 let square = |&radius: &f64| samples_in(squares.pitch * squares.pitch, radius);
                 Ok(radii.iter().map(square).sum())
             }
@@ -306,7 +306,9 @@ impl VaryingRecipe {
         let mut origin = self.origin.unwrap_or_default();
         let mut sides = self.size;
         if let Some(ShapeSource::Polygon(polygon)) = &self.shape {
-            // A given side or corner is of a frame, of which the polygon is a part.
+            // Without a given side or corner the domain is the rectangle around the polygon. Otherwise the polygon is a
+            // part of the domain, whose corner is 0 0 if only a side is given; a side that is not given ends with the
+            // polygon.
             let [low, high] = polygon.bounds();
             if self.origin.is_none() && sides == [None; 2] {
                 origin = low;
@@ -332,7 +334,8 @@ impl VaryingRecipe {
             {
                 of_function()
             }
-            // A mask beside one radius gives that a field, too, so that its pixels are whole in lattice units.
+            // A mask makes a field also of a radius that is the same everywhere, so that its pixels are whole in
+            // lattice units.
             (Some(pixels), _) => Some(Squares {
                 counts: pixels,
                 pitch: pitch_of_pixels(pixels, size)?,
@@ -361,6 +364,7 @@ impl VaryingRecipe {
     /// Returns the nodes of a field, and the lattice in which the least radius is from 2^15 to 2^16 units and the pitch a
     /// power of two.
     fn nodes(&self, frame: &Frame, radius: &RadiusSource) -> Result<Nodes, VaryingError> {
+        // Only a constant radius has no squares, and `ground_of` makes that one node.
         let Some(squares) = frame.squares else {
             return Err(VaryingError::Nothing);
         };
@@ -388,7 +392,8 @@ impl VaryingRecipe {
 
         let unit_radius = pitch / f64::from(1_u32 << bits) * f64::from(R);
         let domain = Domain::from_size(frame.size, unit_radius * (1.0 - HAIR), self.boundary)?;
-        // Rounded down: samples are then no farther apart than was asked for.
+        // Rounded down: samples are then no farther apart than was asked for. Radii beyond the limit are those of a
+        // density, as others were refused.
         let unit = |&length: &f64| {
             in_units(bits, length)
                 .min(limit * in_units(bits, least))
@@ -446,7 +451,8 @@ fn masked(
     pixels: Vec<bool>,
 ) -> Result<Shapes, VaryingError> {
     let sampled = Shape::mask(bits, columns, &pixels)?;
-    // A certificate holds no pixels: their digest shows whether an image that is given has the same ones.
+    // A certificate holds no pixels: their digest shows whether an image that is given has the same ones. With a mask
+    // there are always squares, so that the 1 is never used.
     let stated = CertifiedShape::Mask {
         digest: mask_digest(columns, &pixels),
         pitch: frame.squares.map_or(1.0, |squares| squares.pitch),
@@ -472,23 +478,24 @@ fn pitch_of_pixels(pixels: [usize; 2], size: [f64; 2]) -> Result<f64, VaryingErr
     Err(VaryingError::Aspect { pixels, size })
 }
 
-/// Returns the squares at whose corners an expression is evaluated. Of a periodic domain they fill both sides.
+/// Returns the squares at whose corners an expression is evaluated. They fill a periodic domain exactly; of a bounded
+/// one the last may reach beyond the border.
 fn squares_of(size: [f64; 2], boundary: Boundary) -> Result<Squares, VaryingError> {
     let longer = size[0].max(size[1]);
     let pitch_of = |along: usize| longer / along as f64;
-    let fractions = |pitch: f64| size.map(|side| side / pitch);
+    let squares_along = |pitch: f64| size.map(|side| side / pitch);
     if boundary == Boundary::Bounded {
         let pitch = pitch_of(EXPRESSION_NODES);
-        // The last squares may reach beyond the border. A count that is whole but for rounding is whole.
+        // A count that is whole but for rounding is whole.
         let whole = |count: f64| (count - SAME_RATIO).ceil().max(1.0) as usize;
-        let counts = fractions(pitch).map(whole);
+        let counts = squares_along(pitch).map(whole);
         return Ok(Squares { counts, pitch });
     }
 
     // The largest number of squares for which both sides are whole: nodes go around without a step between them.
     // A side of less than half a square would be rounded to none.
     let fits = |along: &usize| {
-        fractions(pitch_of(*along))
+        squares_along(pitch_of(*along))
             .iter()
             .all(|count| *count >= 0.5 && (count / count.round() - 1.0).abs() < SAME_RATIO)
     };
@@ -496,7 +503,7 @@ fn squares_of(size: [f64; 2], boundary: Boundary) -> Result<Squares, VaryingErro
     let limit = EXPRESSION_NODES;
     let pitch = pitch_of(along.ok_or(VaryingError::Ratio { size, limit })?);
     Ok(Squares {
-        counts: fractions(pitch).map(|count| count.round() as usize),
+        counts: squares_along(pitch).map(|count| count.round() as usize),
         pitch,
     })
 }
@@ -528,6 +535,7 @@ fn stated_radius(source: &RadiusSource, nodes: &Nodes) -> CertifiedRadius {
     }
     // The units along the two axes differ by rounding alone. With the smaller one, no length is stated too long.
     let unit = nodes.domain.unit().min_element();
+    // A field has nodes, so that R is never used.
     let extreme = |unit_radius: Option<&i32>| f64::from(unit_radius.copied().unwrap_or(R)) * unit;
     CertifiedRadius::Field(CertifiedField {
         rule: RadiusRule::HarmonicMean,

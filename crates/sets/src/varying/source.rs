@@ -215,6 +215,7 @@ impl RadiusSource {
                 let mut value = image.stated();
                 value["black"] = json!(black);
                 image.tone.state(&mut value);
+                // Blocks of one pixel are the image itself, and are not stated.
                 if image.block > 1 {
                     value["block"] = json!(image.block);
                 }

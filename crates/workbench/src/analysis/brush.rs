@@ -144,6 +144,7 @@ impl Marks {
             return;
         }
 
+        // Without a brush, nothing shows the causes that were found last.
         let Some(wanted) = wanted else {
             self.found = None;
             return;

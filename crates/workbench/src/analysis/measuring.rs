@@ -148,7 +148,7 @@ impl Measuring {
         self.growing = self.growing.take().filter(|(known, _)| known.key == key);
     }
 
-    /// Starts measuring the next part of a moment that is missing.
+    /// Starts measuring the next missing part of a moment.
     fn begin(&mut self, session: &Arc<Session>, shown: &ShownMoment<'_>, wake: &Wake) {
         let key = key_of(shown);
         let growing = self.growing.clone().filter(|(known, _)| known.key == key);

@@ -98,6 +98,7 @@ impl Task for MeasureReferenceTask {
     const NAME: &'static str = "measure the reference";
 
     fn run(self, monitor: &Monitor) -> Self::Outcome {
+        // Only the measuring below reports its progress and can be stopped: chosen, not measured.
         let pattern =
             Pattern::of_spec(&SPEC, &mut Unobserved).map_err(|error| error.to_string())?;
         let samples = pattern.samples().iter();
@@ -105,6 +106,7 @@ impl Task for MeasureReferenceTask {
         let set = Samples {
             points: points.collect(),
             region: region_in_radii(pattern.domain()),
+            // Places are in r.
             radius: 1.0,
         };
 

@@ -60,7 +60,8 @@ impl Differences {
         (*key == key_of(a, b)).then_some(ready)
     }
 
-    /// Starts computing the difference of two moments unless it is known or running. One is computed at a time.
+    /// Takes a finished difference, and computes that of two moments unless it is known: of few samples at once, of
+    /// more in the background, one pair of moments at a time.
     pub fn want(&mut self, moments: [(&Arc<Session>, &ShownMoment<'_>); 2], wake: &Wake) {
         self.take();
         let [(first, a), (second, b)] = moments;

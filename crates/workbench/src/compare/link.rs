@@ -27,6 +27,7 @@ pub fn common(
         // Equal runs correspond at every cursor.
         Some(&Divergence::Same) => Some([usize::MAX; 2]),
         Some(&Divergence::Events { a, b, .. }) => Some([a, b]),
+        // One run ends there, and the other one goes on.
         Some(&Divergence::Ends { event, .. }) => Some([event; 2]),
         // Where the runs are not compared yet, or differ in a domain or a stage, no event is the first that differs.
         _ => None,
@@ -55,8 +56,8 @@ pub fn corresponding(
     {
         // Up to the divergence cursors are equal, as no events were left out. At `a + 1` the event by which the runs differ has
         // just happened; in the other run that is so at `b + 1`.
-        let cursor = if cursor <= a { cursor } else { b + 1 };
-        return moment_at(to, cursor);
+        let same = if cursor <= a { cursor } else { b + 1 };
+        return moment_at(to, same);
     }
 
     // Behind the divergence nothing corresponds exactly. From here on, `a` and `b` are the cursors just behind the divergence,
@@ -82,8 +83,8 @@ pub fn corresponding(
     let (first, last) = bounds(to, stage, b);
     // A part without events has length 0, which cannot be a divisor.
     let share = cursor.saturating_sub(low) as f64 / (high - low).max(1) as f64;
-    let cursor = first + ((last - first) as f64 * share.min(1.0)).round() as usize;
-    moment_at(to, cursor.max(b))
+    let scaled = first + ((last - first) as f64 * share.min(1.0)).round() as usize;
+    moment_at(to, scaled.max(b))
 }
 
 /// Returns the moment of a session after this many events, or at its end.

@@ -37,12 +37,13 @@ pub fn frames(
     clock: Clock,
     every: usize,
 ) -> Result<Vec<usize>, ExportRefusal> {
-    let frames = count(session, range, clock, every)?;
-    let mut cursors = Vec::with_capacity(frames);
+    let number_of_frames = count(session, range, clock, every)?;
+    let mut cursors = Vec::with_capacity(number_of_frames);
     cursors.push(range.start);
-    // The first frame after the start is that of tick number `every`, and the others follow at the same distance.
-    let ticks = ticks(session, range, clock).skip(every - 1);
-    cursors.extend(ticks.step_by(every));
+    // The first frame after the start is that of tick number `every`, which is 1 or more, and the others follow at the
+    // same distance.
+    let from_first = ticks(session, range, clock).skip(every - 1);
+    cursors.extend(from_first.step_by(every));
     cursors.push(range.end);
     Ok(cursors)
 }

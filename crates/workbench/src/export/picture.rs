@@ -30,7 +30,7 @@ pub fn scene(session: &Session, shown: &MomentView, causes: Option<&BrushedCause
     scene
 }
 
-/// Returns the description of a view for files.
+/// Returns the description of a view for files, as a JSON object.
 #[must_use]
 pub fn described(view: &PictureView) -> String {
     let named = |layers: Layers| json!(layers.iter().map(Layer::name).collect::<Vec<_>>());

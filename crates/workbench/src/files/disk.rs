@@ -38,8 +38,8 @@ pub(super) fn gather_paths(
 ) -> Result<(Incoming, Vec<String>), String> {
     let texts: Vec<_> = paths.iter().map(|path| path.to_string_lossy()).collect();
     let names: Vec<&str> = texts.iter().map(|text| &**text).collect();
-    // The first bytes tell most point sets from documents. Only a file that may be a document is read whole to decide. One that
-    // cannot be read counts as none here, and the reading below says why.
+    // The first bytes tell most point sets from documents. Only a file that may be a document is read whole to decide.
+    // A file that cannot be read counts as no document here, and the reading below says why.
     let holds = |k: usize| {
         let may_be = begins_as_object(&head(&paths[k]).unwrap_or_default());
         may_be
@@ -72,6 +72,7 @@ pub(super) fn find_pattern(
     let path = Path::new(&file.path);
     let beside = path.file_name().map(|name| folder.join(name));
 
+    // The saved path itself is read below.
     if let Some(beside) = beside.filter(|beside| beside != path && beside.is_file()) {
         // A file of the same name may be a different one.
         let found = read_pattern(&beside, monitor);

@@ -359,11 +359,11 @@ fn session_on_ground(
     // The file may come from anywhere: its formula and its corners are checked like those of the form.
     let portable: Option<PortableGround> =
         serde_json::from_value(saved.ground.clone()).map_err(|error| refused(error.to_string()))?;
-    let request = portable
+    let asked = portable
         .unwrap_or_default()
         .request()
         .map_err(|error| refused(error.to_string()))?;
-    let request = request.ok_or_else(|| refused("it asks for neither".to_owned()))?;
+    let request = asked.ok_or_else(|| refused("it asks for neither".to_owned()))?;
 
     let recipe = Recipe {
         ground: Some(Box::new(request.clone())),

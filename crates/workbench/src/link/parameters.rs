@@ -75,7 +75,8 @@ fn changed(p: &Parameters, parameter: Parameter, text: &str) -> Option<Parameter
     let value = match &parameter.row().kind {
         ParameterKind::Real { unit, limits, .. } => {
             let number = finite(text).filter(|number| *number > 0.0)?;
-            // A length in r is corrected to the nearest limit later; the limits of others are too far away to be of use.
+            // A length in r is corrected to the nearest limit later. The limits of other numbers are so far away that
+            // the nearest one would be of no use: such a number is refused.
             let [least, largest] = *limits;
             let is_allowed = *unit == "r" || (least..=largest).contains(&number);
             json!(is_allowed.then_some(number)?)

@@ -190,6 +190,7 @@ impl LinkReader {
                 parameters::read(texts, &Parameters::default(), "", &mut self.warnings);
             content.nested = self.nested(&content.parameters);
             content.ground = self.ground(&content.parameters);
+            // `take` leaves the levels out.
             if content.ground.is_some() && content.nested.take().is_some() {
                 let text =
                     "The link's nested levels were left out: they have one radius in a rectangle.";
@@ -199,7 +200,7 @@ impl LinkReader {
 
         let at = self.take("at", |text| text.parse().ok());
         let stage = self.take("stage", name);
-        // No rank lies below 0, and all lie below 1.
+        // Ranks are at least 0 and below 1: 0 would show no sample, and 1 shows all.
         let is_rank = |rank: &f64| *rank > 0.0 && *rank <= 1.0;
         let rank = self.take("rank", |text| finite(text).filter(is_rank));
         // An event, or a number of samples, is more exact than a rank, and a rank more than a stage.
@@ -468,9 +469,9 @@ impl LinkReader {
     }
 }
 
-/// Returns a key and its value, or the keys and values that a mail or course system has made one of. Where it escaped the
-/// `=`, all is in the key; where it escaped the `&`, the next ones are in the value. In texts that people write, `&` is a
-/// character like others.
+/// Returns a key and its value. Mail and course systems escape some marks of a link, so that several keys and values
+/// come as one pair: these are returned apart. Where the `=` was escaped, all is in the key; where the `&` was, the
+/// later keys are in the value. In texts that people write, `&` is a character like others.
 fn parted((key, value): (String, String)) -> Vec<(String, String)> {
     if value.is_empty() && key.contains('=') {
         return pairs(&key).collect();

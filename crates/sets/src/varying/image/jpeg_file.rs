@@ -63,7 +63,9 @@ pub(super) fn read(file: &ImageFile<'_>) -> Result<Pixels, VaryingError> {
 }
 
 /// Returns width and height as the header of a frame states them, before a decoder refuses some sizes with other words.
+/// Nothing if no such header is found: the decoder then says what is wrong.
 fn stated_size(bytes: &[u8]) -> Option<[u32; 2]> {
+    // Segments follow the two bytes that begin the image. Each begins with 255, a marker and its length.
     let mut rest = bytes.get(2..)?;
     loop {
         let [0xff, marker, high, low, ..] = *rest else {
@@ -116,8 +118,8 @@ fn orientation(exif: &[u8]) -> u16 {
 /// Returns pixels turned upright. `orientation` is that of EXIF, from 1, upright, to 8.
 fn turned(light: Vec<u16>, columns: usize, orientation: u16) -> Pixels {
     let rows = light.len() / columns;
-    // From 5 on the file's columns are the picture's rows. The others say on which sides of the picture its first
-    // column and row lie.
+    // From 5 on the file's columns are the picture's rows. With some numbers the file has its columns from right to
+    // left, or its rows from below, as the picture is seen.
     let is_transposed = orientation >= 5;
     let mirrors_columns = matches!(orientation, 2 | 3 | 7 | 8);
     let mirrors_rows = matches!(orientation, 3 | 4 | 6 | 7);

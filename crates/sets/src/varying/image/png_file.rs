@@ -37,14 +37,14 @@ pub(super) fn read(file: &ImageFile<'_>) -> Result<Pixels, VaryingError> {
     if reader.info().is_animated() {
         return Err(file.fault("the image is animated; save one picture of it"));
     }
-    // The buffer has at most 8 bytes for each pixel, and the number of pixels was checked above, so that its size is a
-    // number.
+    // The buffer has at most 8 bytes for each pixel, and the number of pixels was checked above, so that its size never
+    // overflows.
     let size = reader.output_buffer_size().unwrap_or(0);
     let mut data = vec![0; size];
     let info = reader.next_frame(&mut data).map_err(damaged)?;
 
-    let words = words(&data[..info.buffer_size()], info.bit_depth);
-    Ok(pixels(&words, info.color_type, info.width as usize))
+    let values = words(&data[..info.buffer_size()], info.bit_depth);
+    Ok(pixels(&values, info.color_type, info.width as usize))
 }
 
 /// Returns the values of a decoded image in 16 bits.
@@ -69,7 +69,8 @@ fn pixels(words: &[u16], color: ColorType, columns: usize) -> Pixels {
         ColorType::Rgba => (4, true),
     };
 
-    // The weights of Rec. 709. Integers to the end: floating-point luminance would be rounded as the compiler likes.
+    // The weights of Rec. 709, in integers: they have the same bits everywhere. Half of the divisor rounds to the
+    // nearest.
     let all = words.chunks_exact(channels);
     let light = all.clone().map(|pixel| match *pixel {
         [r, g, b] | [r, g, b, _] => {
