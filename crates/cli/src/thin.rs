@@ -134,7 +134,8 @@ fn make(arguments: &ThinArguments) -> Result<ThinnedFile> {
     let mut laps = Laps::start();
 
     let bytes = read_whole(&arguments.input)?;
-    // Positions take no more than the file does, but for rows of a few letters. What else is needed is asked for later.
+    // Positions take 16 bytes for each point, as a rule no more than the file does. Memory for the rest is asked for
+    // later.
     ask(bytes.len() as u64).in_file(&arguments.input)?;
     let name = file_name(&arguments.input);
     let file = PointFile::new(&bytes, arguments.hint(&name))

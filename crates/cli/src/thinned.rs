@@ -57,13 +57,14 @@ pub fn run(
 
 /// Refuses arguments that would describe another set than the certificate, or that no thinned set has.
 fn refuse_others(set: &SetArguments, ground: &GroundArguments) -> Result<()> {
-    let chosen = "by which the points were chosen";
-    set.refuse_domain(chosen)?;
+    // The end of the messages: the certificate states values by which the points were chosen.
+    let whose = "by which the points were chosen";
+    set.refuse_domain(whose)?;
     let placed = [
         ("--depth", set.depth.is_some()),
         ("--origin", set.origin.is_some()),
     ];
-    refuse_stated(&placed, chosen)?;
+    refuse_stated(&placed, whose)?;
 
     let shapes = [
         ("--shape", ground.shape.is_some()),

@@ -347,6 +347,7 @@ impl Painter {
 
         // The line is filled as an area, since the rasteriser would draw all strokes of up to a pixel as hairlines.
         // Paths are in pixels: they are dashed and outlined at the resolution of 1.
+        // A line of which no dash remains is not drawn.
         let dashed = style.dash.as_ref().map(|dash| path.dash(dash, 1.0));
         let line = dashed.unwrap_or(Some(path));
 

@@ -92,7 +92,6 @@ pub fn to_svg_with_fonts_controlled(
 pub fn font_faces(fonts: &[Font]) -> String {
     let mut out = String::new();
     for font in fonts {
-        // The names under which `Writer::text` asks for them.
         let (family, weight, kind) = match font {
             Font::Regular => ("Inter", 400, "otf"),
             Font::SemiBold => ("Inter", 600, "otf"),

@@ -124,7 +124,7 @@ fn finish(
     context.planar.precision = arguments.precision;
     context.planar.verify = arguments.judge.options();
 
-    // Of the positions as they were made, which a file may round or shuffle.
+    // The digest is that of the positions as they were made. A file may round or shuffle them.
     let digest = solid_digest(&made.points);
     let outcome = SolidOutcome {
         digest,
@@ -134,7 +134,8 @@ fn finish(
         warnings: Vec::new(),
         made,
     };
-    // A saved set is judged as the file holds it, any other as it is in memory.
+    // A saved set is judged as the file holds it, unless --no-verify is given, and any other as it is in memory. A file
+    // without a verdict has no certificate.
     match arguments.out.as_deref() {
         Some(path) if arguments.no_verify => {
             export_solid_unverified(path, &outcome.made.points, &context).in_file(path)?;

@@ -256,7 +256,7 @@ impl VaryingRecipe {
         // Nodes are the corners of squares: one more than squares, unless the far border is the near one.
         let wraps = self.boundary == Boundary::Periodic;
         let [columns, rows] = counts.map(|count| count + usize::from(!wraps));
-        let place = |row: usize, column: usize| {
+        let place_of = |row: usize, column: usize| {
             let [x, y] = frame.origin;
             [x + column as f64 * pitch, y + row as f64 * pitch]
         };
@@ -265,7 +265,7 @@ impl VaryingRecipe {
         let mut value = |row: usize, column: usize| match radius {
             RadiusSource::Constant(radius) => *radius,
             RadiusSource::Expression { expression, scale } => {
-                let [x, y] = place(row, column);
+                let [x, y] = place_of(row, column);
                 scale * expression.on(&mut stack, x, y)
             }
             RadiusSource::Image { image, radii } => {
@@ -282,12 +282,14 @@ impl VaryingRecipe {
         let mut asked = Vec::with_capacity(columns * rows);
         for row in 0..rows {
             for column in 0..columns {
-                let radius = value(row, column);
-                if !(radius > 0.0 && radius.is_finite()) {
-                    let place = place(row, column);
-                    return Err(VaryingError::Radius { radius, place });
+                let length = value(row, column);
+                if !(length > 0.0 && length.is_finite()) {
+                    return Err(VaryingError::Radius {
+                        radius: length,
+                        place: place_of(row, column),
+                    });
                 }
-                asked.push(radius);
+                asked.push(length);
             }
         }
         Ok(asked)
@@ -418,8 +420,8 @@ impl VaryingRecipe {
             Some(ShapeSource::Polygon(polygon)) => {
                 // Sampler and judge get the corners in whole units, and the certificate the coordinates that these are rounded
                 // from.
-                let corner = |corner: &[f64; 2]| lattice_corner(*corner, frame.origin, domain);
-                let of_ring = |ring: &Vec<[f64; 2]>| ring.iter().map(corner).collect();
+                let in_units = |corner: &[f64; 2]| lattice_corner(*corner, frame.origin, domain);
+                let of_ring = |ring: &Vec<[f64; 2]>| ring.iter().map(in_units).collect();
                 let rings: Vec<Vec<[i32; 2]>> = polygon.rings.iter().map(of_ring).collect();
                 let points = rings
                     .iter()

@@ -63,7 +63,7 @@ pub fn count(
         return Err(ExportRefusal::EmptyRange { start, end });
     }
 
-    let ticks = number(session, range, clock);
+    let ticks = number_of_ticks(session, range, clock);
     // The start and the end of the range are frames, too.
     let frames = ticks / every + 2;
     if frames > MAX_FRAMES {
@@ -78,11 +78,11 @@ pub fn count(
 
 /// Returns the number of ticks between frames to propose.
 pub(crate) fn every_at_first(session: &Session, range: &Range<usize>, clock: Clock) -> usize {
-    number(session, range, clock) / AT_FIRST + 1
+    number_of_ticks(session, range, clock) / AT_FIRST + 1
 }
 
 /// Returns the number of ticks inside a range.
-fn number(session: &Session, range: &Range<usize>, clock: Clock) -> usize {
+fn number_of_ticks(session: &Session, range: &Range<usize>, clock: Clock) -> usize {
     match clock {
         Clock::Event => range.len().saturating_sub(1),
         _ => ticks(session, range, clock).count(),

@@ -308,6 +308,10 @@ fn session(incoming: &Incoming, generation: u64, monitor: &Monitor) -> Made {
     let named = |error: &dyn std::fmt::Display| format!("{}: {error}", incoming.name);
     let saved = Saved::from_json(incoming.text()?).map_err(|error| named(&error))?;
 
+    if !saved.ground.is_null() {
+        return session_on_ground(incoming, saved, generation, monitor);
+    }
+
     let mut own = None;
     // The recording needs the pattern alone; the session also keeps the file that it came from.
     let mut loader = |file: &PatternFile| {
@@ -315,10 +319,6 @@ fn session(incoming: &Incoming, generation: u64, monitor: &Monitor) -> Made {
         own = Some(pattern.clone());
         Ok(Pattern::clone(&pattern.pattern))
     };
-
-    if !saved.ground.is_null() {
-        return session_on_ground(incoming, saved, generation, monitor);
-    }
 
     let mut observer = Reporter { monitor };
     let recording = match saved.record(&mut loader, &mut observer) {

@@ -137,6 +137,7 @@ impl LinkReader {
                 .into_iter()
                 .find(|name| text.eq_ignore_ascii_case(name))
         };
+        // A language counts without a lesson as well: for the lessons that are opened later.
         content.language = self.take("language", |text| known(text).map(str::to_owned));
 
         let Some(lesson) = self.take("lesson", name) else {
@@ -560,8 +561,8 @@ fn combination(text: &str) -> Result<Combination, String> {
 
     let layout = Combination::from_json(&json).map_err(|error| error.to_string())?;
     let placed = layout.placed().map_err(|error| error.to_string())?;
-    let expected = placed.expected + of_patterns(&placed.pieces);
     // Patterns are made as well, and may have more samples than the sets that are clipped from them.
+    let expected = placed.expected + of_patterns(&placed.pieces);
     if expected > MAX_SAMPLES {
         return Err(format!(
             "it and its patterns make about {expected:.0} samples, and a link may ask for {}",

@@ -161,12 +161,12 @@ impl Writer {
 
     /// Writes the layout of a combination, unless it is too long.
     fn combination(&mut self, layout: &tilescope_core::combine::file::Layout) {
-        // Writing to memory does not fail.
-        let json = serde_json::to_string(layout).unwrap_or_default();
         let nine = tilescope_core::combine::file::Layout::from_json(NINE.as_bytes());
         let value = if nine.is_ok_and(|nine| nine == *layout) {
             NINE_SETS.to_owned()
         } else {
+            // Writing to memory does not fail.
+            let json = serde_json::to_string(layout).unwrap_or_default();
             base64(json.as_bytes())
         };
 
@@ -289,8 +289,14 @@ impl Writer {
         let mut views: Vec<&Value> = scenes.iter().map(|scene| &scene.view).collect();
         // Scenes at the end of the list that have no view need no placeholder.
         while views.pop_if(|view| view.is_null()).is_some() {}
-        let item = |view: &&Value| Some(scene_view_text(view));
-        self.list("mark-view", "views of scenes", MAX_SCENES, &views, item);
+        let view_text = |view: &&Value| Some(scene_view_text(view));
+        self.list(
+            "mark-view",
+            "views of scenes",
+            MAX_SCENES,
+            &views,
+            view_text,
+        );
     }
 
     /// Writes as many items as the limits allow, and returns how many. `what` names the items where some are left out.
