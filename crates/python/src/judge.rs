@@ -30,7 +30,7 @@ pub fn verify(
     let (options, claimed, varying) = (verify_options(judge)?, claims(&set.levels), set.varying());
 
     let report = run(py, progress, |watch| {
-        // Asked for first, as a failed allocation would end the interpreter.
+        // Memory is asked for first, as a failed allocation would end the interpreter.
         ask_to_judge(points.len())?;
         let control = watch.control("verify");
         let whole = match &varying {
@@ -74,7 +74,8 @@ pub fn check(
     progress: Option<Py<PyAny>>,
 ) -> PyResult<String> {
     let named = overrides(format_name, set)?;
-    // The certificate is read only if a part of the domain is given, as it fills in the others.
+    // The certificate is read only if some of width, height and boundary are given: it fills in those that are not. Without
+    // any, the check itself takes the region that the file states.
     let stated_region = || certificate(&path, named.format).map(|stated| stated.region);
     let region = given
         .has_region()
@@ -97,7 +98,7 @@ pub fn check(
                 }
                 let control = watch.control("verify");
                 let by_stream = |overrides: &Overrides| check_stream(&path, overrides, &control);
-                // The outcome is returned as a value: one that asks for a field is no error of the call yet.
+                // The outcome is returned as a value: that a field is missing (`NoField`) is no error of the call yet.
                 Ok(check_or_unit_square(overrides, by_stream))
             },
         )
@@ -106,6 +107,7 @@ pub fn check(
     let with_ground = |overrides: &mut Overrides| -> PyResult<()> {
         let stated = certificate(&path, overrides.format);
         let ground = Ground::of_file(stated.as_ref(), &given, field.as_ref())?;
+        // A domain with a shape may lie where the shape lies, which no argument of the caller says.
         overrides.origin = given.origin.or(ground.as_ref().map(Ground::corner));
         overrides.varying = ground.map(|ground| ground.varying);
         Ok(())
@@ -115,12 +117,14 @@ pub fn check(
         with_ground(&mut asked)?;
     }
     let mut outcome = judged(&asked)?;
-    // Only when the certificate states a field or a shape, which few sets have, is the file read a second time.
+    // A file whose certificate states a field or a shape, which few have, is read a second time: the field that is missing
+    // is found by the certificate.
     if let Err(CheckError::NoField) = outcome {
         with_ground(&mut asked)?;
         outcome = judged(&asked)?;
     }
     let found = outcome.map_err(|error| match error {
+        // Named as Python's argument, which the formats do not have.
         CheckError::NoRadius => {
             Failure::Value("the set has no certificate; give radius".to_owned())
         }

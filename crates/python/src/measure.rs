@@ -27,12 +27,12 @@ pub fn analyze<'py>(
     set.refuse_ground("analyze")?;
     let (points, region, known) = (set.points()?, set.region()?, set.known_radius());
     let measured = run(py, progress, |watch| {
-        // Asked for first, as a failed allocation would end the interpreter.
+        // Memory is asked for first, as a failed allocation would end the interpreter.
         ask_to_measure(points.len())?;
         // Without a known radius any will do, since the smallest distance and the covering radius do not depend on it.
         // One about as long as the samples' spacing keeps the search quick.
-        let any = || (region.area() / points.len().max(1) as f64).sqrt();
-        let (r, options) = (known.unwrap_or_else(any), VerifyOptions::default());
+        let spacing = || (region.area() / points.len().max(1) as f64).sqrt();
+        let (r, options) = (known.unwrap_or_else(spacing), VerifyOptions::default());
         let report = verify(points, region, r, &options, &watch.control("verify"))?;
 
         let mut measured = MeasuredSet::new(points.len(), region, known);
@@ -76,7 +76,7 @@ pub fn spectrum<'py>(
 
     let found = PyDict::new(py);
     let (profile, picture) = (&spectrum.profile, spectrum.picture);
-    // Annuli of fewer than two pairs of frequencies have none: it is NaN there.
+    // The anisotropy of an annulus with fewer than two pairs of frequencies is not defined: NaN stands there.
     let anisotropy = profile.annuli.iter().map(|annulus| annulus.anisotropy_db);
     let frequencies = PyArray1::from_vec(py, profile.relative_frequencies());
     found.set_item("frequencies", frequencies)?;
@@ -88,7 +88,8 @@ pub fn spectrum<'py>(
     found.set_item("picture", power.reshape([picture.rows, picture.size])?)?;
     found.set_item("picture_reach", spectrum.picture_reach)?;
 
-    // A domain that is too narrow has no smooth spectrum, and so neither of its two numbers.
+    // Both numbers are read from a curve that is computed from the pair correlation. It needs pairs at distances of several
+    // `r_max`: a narrower domain has no curve, and so neither number.
     let curve = curve.as_ref();
     let nyquist = curve.and_then(PowerCurve::effective_nyquist);
     found.set_item("effective_nyquist", nyquist)?;

@@ -42,17 +42,18 @@ pub fn draw(
     let (points, region) = (set.points()?, set.region()?);
     let window = window_within(window, &region)?;
 
-    // A large set has few samples in a window, and the others need not be laid out. The largest disks reach farthest.
+    // A large set has few samples in a window, and the others need not be laid out. A disk reaches into the window from as far
+    // as the greatest radius; samples of an unknown radius are drawn as dots alone.
     let (varying, radius) = (set.varying(), set.known_radius());
     let greatest = varying.as_ref().map(|varying| varying.radius.greatest());
     let reach = greatest.or(radius).unwrap_or_default();
     let in_window = near(points, &region, reach, window);
 
     let points = in_window.as_deref().unwrap_or(points);
-    // Empty where a shape has one radius everywhere.
-    let own = varying.map_or_else(Vec::new, |varying| varying.radii(points));
+    // There are radii of single samples only if the radius varies: a set that covers a shape may have one radius.
+    let own_radii = varying.map_or_else(Vec::new, |varying| varying.radii(points));
     let radii = match radius {
-        _ if !own.is_empty() => DiskRadii::Own(&own),
+        _ if !own_radii.is_empty() => DiskRadii::Own(&own_radii),
         Some(radius) => DiskRadii::Equal(radius),
         None => DiskRadii::Unknown,
     };
@@ -118,7 +119,8 @@ fn palette(theme: &str) -> PyResult<Palette> {
     }
 }
 
-/// Returns the corners of a window that is given. Refuses one that is empty or does not reach into the domain.
+/// Returns the corners of a window, from the domain's lower corner on; `None` if no window is given. Refuses a window that is
+/// empty, that does not reach into the domain, or whose corners are not finite.
 fn window_within(window: Option<&Bound<'_, PyAny>>, region: &Region) -> PyResult<Option<[f64; 4]>> {
     let window = window
         .map(|corners| rectangle("window", corners))

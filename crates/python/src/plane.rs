@@ -38,6 +38,7 @@ type PythonWindow<'py> = (
 #[pyclass(frozen, name = "Plane", module = "tilescope._tilescope")]
 pub struct PythonPlane {
     windows: Windows,
+    /// Every parameter by its name, for the facts of sets.
     stated: Stated,
 }
 
@@ -46,6 +47,7 @@ impl PythonPlane {
     #[new]
     fn new(py: Python<'_>, request: &RunRequest, progress: Option<Py<PyAny>>) -> PyResult<Self> {
         run(py, progress, |watch| {
+            // Nested levels take no count and no given pattern, so that nothing is to be settled.
             if let Some(nested) = &request.nested {
                 let (parameters, levels) = (&request.recipe.parameters, nested.levels);
                 let plane = NestedPlane::new(parameters, levels, &mut watch.observer())?;
@@ -85,7 +87,7 @@ impl PythonPlane {
         rectangle: &Bound<'_, PyAny>,
         progress: Option<Py<PyAny>>,
     ) -> PyResult<PythonWindow<'py>> {
-        let window = self.rectangle(rectangle)?;
+        let window = self.checked_window(rectangle)?;
 
         let (positions, ends, ranks) = run(py, progress, |watch| {
             let making = match &self.windows {
@@ -122,11 +124,11 @@ impl PythonPlane {
         rectangle: &Bound<'_, PyAny>,
         progress: Option<Py<PyAny>>,
     ) -> PyResult<(u64, u64)> {
-        let window = self.rectangle(rectangle)?;
+        let window = self.checked_window(rectangle)?;
         run(py, progress, |watch| {
             ask_to_judge(expected(&window) as usize)?;
             let (mut conflicts, mut gaps) = (0, 0);
-            // Each level is a set with a radius of its own.
+            // The samples up to the end of each level are a set with a radius of its own.
             for level in self.levels() {
                 let mut observer = watch.observer();
                 // Samples around the window may cover places in it, and be in conflict with its samples.
@@ -141,12 +143,15 @@ impl PythonPlane {
                     ),
                 };
 
+                // The part that is cut out ends at its sides, even if the plane itself goes around.
                 let is_periodic = false;
                 let asked = (Region::new(cut.size, is_periodic), radius);
                 let options = VerifyOptions::default();
                 let control = watch.control("verify");
                 let report = verify_cut(&cut.positions, asked, cut.window, &options, &control)?;
 
+                // Conflicts count in the margin as well. Places there may be covered from beyond it, so that gaps count
+                // in the window alone.
                 conflicts += report.whole.conflicts;
                 gaps += report.gaps;
             }
@@ -164,6 +169,7 @@ impl PythonPlane {
         }
     }
 
+    /// Returns the numbers of the levels.
     const fn levels(&self) -> RangeInclusive<u32> {
         match &self.windows {
             Windows::Single(_) => 0..=0,
@@ -171,14 +177,15 @@ impl PythonPlane {
         }
     }
 
-    /// Returns a window of lattice points. Refuses one without a place of the domain, or with too many.
-    fn rectangle(&self, corners: &Bound<'_, PyAny>) -> PyResult<Window> {
+    /// Returns the window between two corners in lattice points, of which a radius is `R` long. Refuses a window without a
+    /// place of the domain, or with too many samples.
+    fn checked_window(&self, corners: &Bound<'_, PyAny>) -> PyResult<Window> {
         let [left, bottom, right, top] = rectangle("the window", corners)?;
         let domain = self.domain();
         let window = (domain.window([left, bottom], [right, top])).map_err(Failure::from)?;
         for (axis, name) in ["width", "height"].into_iter().enumerate() {
             let [low, high] = [[left, right], [bottom, top]][axis];
-            // A window of a bounded domain shows nothing outside the domain.
+            // In a bounded domain a window is cut to the domain, so that nothing is left of one outside.
             if window.min[axis] >= window.max[axis] {
                 return Err(PyValueError::new_err(format!(
                     "the window's {name} runs from {low} to {high}, which holds no place of the domain's 0 to {}",

@@ -114,7 +114,7 @@ pub fn sample<'py>(
     let domain = request.recipe.parameters.validate_sequential();
     let samples = domain.map_err(Failure::from)?.area_radii() * MAXIMAL_DENSITY;
 
-    // Levels of the other methods were refused above.
+    // Only the method `kdrt` has levels, or a choice of engines. Levels of the other methods were refused above.
     let making = match (method, &request.nested) {
         (SetMethod::Kdrt, Some(_)) => Making::Levels,
         (SetMethod::Kdrt, None) if is_sequential(request, engine) => Making::Sequential,
@@ -169,7 +169,7 @@ fn kdrt(request: &RunRequest, engine: RunEngine, watch: &TaskWatch) -> Result<Ma
     let mut observer = watch.observer();
     let settled = request.recipe.settle(&mut observer)?;
 
-    // A radius that was searched for may be smaller than its estimate.
+    // A radius that was searched for may be smaller than its estimate, so that the samples are counted by it.
     let domain = settled.parameters.validate_sequential()?;
     let sources = domain.area_radii() * MAXIMAL_DENSITY <= MAX_WITH_PROVENANCE;
     Ok(if is_sequential(request, engine) {
@@ -189,6 +189,7 @@ pub fn sample_field<'py>(
     seed: &Bound<'py, PyAny>,
     progress: Option<Py<PyAny>>,
 ) -> PyResult<(PythonSet<'py>, Ground)> {
+    // The domain, count and seed alone: `field` adds radius and shape.
     let like = VaryingRecipe {
         count: count.map(|count| whole("count", count)).transpose()?,
         seed: whole("seed", seed)?,

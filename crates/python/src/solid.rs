@@ -103,7 +103,7 @@ pub fn sample_solid<'py>(
         progress,
         |watch| Ok(recipe.make(&mut watch.observer())?),
     )?;
-    // The class keeps them as they are, for verdicts and certificates.
+    // The Python class keeps these facts unread, and passes them back for verdicts and certificates.
     let facts = SolidFacts {
         method: SolidMade::METHOD.to_owned(),
         parameters: made.parameters(),
@@ -124,8 +124,7 @@ pub fn verify_solid(
     progress: Option<Py<PyAny>>,
 ) -> PyResult<String> {
     let (points, facts) = (rows::<f64, 3>(&points)?, SolidFacts::of(facts)?);
-    // The first samples of a larger set need not be maximal: their covering factor is measured, and judged in its
-    // place.
+    // The first samples of a larger set need not be maximal. Their covering factor is measured and judged in place of that.
     let (options, is_prefix) = (verify_options(judge)?, facts.made.is_some());
     let (region, radius) = (facts.region, facts.radius);
     let verdict = run(py, progress, |watch| {
@@ -148,6 +147,7 @@ fn of_verdict(verdict: &SolidVerdict) -> Value {
     all["covering_factor"] = json!(verdict.covering_factor);
     all["relative_radius"] = json!(verdict.relative_radius());
     all["conflict_free"] = json!(report.conflict_free());
+    // Only the beginning of a larger set has a covering factor, and it need not be maximal.
     all["maximal"] = json!(report.maximal() && verdict.covering_factor.is_none());
     all["valid"] = json!(verdict.valid());
     all
@@ -201,7 +201,8 @@ pub fn is_in_space(path: PathBuf) -> bool {
     solid_certificate(&path).is_some()
 }
 
-/// Returns the values that take the place of those that a file's certificate states, and the third side if it is given.
+/// Returns the values that take the place of those that a file's certificate states, and apart from them the third side, if
+/// it is given: overrides are of planar sets. `stated` is the certificate.
 fn given(
     size: Option<[f64; 3]>,
     boundary: Option<&str>,
@@ -209,7 +210,8 @@ fn given(
     format_name: Option<&str>,
     stated: Option<&Certificate>,
 ) -> PyResult<(Overrides, Option<f64>)> {
-    // A missing argument is as the certificate states, or as of the periodic unit square.
+    // A missing side or boundary is as the certificate states, or as of the periodic unit square. Where radius or format are
+    // missing, the reader looks for them itself.
     let boundary = boundary.map(|name| named("boundary", name)).transpose()?;
     let base = stated.map_or(Region::UNIT_SQUARE, |stated| stated.region);
     let [width, height] = size.map_or([base.width, base.height], |[width, height, _]| {

@@ -66,7 +66,8 @@ impl TaskWatch {
         move |progress| {
             let work = Work::Named(name);
             let mut latest = lock(&self.latest);
-            // Calls come from several threads, not always in sequence: the number of steps done must not go back.
+            // The analysis calls from several threads, not always in sequence, while the core and the figures call from one:
+            // the number of steps done must not go back.
             let same_work = latest.filter(|before| before.work == work);
             let most = same_work.map_or(0, |before| before.done);
             *latest = Some(TaskProgress {
@@ -125,7 +126,7 @@ pub fn run<T: Send>(
     let threads = pool()?;
     let watch = TaskWatch::default();
     let look = || {
-        // The lock is taken for a look only.
+        // Python's lock is taken for a look only.
         Python::attach(|py| {
             py.check_signals()?;
             watch.pass_on(py, progress.as_ref())
@@ -137,7 +138,7 @@ pub fn run<T: Send>(
         let watch = &watch;
         threads.in_place_scope(|scope| {
             scope.spawn(move |_| {
-                // The receiver waits until this is sent.
+                // This cannot fail, since the receiver waits for it.
                 let _ = sender.send(work(watch));
             });
 
@@ -151,7 +152,7 @@ pub fn run<T: Send>(
                         looked = look();
                         watch.stopped.store(looked.is_err(), Ordering::Relaxed);
                     }
-                    // After such an error the loop only waits until the work has stopped.
+                    // After a failed look the loop only waits until the work has stopped.
                     Err(RecvTimeoutError::Timeout) => {}
                 }
             }
@@ -160,6 +161,7 @@ pub fn run<T: Send>(
 
     // The error that stopped the work comes before the failure that it caused.
     looked?;
+    // Never missing here, since the scope has passed a panic on.
     let outcome = outcome.ok_or_else(|| PyRuntimeError::new_err("the work has no result"))?;
     // The work may have got further since the last look.
     watch.pass_on(py, progress.as_ref())?;
