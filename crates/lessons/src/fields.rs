@@ -5,7 +5,7 @@ use crate::error::{LessonError, shortened};
 use crate::moment::Moment;
 use crate::text::{ChoiceOption, Text};
 
-/// The most options, items or candidates of a question.
+/// The most options, items or candidates of a question. Chosen, not measured.
 pub const MAX_OPTIONS: usize = 8;
 
 /// A line of a directive.
@@ -125,7 +125,7 @@ impl Fields {
     /// Returns the options `TEXT when: EXPRESSION => SENTENCE`; the sentence may be missing.
     pub fn options(&self) -> Result<Vec<ChoiceOption>, LessonError> {
         let option = |field: &Field| {
-            let text = |text: &str| Text::new(text.trim(), field.line);
+            let text = |part: &str| Text::new(part.trim(), field.line);
             let (shown, Some(rest)) = field.split(" when: ") else {
                 let message = "an option is of the form \"option: TEXT when: EXPRESSION => SENTENCE\"; the sentence may be left out";
                 return Err(field.wrong(message));
@@ -141,7 +141,9 @@ impl Fields {
                 sentence: said,
             })
         };
-        self.limited("option", 2, option)
+        // A single option would leave nothing to choose.
+        let least = 2;
+        self.limited("option", least, option)
     }
 
     /// Reads the fields of a key, at least `least` and at most [`MAX_OPTIONS`].
@@ -234,7 +236,7 @@ impl Field {
         }
     }
 
-    /// Returns the seeds of `first..last`, both included, or the error for none or more than [`MAX_SEEDS`].
+    /// Returns the seeds of `seeds first..last`, both ends included. Refuses none, and more than [`MAX_SEEDS`].
     pub fn seeds(&self) -> Result<std::ops::RangeInclusive<u64>, LessonError> {
         // The word "seeds" may be left out.
         let after = self.value.strip_prefix("seeds");

@@ -57,7 +57,8 @@ impl Gains {
     #[must_use]
     pub fn of(merged: &Merged) -> Self {
         let answers = merged.all.iter().flat_map(|results| &results.entries);
-        // Questions of lessons have concepts, too, but only the forms are compared.
+        // Questions of lessons have concepts, too, but only the forms are compared. A form asks one question of a
+        // concept, so that its concept stands for the question.
         let asked = answers.filter_map(|entry| entry.form.and(entry.concept));
         let asked: BTreeSet<Concept> = asked.collect();
 
@@ -147,6 +148,7 @@ impl Gain {
 
 /// Returns a learner's scores in the questions that were answered in both forms.
 fn pairs_of(results: &Results) -> Pairs {
+    // The time and the score of the first answer.
     let mut first: BTreeMap<(Concept, TestForm), (f64, f64)> = BTreeMap::new();
     for entry in &results.entries {
         // A form is not practised, unless someone has changed the file.
@@ -155,12 +157,12 @@ fn pairs_of(results: &Results) -> Pairs {
             continue;
         };
 
-        let answer = first
+        let (time, score) = first
             .entry((concept, form))
             .or_insert((entry.time, entry.score));
         // Entries of a file may be in any sequence.
-        if entry.time < answer.0 {
-            *answer = (entry.time, entry.score);
+        if entry.time < *time {
+            (*time, *score) = (entry.time, entry.score);
         }
     }
 
@@ -192,7 +194,8 @@ fn normalized([before, after]: [f64; 2]) -> Option<f64> {
 fn of_one(name: &str, asked: usize, pairs: &Pairs) -> Gain {
     let scores: Vec<[f64; 2]> = pairs.values().copied().collect();
     let [before, after] = mean(&scores);
-    // Over other questions the score before would be another one.
+    // A learner who lacks an answer has means over fewer questions than the class, so that the gains could not be
+    // compared.
     let is_complete = pairs.len() == asked;
 
     Gain {
@@ -219,7 +222,8 @@ fn class(asked: &BTreeSet<Concept>, pairs: &[(&str, Pairs)]) -> Vec<Gain> {
     };
 
     let rows = std::iter::once(all).chain(asked.iter().map(of_concept));
-    // A concept without answers has no row.
+    // There is no row over all concepts if no learner has every answer, nor for a concept that no learner has answered
+    // in both forms.
     rows.filter(|(_, scores)| !scores.is_empty())
         .map(|(name, scores)| {
             let [before, after] = mean(&scores);
@@ -230,7 +234,7 @@ fn class(asked: &BTreeSet<Concept>, pairs: &[(&str, Pairs)]) -> Vec<Gain> {
                 after,
                 gain: normalized([before, after]),
                 interval: interval(&scores),
-                // Learners who lack an answer are in no row.
+                // A learner is left out of each row for which an answer is lacking.
                 is_complete: true,
             }
         })
@@ -248,6 +252,7 @@ fn interval(scores: &[[f64; 2]]) -> Option<[f64; 2]> {
 
     let resampled = |resample: u32| {
         let key = Key::from_seed(0).derive(Stream::Order, resample);
+        // A draw gives several words, of which one is enough.
         let draw = |index: u32| below(key.draw(Stream::Order, index)[0], scores.len() as u32);
         let drawn = (0..scores.len() as u32).map(|index| scores[draw(index) as usize]);
         normalized(mean(&drawn.collect::<Vec<_>>()))
@@ -263,8 +268,8 @@ fn interval(scores: &[[f64; 2]]) -> Option<[f64; 2]> {
     Some([at(TAIL)?, at(1.0 - TAIL)?])
 }
 
-/// Returns the gains of votes: over all concepts, then by concept. Each vote has the same weight, as the number of learners
-/// who took part in it may be unknown.
+/// Returns the gains of votes: over all concepts that were voted on in both forms, then by concept. Each vote on a
+/// concept has the same weight, as the number of learners who took part in it may be unknown.
 fn votes(votes: &[ClassVote]) -> Vec<Gain> {
     let shares_of = |concept: Concept, form: TestForm| {
         let is_of = move |vote: &&ClassVote| vote.concept == concept && vote.form == form;
@@ -293,13 +298,14 @@ fn votes(votes: &[ClassVote]) -> Vec<Gain> {
         is_complete: true,
     };
 
-    let count = |concept: Concept| shares_of(concept, TestForm::After).len();
+    // As `Gain::count` says, the votes in the form after count.
+    let votes_on = |concept: Concept| shares_of(concept, TestForm::After).len();
     let all = mean(&pairs.values().copied().collect::<Vec<_>>());
-    let sum = pairs.keys().map(|&concept| count(concept)).sum();
+    let sum = pairs.keys().map(|&concept| votes_on(concept)).sum();
 
     let mut rows = vec![row("all", sum, all)];
     let by_concept = pairs.iter();
-    rows.extend(by_concept.map(|(&of, &means)| row(of.name(), count(of), means)));
+    rows.extend(by_concept.map(|(&of, &means)| row(of.name(), votes_on(of), means)));
     rows
 }
 

@@ -206,6 +206,7 @@ impl View<'_> {
         // no grade.
         let is_graded = !self.is_open && (chosen || is_right);
         let is_own = chosen;
+        // A type of question that has marks, curves, names or right places adds them itself.
         Item {
             id,
             mark: None,

@@ -74,8 +74,8 @@ pub fn check(
     progress: Option<Py<PyAny>>,
 ) -> PyResult<String> {
     let named = overrides(format_name, set)?;
-    // The certificate is read only if some of width, height and boundary are given: it fills in those that are not. Without
-    // any, the check itself takes the region that the file states.
+    // The certificate is read only if some of width, height and boundary are given: it fills in those that are not.
+    // Without any, the check itself takes the region that the file states.
     let stated_region = || certificate(&path, named.format).map(|stated| stated.region);
     let region = given
         .has_region()
@@ -117,8 +117,8 @@ pub fn check(
         with_ground(&mut asked)?;
     }
     let mut outcome = judged(&asked)?;
-    // A file whose certificate states a field or a shape, which few have, is read a second time: the field that is missing
-    // is found by the certificate.
+    // A file whose certificate states a field or a shape, which few have, is read a second time: the field that is
+    // missing is found by the certificate.
     if let Err(CheckError::NoField) = outcome {
         with_ground(&mut asked)?;
         outcome = judged(&asked)?;

@@ -88,8 +88,8 @@ pub fn spectrum<'py>(
     found.set_item("picture", power.reshape([picture.rows, picture.size])?)?;
     found.set_item("picture_reach", spectrum.picture_reach)?;
 
-    // Both numbers are read from a curve that is computed from the pair correlation. It needs pairs at distances of several
-    // `r_max`: a narrower domain has no curve, and so neither number.
+    // Both numbers are read from a curve that is computed from the pair correlation. It needs pairs at distances of
+    // several `r_max`: a narrower domain has no curve, and so neither number.
     let curve = curve.as_ref();
     let nyquist = curve.and_then(PowerCurve::effective_nyquist);
     found.set_item("effective_nyquist", nyquist)?;

@@ -42,8 +42,8 @@ pub fn draw(
     let (points, region) = (set.points()?, set.region()?);
     let window = window_within(window, &region)?;
 
-    // A large set has few samples in a window, and the others need not be laid out. A disk reaches into the window from as far
-    // as the greatest radius; samples of an unknown radius are drawn as dots alone.
+    // A large set has few samples in a window, and the others need not be laid out. A disk reaches into the window from
+    // as far as the greatest radius; samples of an unknown radius are drawn as dots alone.
     let (varying, radius) = (set.varying(), set.known_radius());
     let greatest = varying.as_ref().map(|varying| varying.radius.greatest());
     let reach = greatest.or(radius).unwrap_or_default();
@@ -119,8 +119,8 @@ fn palette(theme: &str) -> PyResult<Palette> {
     }
 }
 
-/// Returns the corners of a window, from the domain's lower corner on; `None` if no window is given. Refuses a window that is
-/// empty, that does not reach into the domain, or whose corners are not finite.
+/// Returns the corners of a window, from the domain's lower corner on; `None` if no window is given. Refuses a window
+/// that is empty, that does not reach into the domain, or whose corners are not finite.
 fn window_within(window: Option<&Bound<'_, PyAny>>, region: &Region) -> PyResult<Option<[f64; 4]>> {
     let window = window
         .map(|corners| rectangle("window", corners))

@@ -124,7 +124,8 @@ pub fn verify_solid(
     progress: Option<Py<PyAny>>,
 ) -> PyResult<String> {
     let (points, facts) = (rows::<f64, 3>(&points)?, SolidFacts::of(facts)?);
-    // The first samples of a larger set need not be maximal. Their covering factor is measured and judged in place of that.
+    // The first samples of a larger set need not be maximal. Their covering factor is measured and judged in place of
+    // that.
     let (options, is_prefix) = (verify_options(judge)?, facts.made.is_some());
     let (region, radius) = (facts.region, facts.radius);
     let verdict = run(py, progress, |watch| {
@@ -201,8 +202,8 @@ pub fn is_in_space(path: PathBuf) -> bool {
     solid_certificate(&path).is_some()
 }
 
-/// Returns the values that take the place of those that a file's certificate states, and apart from them the third side, if
-/// it is given: overrides are of planar sets. `stated` is the certificate.
+/// Returns the values that take the place of those that a file's certificate states, and apart from them the third
+/// side, if it is given: overrides are of planar sets. `stated` is the certificate.
 fn given(
     size: Option<[f64; 3]>,
     boundary: Option<&str>,
@@ -210,8 +211,8 @@ fn given(
     format_name: Option<&str>,
     stated: Option<&Certificate>,
 ) -> PyResult<(Overrides, Option<f64>)> {
-    // A missing side or boundary is as the certificate states, or as of the periodic unit square. Where radius or format are
-    // missing, the reader looks for them itself.
+    // A missing side or boundary is as the certificate states, or as of the periodic unit square. Where radius or
+    // format are missing, the reader looks for them itself.
     let boundary = boundary.map(|name| named("boundary", name)).transpose()?;
     let base = stated.map_or(Region::UNIT_SQUARE, |stated| stated.region);
     let [width, height] = size.map_or([base.width, base.height], |[width, height, _]| {

@@ -66,8 +66,8 @@ impl TaskWatch {
         move |progress| {
             let work = Work::Named(name);
             let mut latest = lock(&self.latest);
-            // The analysis calls from several threads, not always in sequence, while the core and the figures call from one:
-            // the number of steps done must not go back.
+            // The analysis calls from several threads, not always in sequence, while the core and the figures call from
+            // one: the number of steps done must not go back.
             let same_work = latest.filter(|before| before.work == work);
             let most = same_work.map_or(0, |before| before.done);
             *latest = Some(TaskProgress {

@@ -45,7 +45,8 @@ pub(super) fn ask(
     learner.go(index);
 
     if practised {
-        // Whichever seed this draws, the learner counts as practising; the run is the recording.
+        // It matters only that the learner now practises: the run is that of the recording, whatever seed is drawn
+        // here.
         learner.practise(seed);
     }
 
@@ -68,7 +69,7 @@ pub(super) fn ask(
         return Ok(None);
     };
 
-    let (chance, unseen) = match learner.scene() {
+    let (chance, out_of_sight) = match learner.scene() {
         Some(scene) => (
             question.chance(scene)?,
             unseen(&step.scene, gate, &question, scene)?,
@@ -100,12 +101,12 @@ pub(super) fn ask(
         question,
         scores,
         chance,
-        unseen,
+        unseen: out_of_sight,
     }))
 }
 
-/// Returns the score of a learner who gives answers to the open question, by the number of events traced and of answers
-/// given; `None` if it has no answer.
+/// Returns the score of a learner who gives `answers` to the open question: each by the number of events that were
+/// traced so far and the number of answers before it. `None` if one of the answers that the question takes is `None`.
 fn score(
     learner: &mut Learner,
     question: &Question,
@@ -125,28 +126,32 @@ fn score(
         }
     }
 
-    // A question that was answered wrongly ends when the learner gives up, which takes two calls.
+    // A question that was answered wrongly ends when the learner gives up: the first call only asks whether to. On a
+    // question that is done the calls do nothing.
     learner.give_up(1.0);
     learner.give_up(1.0);
     let entry = learner.take_entries().pop();
     Ok(Some(entry.map_or(0.0, |entry| entry.score)))
 }
 
-/// Returns the answer of a learner with the first known misconception, if there is one.
+/// Returns the answer of a learner with the first known misconception: the first known wrong answer or, of a question
+/// without any, the first wrong option of the file that has a sentence of its own. `None` if there is neither, or if
+/// one sample is asked for and all of the wrong answer are right.
 fn misconception(gate: &Gate, question: &Question) -> Option<Answer> {
     if let Some(wrong) = question.wrong.first() {
         return question.interaction.believed(&wrong.answer);
     }
 
     let (options, right) = (question.interaction.options()?, question.right_option()?);
-    let in_file = gate.kind.options();
+    let of_gate = gate.kind.options();
 
+    // A sentence answers a misconception. An option without one is wrong for no reason that the author knows.
     let is_believed = |shown: &usize| {
-        let option = in_file.get(options.in_file(*shown));
+        let option = of_gate.get(options.in_file(*shown));
         *shown != right && option.is_some_and(|option| option.sentence.is_some())
     };
-    // Authors list the misconception that they know best first.
-    let wrong = (0..in_file.len()).filter(is_believed);
+    // The order of the file, and not that in which the options are shown, says which misconception is the first.
+    let wrong = (0..of_gate.len()).filter(is_believed);
     wrong
         .min_by_key(|&shown| options.in_file(shown))
         .map(Answer::Choice)

@@ -12,7 +12,8 @@ use crate::scene_spec::{Claim, SceneSpec};
 /// By how many standard errors a claimed mean must be beyond its bound: chance alone gets there once in 740 times.
 const ERRORS_BEYOND: f64 = 3.0;
 
-/// The smallest share of runs that have the moment of a claim.
+/// The smallest share of runs that have the moment of a claim: of fewer it would hold for rare runs only. Chosen, not
+/// measured.
 const MIN_FITTING: f64 = 0.5;
 
 /// The values of each claim in the runs that have its moment, 1 or 0 for one that must hold in each run; or its fault there.
@@ -29,7 +30,7 @@ pub(super) fn test_claims(
     recording: &Arc<Recording>,
     claimed: &mut Claimed,
 ) -> Result<(), LessonError> {
-    // Before the moment is sought, since a claim that no run tests is a fault, too.
+    // Each claim gets its list of values even if this run lacks the moment: a claim that no run tests is a fault, too.
     claimed.resize(spec.claims.len(), Vec::new());
     let Some(scene) = Scene::find(recording, spec)? else {
         return Ok(());
@@ -38,7 +39,8 @@ pub(super) fn test_claims(
     for (claim, values) in spec.claims.iter().zip(claimed) {
         values.push(match claim {
             Claim::Each(text) => {
-                // As numbers, so that both kinds of claims are kept alike.
+                // 1 or 0, so that both kinds of claims are kept alike. The expression has no names of its own to be
+                // added.
                 let truth = scene.truth(text, |_| {});
                 truth.map(|holds| f64::from(u8::from(holds)))
             }
@@ -48,10 +50,11 @@ pub(super) fn test_claims(
     Ok(())
 }
 
-/// Returns the fault of each claim that does not hold, that cannot be computed, or that too few of the runs test.
+/// Returns the fault of each claim that does not hold, that cannot be computed, or that too few runs test: `runs` is
+/// how many there were, with or without the moment.
 pub(super) fn broken_claims(claims: &[Claim], claimed: &Claimed, runs: usize) -> Vec<LessonError> {
-    let both = claims.iter().zip(claimed);
-    let broken = both.filter_map(|(claim, values)| {
+    let with_values = claims.iter().zip(claimed);
+    let broken = with_values.filter_map(|(claim, values)| {
         let (Claim::Each(text) | Claim::Mean { of: text, .. }) = claim;
         let tested = values.len();
         if (tested as f64) < MIN_FITTING * runs as f64 {
@@ -61,8 +64,9 @@ pub(super) fn broken_claims(claims: &[Claim], claimed: &Claimed, runs: usize) ->
             return Some(text.wrong(message));
         }
 
-        let values: Result<Vec<f64>, LessonError> = values.iter().cloned().collect();
-        let why = match values {
+        let computed: Result<Vec<f64>, LessonError> = values.iter().cloned().collect();
+        let why = match computed {
+            // Of several runs in which the expression has a fault, the first one's is enough.
             Err(error) => return Some(error),
             Ok(values) => broken_claim(claim, &values)?,
         };
@@ -85,7 +89,7 @@ fn broken_claim(claim: &Claim, values: &[f64]) -> Option<String> {
 
     let (mean, error) = mean_and_error(values);
     let beyond = if is_above { mean - bound } else { bound - mean };
-    // One run has no error to compare with.
+    // One run alone has no standard error to compare with, so that its mean proves nothing.
     if tested > 1 && beyond > ERRORS_BEYOND * error {
         return None;
     }

@@ -41,8 +41,8 @@ pub(super) struct Findings {
 }
 
 impl Findings {
-    /// Adds what asking the question in the run of a seed gave: the question, none where the run lacks its moment, or a
-    /// fault.
+    /// Adds what asking the question in the run of a seed gave: the question, `None` where the run lacks the moment or
+    /// the step has no question, or a fault.
     pub fn add(
         &mut self,
         gate: Option<&Gate>,
@@ -74,7 +74,7 @@ impl Findings {
                     self.add_practised(gate, &question);
                 }
             }
-            // The run lacks the moment: it only counts as asked.
+            // The run lacks the moment, or the step a question: it only counts as asked.
             Ok(None) => {}
             Err(mut error) => {
                 let _ = write!(error.message, " (seed {seed})");
@@ -111,8 +111,8 @@ impl Findings {
     }
 }
 
-/// Returns what "again" should change: the key, or the samples and numbers that the texts name; none of questions that are
-/// new in every run, and of texts that name nothing.
+/// Returns what "again" should change: the key, or the samples and numbers that the texts name. `None` for questions
+/// that are new in every run, and for texts that name nothing.
 fn instance(gate: &Gate, question: &Question) -> Option<String> {
     match gate.kind.novelty() {
         Novelty::Key => Some(question.key()),
@@ -123,7 +123,8 @@ fn instance(gate: &Gate, question: &Question) -> Option<String> {
                 return None;
             }
 
-            // The order in which options are shown makes no new question.
+            // The order in which options are shown makes no new question. The text of the question is that of its first
+            // event, 0: only a trace has several, and a trace is new in every run.
             let mut shown = question.interaction.listed().to_vec();
             shown.sort();
             Some(format!("{} {}", question.ask(0), shown.join(" ")))

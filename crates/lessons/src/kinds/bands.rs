@@ -46,10 +46,12 @@ fn read(fields: &Fields) -> Result<Arc<dyn GateKind>, LessonError> {
         let end = |text: &str| field.part(text).number([0.0, 3.0]);
         Ok([end(low)?, end(high)?])
     };
+    // One band alone would be a choice of three words. Chosen, not measured.
+    let least = 2;
     Ok(Arc::new(BandsGate {
         from: fields.need_expression("from", &[])?,
         to: fields.need_expression("to", &[])?,
-        bands: fields.limited("band", 2, band)?,
+        bands: fields.limited("band", least, band)?,
     }))
 }
 
@@ -192,7 +194,7 @@ impl Interaction for Bands {
     }
 
     fn controls(&self, view: &View<'_>) -> Vec<Control> {
-        // The spectrum after the change would give the answer away.
+        // While the question is open, the spectrum after the change would give the answer away.
         let shown = self.curves.iter().take(if view.is_open { 1 } else { 2 });
         let text = "For each band, choose how the power changes. Less than 15% either way counts as the same.";
         vec![
@@ -201,6 +203,7 @@ impl Interaction for Bands {
             },
             Control::Line {
                 text: (view.word)(text),
+                // A sheet of paper needs it as well: it names what counts as the same.
                 is_printed: true,
             },
             Control::Rows {

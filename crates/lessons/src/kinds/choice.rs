@@ -91,8 +91,9 @@ impl ChoiceGate {
             .collect::<Result<_, _>>()?;
 
         if let Some(own) = drawn.get(right) {
-            // The right curve is drawn from other samples than those on the screen. It must still be the curve nearest to
-            // their spectrum, or the question would have a wrong key.
+            // The right curve may be the spectrum of another point set than that on the screen. It must still be the
+            // curve nearest to the spectrum there, or the question would have a wrong key. An equal distance is
+            // refused, too.
             let on_screen = asking
                 .valid()?
                 .power()

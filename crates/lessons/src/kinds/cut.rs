@@ -66,8 +66,8 @@ impl GateKind for CutGate {
         // A cut leaves room for a leaf on either side (Algorithm 1).
         let legal = [low[along] + leaf, high[along] - leaf];
 
-        // A right one, and one for each way to be wrong: less than a leaf from an edge (0.4 of one is chosen), across
-        // the other axis, both.
+        // First the right one, then one for each way to be wrong: less than a leaf from an edge (0.4 of a leaf,
+        // chosen), across the other axis, and across the other axis less than a leaf from an edge.
         let mut candidates = [
             (axis, 0.5 * (legal[0] + legal[1])),
             (axis, low[along] + 0.4 * leaf),
@@ -224,29 +224,29 @@ impl Interaction for Cut {
         }];
 
         let own = drawn(view.draft);
-        let items = self.candidates.iter().enumerate().map(|(index, line)| {
+        let items = self.candidates.iter().enumerate().map(|(index, listed)| {
             let id = format!("cut-{}", index + 1);
-            let (name, axis) = ((view.word)(direction(line.axis)), line.axis.name());
-            let at = view.translation.number(format!("{:.1}", line.at));
+            let (name, axis) = ((view.word)(direction(listed.axis)), listed.axis.name());
+            let at = view.translation.number(format!("{:.1}", listed.at));
             let text = format!("{name}, {axis} = {at} r");
 
             // A cut of the list that the learner has put by a click counts as chosen, too.
-            let is_near = |cut: Line| (cut.at - line.at).abs() < SAME_PLACE;
-            let is_same = |cut: Line| cut.axis == line.axis && is_near(cut);
+            let is_near = |cut: Line| (cut.at - listed.at).abs() < SAME_PLACE;
+            let is_same = |cut: Line| cut.axis == listed.axis && is_near(cut);
             view.item(
                 id,
                 text,
                 index,
                 own.is_some_and(is_same),
-                self.is_legal(*line),
+                self.is_legal(*listed),
             )
         });
         let items = items.collect();
 
         let hint =
             "Choose the direction, then click where the cut goes; or choose one of the list.";
-        let hint = Control::line((view.word)(hint));
-        vec![hint, Control::Rows { rows }, Control::List { items }]
+        let line = Control::line((view.word)(hint));
+        vec![line, Control::Rows { rows }, Control::List { items }]
     }
 
     fn lines(&self, draft: &Draft, is_done: bool) -> Option<Lines> {

@@ -125,8 +125,8 @@ impl Interaction for Lettered {
     }
 
     fn controls(&self, view: &View<'_>) -> Vec<Control> {
-        // The right option of a trace is that of the event at which it was given up, or that of its last event once it
-        // is done.
+        // A choice has one right option. That of a trace is the one of the event asked for, at which the learner may
+        // have given up, or the one of its last event once it is done.
         let right = self.right.get(view.event).or(self.right.last());
         let items = self.options.texts.iter().enumerate().map(|(index, text)| {
             let id = format!("option-{}", index + 1);

@@ -99,8 +99,8 @@ impl Interaction for Order {
             right += worth(self.ranks[items[a]] <= self.ranks[items[b]]);
         }
 
-        // A question has at least three items, and so never divides by the 1.
-        Ok(right / f64::max(all, 1.0))
+        // A question has at least three items, and so three pairs.
+        Ok(right / all)
     }
 
     fn right(&self, _: usize) -> Answer {

@@ -15,7 +15,7 @@ use crate::scene::Scene;
 use crate::text::Text;
 use crate::translation::Translation;
 
-/// The most samples in the list of a question.
+/// The most samples in the list of a question. Chosen, not measured.
 pub const MAX_CANDIDATES: usize = 24;
 
 pub(super) const ROW: KindRow = KindRow {
@@ -173,10 +173,11 @@ impl Interaction for Pick {
             .map(|(_, sample)| *sample)
             .collect();
 
-        // An answer has at least one sample. Its draw has a number of its own: any beyond those of the candidates, of
-        // which there are at most 24.
+        // An answer has at least one sample. It is drawn by a number of its own: any above those of the candidates will
+        // do.
         if some.is_empty() {
-            some.push(one(60));
+            let own_number = 60;
+            some.push(one(own_number));
         }
         Answer::Pick(some)
     }
@@ -185,7 +186,7 @@ impl Interaction for Pick {
         let index = match change {
             DraftCommand::Choose(index) => Some(index),
             DraftCommand::Pick(sample) => self.candidates.iter().position(|s| *s == sample),
-            // The other changes are of other types of questions.
+            // `Question::change` clears the draft itself. The other changes are of other types of questions.
             _ => None,
         };
         let Some(index) = index.filter(|index| *index < self.candidates.len()) else {

@@ -57,7 +57,7 @@ fn read(fields: &Fields) -> Result<Arc<dyn GateKind>, LessonError> {
 impl GateKind for PlaceGate {
     fn ask(&self, asking: &Asking<'_>) -> Result<Arc<dyn Interaction>, LessonError> {
         let right = asking.scene.places(&self.right)?;
-        // Of several right places the list has the first.
+        // Of several right places the list has the first, which is enough for a learner without a pointer.
         let mut candidates: Vec<[f64; 2]> = right.iter().take(1).copied().collect();
 
         // Believed places stand in the list, too, so that a learner with a misconception finds them.
@@ -147,7 +147,8 @@ impl Interaction for Place {
         let distances = self.right.iter().map(|at| set.distance(*at, place));
         let nearest = distances.fold(f64::INFINITY, f64::min);
 
-        // Anywhere within the distance is fully right.
+        // Up to `within` from a right place an answer is fully right. Beyond, the score falls to 0 over the length
+        // `REACH`.
         let off_place = (nearest - self.within).max(0.0);
         // A region of right places may be nearer than any single one.
         let off_region = self.off_region(place, off_place, given.scene)?;
@@ -251,7 +252,8 @@ impl Interaction for Place {
         let listed =
             candidates.map(|(index, at)| mark(*at, letter(index).to_string(), MarkKind::Listed));
 
-        // The learner's own point stays beside the right one.
+        // The learner's own point, which has no letter, stays beside the right places, which appear once the question
+        // is done.
         let put = draft.place().into_iter();
         let own = put.map(|at| mark(at, String::new(), MarkKind::Chosen));
         let shown = self.right.iter().filter(|_| is_done);

@@ -50,7 +50,8 @@ impl GateKind for TraceGate {
 
     /// Asks for each of the coming events in turn, with the same options.
     fn ask(&self, asking: &Asking<'_>) -> Result<Arc<dyn Interaction>, LessonError> {
-        let (_, mut coming) = asking.scene.coming(&self.events)?;
+        // The query itself, with its values filled in, is of no use here.
+        let (_query, mut coming) = asking.scene.coming(&self.events)?;
         coming.truncate(self.steps);
         if coming.len() < self.steps {
             let (count, steps) = (coming.len(), self.steps);
@@ -68,6 +69,7 @@ impl GateKind for TraceGate {
         there.speak(&asking.scene.translation);
 
         for cursor in coming {
+            // To the moment before the event, where texts and options name it as the next one.
             there.go(cursor);
             events.push(TracedEvent {
                 cursor,
