@@ -47,7 +47,8 @@ pub(crate) fn set_parameter(
             ParameterKind::Whole(_) => {
                 (text.parse::<u64>()).map_or_else(|_| text.into(), Value::from)
             }
-            // Some authors write a decimal comma.
+            // Some authors write a decimal comma. A number for a switch or a choice is refused below, as any wrong
+            // value.
             _ => (text.replace(',', ".").parse::<f64>()).map_or_else(|_| text.into(), Value::from),
         },
     };

@@ -75,8 +75,10 @@ impl Question {
 
         for wrong in &gate.wrong {
             let answer = question.interaction.wrong(&wrong.answer, scene)?;
-            // In some run a known wrong answer may be right. To say that it is wrong would be a fault.
-            if question.score(&answer, 0, scene)? > FULL_MARKS {
+            // In some run a known wrong answer may be right. To say that it is wrong would be a fault. The event is the
+            // only one, since a trace has no known wrong answers.
+            let event = 0;
+            if question.score(&answer, event, scene)? > FULL_MARKS {
                 let message = format!("the wrong answer {answer} is right here");
                 return Err(wrong.answer.wrong(message));
             }
@@ -88,7 +90,8 @@ impl Question {
         Ok(question)
     }
 
-    /// Returns the question without its known wrong answers, which [`Self::of`] checks with it and adds.
+    /// Returns the question still without its known wrong answers: [`Self::of`] grades each by this question, and adds
+    /// it.
     fn unchecked(gate: &Gate, scene: &Scene) -> Result<Self, LessonError> {
         let fill = |text| scene.fill(text);
         let ask = fill(&gate.ask)?;
@@ -233,7 +236,8 @@ impl Question {
 
         let sentence = match (self.interaction.options(), answer) {
             _ if score > FULL_MARKS => None,
-            // An option has its own reason; other answers are compared with the known wrong ones.
+            // An option has its own sentence or none; other answers are compared with the known wrong ones. `score` has
+            // refused an option that there is not.
             (Some(options), Answer::Choice(option)) => options.sentences[*option].clone(),
             _ => known().or_else(|| self.otherwise.clone()),
         };

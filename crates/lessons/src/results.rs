@@ -416,8 +416,8 @@ impl Merged {
                 merged.all.len() - 1
             });
 
-            // Entries are compared by the name inside the file. A name that is given to a learner without one would differ
-            // between two copies of a file, and their entries would count twice.
+            // Entries are compared together with the name inside the file. A name that is given to a learner without
+            // one would differ between two copies of a file, and their entries would count twice.
             let into = &mut merged.all[at];
             merged.repeated += into.take_unseen(&results.entries, &results.learner, &mut seen);
             for vote in results.votes {

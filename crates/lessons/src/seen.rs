@@ -30,7 +30,7 @@ struct Named {
     is_chosen: bool,
 }
 
-/// Returns which part of a question is out of sight in its scene, if one is.
+/// Returns a sentence that says which part of a question is out of sight in its scene, or hard to point at, if one is.
 pub(crate) fn unseen(
     spec: &SceneSpec,
     gate: &Gate,
@@ -82,8 +82,10 @@ fn fitting(size: [f64; 2], canvas: [f64; 2]) -> f64 {
     (canvas[0] / size[0]).min(canvas[1] / size[1])
 }
 
-/// Returns which samples the layers of a scene leave out of the picture, if they leave out some.
+/// Returns a sentence that says which samples the layers of a scene leave out of the picture, if they leave out some
+/// that the picture needs.
 fn hidden_samples(spec: &SceneSpec, scene: &Scene) -> Option<String> {
+    // A scene that names no layers has those of the stage, which the window chooses.
     let layers = spec.layers.as_ref()?;
     let has = |name: &str| layers.iter().any(|layer| layer == name);
     // Trials with learners showed both faults: lines to samples that are not drawn, and holes where inserted ones are.
@@ -107,7 +109,7 @@ fn hidden_samples(spec: &SceneSpec, scene: &Scene) -> Option<String> {
 
 /// Returns all that a question names at places of the domain: in its text, its options and its list, and its key.
 fn named(gate: &Gate, question: &Question, scene: &Scene) -> Result<Vec<Named>, LessonError> {
-    // The samples below are valid ones, of which each has a point.
+    // Each sample below is one of the run, and so has a point.
     let of_sample = |sample: u32, is_chosen| Named {
         name: format!("sample {sample}"),
         at: scene
@@ -126,6 +128,8 @@ fn named(gate: &Gate, question: &Question, scene: &Scene) -> Result<Vec<Named>, 
     // The right samples and places are among the marks only once the question is answered.
     let is_done = true;
     let (chosen, not_chosen) = (true, false);
+    // A learner points at the samples and places of the list. A right place is marked once more beside its place in the
+    // list, and nobody chooses the mark.
     let marks = question
         .interaction
         .marks(&Draft::default(), is_done)
@@ -175,7 +179,7 @@ fn near_the_edge(
     canvas: [f64; 2],
 ) -> Option<String> {
     let [width, height] = canvas;
-    // On a small canvas a share of its side has to do.
+    // Where the canvas shows less than `MIN_ROOM` asks for, a share of its shorter side has to do.
     let needed = MIN_ROOM.min(MIN_SHARE * width.min(height) / scale);
 
     let room = |at: [f64; 2]| {

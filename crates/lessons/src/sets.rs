@@ -190,6 +190,7 @@ impl PointSet {
         };
         measured.map_err(|error| error.to_string())?;
 
+        // A report that was refused says why. Any other number that is missing is not defined for such a set.
         let refusal = || match &set.report {
             Some(Err(why)) => why.clone(),
             _ => format!("this set has no {}", number.key),
@@ -210,7 +211,8 @@ pub(crate) struct MeanPower {
 }
 
 /// Returns the mean power over a band of frequencies in 1/r, and its standard error: half of the frequencies are
-/// independent, and each power varies as much as its mean.
+/// independent, since opposite ones have the same power, and each power varies as much as its mean. Both are 0 in a
+/// band without frequencies.
 pub(crate) fn mean(power: &[MeanPower], [low, high]: [f64; 2]) -> (f64, f64) {
     let band = power
         .iter()
@@ -229,8 +231,8 @@ pub(crate) fn mean(power: &[MeanPower], [low, high]: [f64; 2]) -> (f64, f64) {
 
 /// Returns the root of the mean squared difference of two curves, at the frequencies of the first.
 pub(crate) fn rms(a: &[MeanPower], b: &[MeanPower]) -> f64 {
-    // The curves may have other frequencies: each is compared with the nearest one.
-    let value = |at: f64| {
+    // The two curves may have different frequencies: each of the first is compared with the nearest one of the second.
+    let nearest = |at: f64| {
         b.iter().min_by(|p, q| {
             (p.frequency - at)
                 .abs()
@@ -240,11 +242,11 @@ pub(crate) fn rms(a: &[MeanPower], b: &[MeanPower]) -> f64 {
 
     let squares = a
         .iter()
-        .filter_map(|p| Some((p.mean - value(p.frequency)?.mean).powi(2)));
+        .filter_map(|p| Some((p.mean - nearest(p.frequency)?.mean).powi(2)));
     let (sum, count) = squares.fold((0.0, 0.0), |(sum, count), square| {
         (sum + square, count + 1.0)
     });
 
-    // Two empty curves do not differ.
+    // Curves do not differ if one of them is empty.
     (sum / f64::max(count, 1.0)).sqrt()
 }

@@ -50,7 +50,8 @@ pub(crate) fn check(text: &str, line: usize, more: &[&str]) -> Result<(), Lesson
     let listed = names::functions().map(|(form, _)| form.split('(').next().unwrap_or(form));
     let functions: Vec<&str> = listed.chain(BUILT_IN).chain(OF_DEBUGGER).collect();
 
-    // The engine notices a misspelt name only when it evaluates the expression, in some run; here it is found with its line.
+    // The engine notices a misspelt name only when it evaluates the expression, in some run; here it is found with its
+    // line. Each word comes with the characters before and after it.
     for (before, word, after) in words(text) {
         // A word behind a point is a property, or a function called as a method; one before a bracket is a function.
         match (before, after) {
@@ -58,6 +59,7 @@ pub(crate) fn check(text: &str, line: usize, more: &[&str]) -> Result<(), Lesson
             (Some('.'), _) => {
                 return Err(LessonError::unknown(line, "property", word, &PROPERTIES));
             }
+            // A keyword such as `if` may stand before a bracket, too.
             (_, Some('(')) if functions.contains(&word) || KEYWORDS.contains(&word) => {}
             (_, Some('(')) => return Err(LessonError::unknown(line, "function", word, &functions)),
             _ if names.contains(&word) => {}

@@ -166,8 +166,8 @@ impl Translation {
         (missing, stale)
     }
 
-    /// Returns a translation file to be filled in: every text of a lesson that this one does not have, quoted, and every
-    /// one that it has with its translation.
+    /// Returns a translation file to be filled in: every text of a lesson in its order, quoted, with its translation
+    /// here, or `TODO` if it has none. Translations of texts that the lesson does not have are left out.
     #[must_use]
     pub fn renewed(&self, texts: &[&str]) -> String {
         let mut seen: Vec<&str> = Vec::new();

@@ -121,7 +121,8 @@ impl Vote {
 /// Returns the votes for each of the given number of options, at least one, from the words `A 12 B 30` or `12 30`.
 fn counts_of(words: &[&str], options: usize) -> Result<Vec<u32>, String> {
     let mut counts = vec![0; options];
-    // The option of the next count: the one behind that of the last count, or the one that a letter has named.
+    // The option of the next count: the first one, the one behind that of the last count, or the one that a letter has
+    // named.
     let mut at = 0;
     let mut is_named = false;
 
@@ -135,7 +136,7 @@ fn counts_of(words: &[&str], options: usize) -> Result<Vec<u32>, String> {
         if !letters.is_empty() {
             let option =
                 (0..options).find(|&option| letter(option).to_lowercase().eq(letters.chars()));
-            // The message names the last letter that there is.
+            // The message names the letter of the last option.
             let last = letter(options - 1);
             at = option.ok_or_else(|| wrong_word(&letters, last))?;
             is_named = true;
@@ -161,7 +162,7 @@ fn counts_of(words: &[&str], options: usize) -> Result<Vec<u32>, String> {
         at += 1;
     }
 
-    // Letters without counts would otherwise be a vote in which no learner took part.
+    // Letters without counts, or with counts of 0 alone, would be a vote in which no learner took part.
     if is_named && counts.iter().all(|&count| count == 0) {
         return Err("A count follows each letter: A 12 B 30.".to_owned());
     }

@@ -63,11 +63,13 @@ pub struct OnCanvas<'a> {
 }
 
 impl OnCanvas<'_> {
-    /// Returns a description of the rows: first the buffer, then how many rows the pass changed.
+    /// Returns a description of the rows in two parts that are read as one sentence: first the pass, the buffer and how
+    /// many rows there are, then how many of them the pass changed, which the window colours. Where no rows can be
+    /// shown, the first part says why, and the second is empty.
     #[must_use]
     pub fn text(&self) -> [String; 2] {
         let pass = format!("pass {} {}", self.pass + 1, self.name);
-        // Without rows the visit of the pass is on its way.
+        // Without rows the visit of the pass is still being made.
         let Some(rows) = &self.rows else {
             return [format!("{pass}: on its way"), String::new()];
         };

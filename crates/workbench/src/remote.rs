@@ -346,6 +346,9 @@ fn lesson(fields: &Map<String, Value>) -> Result<LessonRequest, RequestError> {
         });
     };
 
+    // The other fields are of some requests alone: "step" and "practice" of "open", "name" of "text", "practice" also
+    // of "again". Beside others they are not looked at.
+
     // The field is present, so that the default is never used.
     let value = text(field)?.unwrap_or_default();
     let refuse_unless_one_of = |names: &[&str]| {
@@ -382,6 +385,7 @@ fn lesson(fields: &Map<String, Value>) -> Result<LessonRequest, RequestError> {
         ("act", "keep") => LessonCommand::KeepResults,
         // The number draws the run on which the question is asked again; it is 0 if a page names none.
         ("act", "again") => LessonCommand::Practise(seed("practice")?.unwrap_or(0)),
+        // Only "act" is left, with a word that is none of those above.
         _ => return refuse_unless_one_of(&ACTS),
     }))
 }

@@ -47,13 +47,13 @@ pub(crate) fn lesson_of(
     let mut titles: Vec<String> = Vec::new();
     for (index, scene) in scenes.iter().enumerate() {
         let (caption, note) = split_caption(&scene.caption);
-        let (title, rest) = titled(caption);
+        let (sentence, rest) = titled(caption);
 
         // The name of a step is made from its title, and no two steps may have the same one. A number stands for a title that is
         // empty or taken.
-        let name = step_name(&title);
+        let name = step_name(&sentence);
         let is_taken = titles.iter().any(|other| step_name(other) == name);
-        let free_title = Some(title).filter(|_| !name.is_empty() && !is_taken);
+        let free_title = Some(sentence).filter(|_| !name.is_empty() && !is_taken);
         let title = free_title.unwrap_or_else(|| format!("Scene {}", index + 1));
 
         let _ = write!(text, "\n# {title}\n\n```run\n");
@@ -134,7 +134,8 @@ fn run(text: &mut String, parameters: &Parameters) {
 fn moment(text: &mut String, scene: &SavedScene) {
     let ended_stage = &scene.ends;
     let moment = match (ended_stage, &scene.anchor) {
-        // The pattern is made before the first event, and a scene without an anchor is at the start of its run.
+        // The pattern is made before the first event. A scene with neither a stage nor an anchor is at the start of its
+        // run.
         (Some(Stage::Pattern), _) | (None, None) => "start".to_owned(),
         // Only the parallel engine has a stage of regions. A lesson's run is made by the sequential engine, which records events,
         // so that no lesson can name the end of the regions.

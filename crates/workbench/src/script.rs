@@ -62,7 +62,7 @@ pub struct Refusal {
     pub number: usize,
     /// Why it was refused or failed, in sentences.
     pub why: String,
-    /// Whether a file could not be read or written.
+    /// Whether the command is one of files or exports. Most often a file could not be read or written.
     pub is_of_file: bool,
 }
 
@@ -130,7 +130,8 @@ fn apply(state: &mut State, command: &Command, next: Option<&Command>) -> Option
     state.settle();
 
     let notice = state.messages().notice.as_ref();
-    // A file that was written is no failure, whatever the notice says of the set in it.
+    // A notice with a folder is about a file that was written, which is no failure, whatever it says of the set in the
+    // file.
     let failed = notice
         .filter(|notice| notice.is_error && notice.folder.is_none())
         .map(|notice| notice.text.clone());

@@ -156,6 +156,7 @@ impl State {
         let lessons = &self.classroom.lessons;
         let hidden = || lessons.hidden_layers(self.runs.first.current_stage());
 
+        // An open question refuses by a remark, as the user did nothing wrong.
         match command {
             // A layer that would show the answer is refused alone; others can be switched.
             Command::Appearance(AppearanceCommand::ToggleLayer(layer)) if hidden().has(*layer) => {
@@ -252,7 +253,9 @@ impl State {
 
     /// Passes a command to the part of the state that it changes.
     fn dispatch(&mut self, command: Command) {
-        // Below, `s` is the state and `c` the context, which takes the effects that a part asks for.
+        // Below, `s` is the state and `c` the context, which takes the effects that a part asks for. `with` lends both,
+        // `on` and `with_of` lend them for one of the runs, and `in_scenes`, `in_class` and `in_exports` lend what
+        // scenes, lessons and exports need.
         match command {
             Command::Form(command) => self.with(|s, c| s.form.apply(command, c)),
             Command::Gpu(command) => self.with(|s, c| s.gpu.apply(command, c)),
@@ -334,8 +337,9 @@ impl State {
     fn step_in_history(&mut self, step: HistoryStep) {
         let now = Memento::of(self);
         let session = self.runs.first.session.as_ref();
-        // The run of the form may still be being made. If the session was not made from a form, as a combination is
-        // not, redo brings back that session instead.
+        // Redo makes the run of the form as it is now, which may differ from the session's: that run may still be in
+        // the making. If the session was not made from a form, as a combination is not, redo brings back the session
+        // itself.
         let is_of_form = session.is_none_or(|session| session.has_recipe());
         let typed = is_of_form.then(|| self.form.recipe());
         // The notice may be the question whether to make a large run again, which the same step answers.

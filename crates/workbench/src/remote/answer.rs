@@ -56,7 +56,8 @@ fn answer(state: &mut State, request: Request) -> Result<Value, RequestError> {
         }
         Request::State => return Ok(json!({"ok": true, "state": to_json(state)})),
         Request::Link(link) => {
-            let (_, warnings) = crate::link::read(&link);
+            // `open_link` reads the link once more. Here it is read for its warnings alone.
+            let (_content, warnings) = crate::link::read(&link);
             dropped = Some(warnings.sentences());
             state.open_link(&link);
         }
@@ -72,6 +73,7 @@ fn answer(state: &mut State, request: Request) -> Result<Value, RequestError> {
         Request::SeekTarget(target, direction) => seek_target(state, target, direction)?,
         Request::View(wanted) => look_as_wanted(state, &wanted),
         Request::Play(speed) => play_at(state, speed)?,
+        // By an effect, since the command of users toggles between play and pause.
         Request::Pause => state.carry_out(Which::First, vec![Effect::Pause]),
     }
 
@@ -83,6 +85,7 @@ fn answer(state: &mut State, request: Request) -> Result<Value, RequestError> {
 
 /// Starts a run with other parameters; the view stays as it is.
 fn load(state: &mut State, parameters: Parameters) {
+    // The list of lessons would cover the run, and a lesson that was asked for and is not there yet would replace it.
     state.in_class(|class, _| class.lessons.close_list());
 
     let form = Form {
@@ -187,7 +190,8 @@ fn step_by(state: &mut State, forwards: bool, unit: Clock) -> Result<(), Request
     let before = state.time().playback.clone();
     let mut by_unit = before.clone();
     by_unit.clock = unit;
-    // The unit is changed for this step alone: afterwards playback is as it was before.
+    // The unit is changed for this step alone, which changes nothing else of playback: afterwards it is as it was
+    // before.
     state.carry_out(Which::First, vec![Effect::Playback(Box::new(by_unit))]);
     state.apply(Command::Time(step));
     state.carry_out(Which::First, vec![Effect::Playback(Box::new(before))]);
@@ -257,7 +261,7 @@ fn seek_target(
 fn look_as_wanted(state: &mut State, wanted: &Wanted) {
     let mut effects = Vec::new();
     if wanted.whole || wanted.camera.is_some() {
-        // No camera shows the whole domain.
+        // The effect takes `None` for the whole domain.
         effects.push(Effect::Camera(wanted.camera));
     }
     let mut appearance = state.appearance().clone();

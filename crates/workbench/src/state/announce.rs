@@ -18,6 +18,7 @@ pub struct Announcer {
 
 impl Announcer {
     /// Updates the announcement, in the language of the window, if the moment, the verdict or the notice has changed.
+    /// During playback the moment is that of the stage.
     pub(super) fn follow(
         &mut self,
         run: &RunView,
@@ -77,7 +78,8 @@ fn verdict_text(run: &RunView) -> Option<(u64, String)> {
                 (false, false) => "The verifier found conflicts and gaps.",
             };
 
-            // A verdict on nested levels is about a prefix, and says whether it is as promised for its number of samples.
+            // A verdict on nested levels is about a prefix, whose radius and covering are promised for its number of
+            // samples. Whether they are as promised is said in place of conflicts and gaps.
             match verdict.claim {
                 Some(claim) => {
                     let word = if verdict.valid() { "" } else { " not" };

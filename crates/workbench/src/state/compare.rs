@@ -105,7 +105,7 @@ impl Runs {
         refused.map(|error| tilescope_session::words::sentence(&error.to_string()))
     }
 
-    /// Returns the sessions of the two runs, and the comparison.
+    /// Returns the sessions of the two runs, once both are there.
     fn compared(&self) -> Option<[&Arc<Session>; 2]> {
         let (side, _) = self.second.as_ref()?;
         Some([self.first.session.as_ref()?, side.session.as_ref()?])
@@ -196,7 +196,7 @@ impl Runs {
         context.ask(Effect::OpenPanel(Panel::Compare));
 
         let (side, _) = self.second.get_or_insert_default();
-        // The view of the second run begins anew, but in the same place of the window.
+        // The second run begins anew: of the old one only its place in the window stays.
         let viewport = side.viewport;
         *side = RunView::default();
 
@@ -208,10 +208,11 @@ impl Runs {
         }
         side.rows = session.outline.as_ref().map(OutlineRows::new);
 
+        // It is seen as the first one is.
         let first = &self.first;
         (side.stage, side.camera, side.viewport) = (first.stage, first.camera, viewport);
         (side.fitted, side.before_pattern) = (first.fitted, first.before_pattern);
-        // Nested levels are shown whole.
+        // Of nested levels all samples are shown; other sessions have no prefix that this would change.
         side.show_whole(session.summary.count);
         side.session = Some(session);
 
@@ -401,6 +402,7 @@ impl Runs {
         // The moments right after the events show what differs, so that the cursors are one behind the events.
         let [behind_a, behind_b] = events.map(|event| event + 1);
         self.first.jump(behind_a);
+        // The camera of the second run follows if the two are linked. Otherwise it stays where the user has put it.
         self.first.apply_to_view(ViewCommand::GoToCurrent, context);
         if let Some((side, _)) = &mut self.second {
             side.jump(behind_b);

@@ -40,6 +40,7 @@ impl Runs {
             None => task::start(&context.wake, SampleTask { recipe, generation }),
         };
 
+        // If there is no second run, a job for it is dropped, which stops it.
         if let Some(run) = self.get_mut(which) {
             run.sampling = Some(job);
         }
