@@ -142,7 +142,7 @@ impl FileState {
             FileCommand::Chosen(files) => self.choose(files),
             FileCommand::Browse => self.browse(context),
             FileCommand::Go => self.save_or_read(run, saved, context),
-            // The file may be a point set to be compared with the first run, so that it waits until there is one.
+            // The file may be a point set to be compared with the first run. So every file waits until there is a run.
             FileCommand::Open(path) => self.awaiting = Some(path),
             FileCommand::Last => self.reopen_last(run, context),
             FileCommand::SaveCurve(format) => self.save_curve(run, format, context),
@@ -204,6 +204,7 @@ impl FileState {
     /// Opens the sheet for a purpose, with a path to begin with.
     fn open_sheet(&mut self, purpose: Purpose, session_path: Option<&str>) {
         let path = match purpose {
+            // No name is likelier than another for a pattern, a layout or a set to be compared.
             Purpose::Pattern | Purpose::Combination | Purpose::Against => String::new(),
             // In a browser, files are chosen in its dialog, without a path.
             Purpose::Open if self.in_browser() => String::new(),
@@ -219,7 +220,8 @@ impl FileState {
         });
     }
 
-    /// Returns whether files are chosen in a browser and downloaded, instead of having paths.
+    /// Returns whether files are chosen in a browser and downloaded, instead of having paths. The native program does
+    /// so only in tests, which act as a page.
     #[must_use]
     pub fn in_browser(&self) -> bool {
         self.delivery == Delivery::Download
@@ -245,7 +247,7 @@ impl FileState {
         };
         #[cfg(not(target_arch = "wasm32"))]
         match files::dialog::refusal() {
-            // Files without paths are not chosen in the system's dialog.
+            // A test that acts as a page has no system's dialog, as it gives files without paths.
             _ if self.in_browser() => {}
             Some(why) => context.tell_error(why),
             None => self.finding = Some((form.purpose, files::browse(form, &context.wake))),
@@ -309,14 +311,14 @@ impl FileState {
     ) {
         // A set that is to be compared with the run must have the run's domain and radius: the task checks that.
         let domain = run.session.as_ref().map(|session| session.run().domain);
-        let run = domain.map(|domain| (region(&domain), domain.radius()));
+        let region_and_radius = domain.map(|domain| (region(&domain), domain.radius()));
 
         let generation = context.next_generation();
         let task = ReadTask {
             purpose,
             source,
             generation,
-            run,
+            run: region_and_radius,
         };
 
         let job = task::start(&context.wake, task);
@@ -498,7 +500,7 @@ impl FileState {
         context.tell_error(why);
     }
 
-    /// Writes a file, by default a new one beside where the program runs; on a page, downloads it.
+    /// Writes a file to its path, or without a path to a new one in the current folder; on a page, downloads it.
     pub(super) fn save_new(&self, file: NewFile, context: &mut Context) {
         let NewFile {
             stem,

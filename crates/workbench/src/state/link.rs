@@ -195,6 +195,7 @@ impl<'a> LinkSource<'a> {
                 }
             }
             Some(combination) if combination.files > 0 => {
+                // The link has the parameters as typed, so that it leads to their run.
                 left_out.push("the combination, which has sets from files".to_owned());
                 // The moment is one of the combination that is left out.
                 content.moment = NamedMoment::End;
@@ -228,7 +229,8 @@ impl<'a> LinkSource<'a> {
         }
     }
 
-    /// Returns the parameters of run B for a link; `None` if there is no run B, or if it has to be left out.
+    /// Returns the parameters of run B for a link; `None` if there is no run B, or if it has to be left out. `made` are
+    /// those of the run B that is there, if it is made of parameters alone.
     fn linked_second(
         &self,
         made: Option<Parameters>,
@@ -304,11 +306,12 @@ impl RunView {
             .session
             .as_ref()
             .and_then(|session| session.nested.as_ref());
-        let below = match moment {
-            NamedMoment::Rank(below) => nested.and_then(|nested| nested.below(*below)),
+        // How many samples have ranks below that of the link.
+        let count_below = match moment {
+            NamedMoment::Rank(rank) => nested.and_then(|nested| nested.below(*rank)),
             _ => None,
         };
-        if let Some(count) = below {
+        if let Some(count) = count_below {
             return self.jump(count);
         }
 
@@ -337,8 +340,9 @@ impl RunView {
             (NamedMoment::Event(_), None, _) => {
                 Some("The link asked for an event, and this run has none".to_owned())
             }
-            (NamedMoment::Rank(below), ..) => Some(format!(
-                "The link asked for ranks below {below}, and only nested levels that are made from parameters have ranks"
+            // The samples below a rank were jumped to above, if the run has ranks.
+            (NamedMoment::Rank(rank), ..) => Some(format!(
+                "The link asked for ranks below {rank}, and only nested levels that are made from parameters have ranks"
             )),
             (NamedMoment::Stage(name), ..) => {
                 Some(format!("This run has no stage \"{}\"", quoted(name)))
@@ -372,7 +376,8 @@ impl RunView {
         };
 
         let len = debugger.recording().len();
-        // A scene of another run is found by its anchor, so that the number of its event need not fit this run.
+        // A scene that names no run is of the link's own run. One of another run is found by its anchor, so that the
+        // number of its event need not fit this run.
         let fits = |scene: &&SavedScene| !scene.run.is_empty() || scene.event <= len;
         let scenes: Vec<SavedScene> = content.scenes.iter().filter(fits).cloned().collect();
         let after_end = content.scenes.len() - scenes.len();

@@ -179,7 +179,7 @@ impl Scenes {
         if let Some(shown) = &mut self.shown
             && shown.list == SceneList::Own
         {
-            // The new scene is of the moment that is shown, and so is the shown one from now on.
+            // The new scene, behind the shown one, is of the moment that is shown: from now on it is the shown scene.
             shown.index += 1;
         }
 
@@ -200,6 +200,7 @@ impl Scenes {
         source: &SceneSource,
         context: &mut Context,
     ) {
+        // If no scene is shown, the user's first one comes next, and none is before it.
         let (list, to) = match (self.shown, direction) {
             (None, Direction::Forwards) => (SceneList::Own, Some(0)),
             (None, Direction::Backwards) => (SceneList::Own, None),

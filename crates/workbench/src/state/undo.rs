@@ -39,16 +39,21 @@ pub(super) struct Memento {
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 enum Typed {
     Parameter(Parameter),
+    /// Of the breakpoint of this index.
     Condition(usize),
     Watch(usize),
+    /// Of the scene of this index.
     Caption(usize),
+    /// How many samples nested levels have exactly.
     Exactly,
+    /// The radius as a function of x and y.
     Expression,
+    /// The radius of white, of an image.
     White,
     CurveHeight,
 }
 
-/// Returns the field in which a command types.
+/// Returns the field in which a command types, or whose value it changes step by step; `None` for all other commands.
 const fn typed_in(command: &Command) -> Option<Typed> {
     Some(match command {
         Command::Form(FormCommand::Type(field, _) | FormCommand::Nudge(field, _)) => {
@@ -148,8 +153,8 @@ impl Change {
         ))
     }
 
-    /// Asks for the effects that restore its snapshot, to undo the change or to redo it; `layout` and `made` are the
-    /// present ones.
+    /// Asks for the effects that restore its snapshot, to undo the change or to redo it; `layout` is the layout that is
+    /// shown, and `made` is what the run that is shown was made from.
     fn recall(self, layout: &Layout, made: Option<&Made>, context: &mut Context) {
         let Self { part, memento } = self;
         match part {
@@ -272,8 +277,8 @@ impl History {
         });
 
         self.typing = None;
-        // If the run shown is still the one from before the last step, the run of that step was cancelled. The step then stands for the
-        // new run, too.
+        // If the run shown is still the one from before the last step, the run of that step was cancelled. The step
+        // then stands for the new run, too, unless this change replaces more than the run and its form.
         let was_cancelled = last.is_some_and(|index| self.past[index].memento.made == before.made);
         if was_cancelled && part == UndoPart::Run {
             self.future.clear();
@@ -326,7 +331,8 @@ impl History {
 
         let (layout, made) = (now.layout.clone(), now.made.clone());
         let mut memento = now;
-        // The run of the typed parameters may not be ready yet: redo must make that one, not the one that is shown.
+        // Redo is to make the run of the typed parameters, which may not be ready yet, and not the one that is shown.
+        // An undo after a redo makes the run that was shown before it.
         if change.makes_run() && step == HistoryStep::Undo {
             memento.made = typed.map(Made::Run).or(memento.made);
         }

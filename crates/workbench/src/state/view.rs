@@ -24,7 +24,8 @@ impl SavedView {
     pub fn of(state: &State) -> Self {
         let runs = &state.runs;
         let first = &runs.first;
-        // The camera of the pattern is not saved, as the pattern has its own domain.
+        // While the pattern is shown, its camera is not saved, as the pattern has a domain of its own: the camera to
+        // return to is.
         let (camera, fitted) = first.before_pattern.unwrap_or((first.camera, first.fitted));
         let second = runs.second.as_ref();
         // Without a second run the links are those with which one begins.

@@ -90,6 +90,7 @@ impl WindowState {
 
             WindowCommand::ResetLayout => {
                 self.layout = Layout::default();
+                // The panels that were put away to be brought back together are in the layout again.
                 self.put_away = PanelSet::default();
             }
 

@@ -62,7 +62,8 @@ fn deliver(job: &ExportJob, delivery: Delivery, monitor: &Monitor) -> Outcome {
 }
 
 impl Exports {
-    /// Starts the export of the sheet. If that replaces a file, the first call only asks.
+    /// Starts the export of the sheet. If that replaces a file, the first call only asks. Does nothing while an export
+    /// runs.
     pub(super) fn start(
         &mut self,
         source: ExportSource<'_>,
@@ -115,7 +116,7 @@ impl Exports {
             }
         }
 
-        // Only the dialog needs them, and a page has no such dialog.
+        // Only the dialog needs source and delivery, and a page has no such dialog.
         #[cfg(target_arch = "wasm32")]
         let _ = (source, delivery);
 
@@ -167,7 +168,7 @@ impl Exports {
     /// Closes the sheet of an export that has succeeded, and shows a notice of it; `download` is the name of the file that is
     /// downloaded instead of written.
     fn exported(&mut self, written: &Written, download: Option<&str>, context: &mut Context) {
-        // The sheet may have been opened for another file since.
+        // The sheet may have been opened for another file since the export began.
         let this = |form: &ExportForm| form.file() == written.path;
         if self.sheet.as_ref().is_some_and(this) {
             self.sheet = None;

@@ -51,6 +51,7 @@ impl RunView {
             }
             ViewCommand::CopyPosition(place) => {
                 if let Some(session) = &self.session {
+                    // Places of the window are in r, and a text for other programs is in the unit of the domain.
                     let DVec2 { x, y } = place * session.run().domain.radius();
                     context.ask(Effect::Copy(format!("{x:.6}, {y:.6}")));
                 }
@@ -119,7 +120,8 @@ impl RunView {
         }
     }
 
-    /// Selects the sample nearest to the middle of the view, if within r of it, otherwise the place.
+    /// Selects the sample nearest to the middle of the view, if one is at most r from it along each axis, otherwise the
+    /// place in the middle.
     fn select_middle(&mut self, context: &Context) {
         let Some(shown) = self.shown() else {
             return;
@@ -127,7 +129,9 @@ impl RunView {
 
         let middle = self.camera.center;
         let mut best: Option<(f64, u32)> = None;
-        shown.session.index.visit(middle, middle, 1.0, |seen| {
+        // A rectangle without extent, widened by 1 r to each side.
+        let reach = 1.0;
+        shown.session.index.visit(middle, middle, reach, |seen| {
             let distance = seen.position.distance(middle);
             // The index has all samples of the run, also those that are not there yet.
             let there = shown.standing(seen.id) != tilescope_core::Standing::Absent;
@@ -280,8 +284,9 @@ impl RunView {
         }
     }
 
-    /// Keeps the last event in view, if the cursor is no longer `before`: flies closer if the view is wide, and pans where the
-    /// event is near its edge. At the end of a stage, which concerns the whole domain, the camera stays.
+    /// Keeps the last event in view, if the cursor is no longer `before`: flies closer if the view is wide, and at the
+    /// same scale to the event if that is near the edge. At the end of a stage, which concerns the whole domain, the
+    /// camera stays.
     pub(in crate::state) fn follow_event(
         &mut self,
         before: Option<(usize, usize)>,
@@ -293,8 +298,8 @@ impl RunView {
         }
     }
 
-    /// Shows the event that was looked for, with the samples at both of its ends. At the end of the run there was none to
-    /// be found, and the camera stays.
+    /// Shows the event that was looked for, with the samples at both of its ends. At the end of the run no such event
+    /// was found, and the camera stays.
     pub(in crate::state) fn lead_to_event(&mut self, context: &Context) {
         if !self.is_at_end() {
             self.approach_event(context);
@@ -320,7 +325,7 @@ impl RunView {
         })
     }
 
-    /// Flies to the current event, if it is out of sight or too small to be seen.
+    /// Flies to the current event, if it is near the edge of the view, out of sight or too small to be seen.
     fn approach_event(&mut self, context: &Context) {
         let Some(place) = self.middle_of_event() else {
             return;
@@ -334,16 +339,18 @@ impl RunView {
         let at = camera.screen_from_domain(self.viewport, place);
 
         if is_wide || !self.inner_viewport().contains(at) {
-            let radii = if is_wide {
+            // A view that is not wide keeps its width.
+            let width = if is_wide {
                 NEIGHBOURHOOD
             } else {
                 room / camera.scale
             };
-            self.fly_to(place, radii, context);
+            self.fly_to(place, width, context);
         }
     }
 
-    /// Flies to the gap that contains a place, otherwise to its block.
+    /// Selects a place, and flies to the gap that contains it, otherwise to its block. Outside the domain it does
+    /// nothing.
     fn fly_to_block(&mut self, place: DVec2, context: &Context) {
         let gap = self.shown().and_then(|shown| {
             let is_gap = self.geometry.is_gap(&shown, place);
@@ -407,8 +414,9 @@ impl RunView {
             None => self.show_stage(session.stages.len() - 1),
         }
 
+        // The mark comes after the jump, which may remove the one that is there.
         self.witness_mark = Some(witness_mark);
-        // A view of 9 radii shows the witness with the samples around it.
+        // A view of 9 radii shows the witness with the samples around it. Chosen, not measured.
         self.fly_to(center, 9.0, context);
     }
 

@@ -95,7 +95,7 @@ impl RunView {
                     rows.toggle(outline, event);
                 }
             }
-            // The others concern the debugger alone: breakpoints, watches, and the jump to a cause.
+            // The other commands concern the debugger alone: breakpoints, watches, and the jump to a cause.
             command => {
                 if let Some(debugger) = &mut self.debugger {
                     change(debugger, command);
@@ -208,7 +208,8 @@ impl RunView {
         }
     }
 
-    /// Selects a sample, a place or nothing, and starts looking up its history.
+    /// Selects a sample, a place or nothing, and starts looking up its history. Does nothing if the session does not
+    /// have the sample or the place.
     pub(in crate::state) fn pick(&mut self, selection: Selection, context: &Context) {
         if !self.can_select(selection) {
             return;
@@ -267,7 +268,7 @@ impl Task for FindEventsTask {
     }
 }
 
-/// Applies a command that concerns the debugger alone.
+/// Applies a command that concerns the debugger alone. An index that nothing has changes nothing.
 fn change(debugger: &mut Debugger, command: DebugCommand) {
     match command {
         DebugCommand::ToggleBreakpoint(line) => toggle(debugger, line),
@@ -308,7 +309,7 @@ fn toggle(debugger: &mut Debugger, line: LineId) {
     }
 }
 
-/// Replaces a condition; the order of the breakpoints stays.
+/// Replaces the condition of the breakpoint of an index; the order of the breakpoints stays.
 fn replace_condition(debugger: &mut Debugger, index: usize, text: &str) {
     // A new breakpoint comes behind all others. To keep their order, this one and all behind it are removed and added again.
     let tail: Vec<_> = debugger.breakpoints().iter().skip(index).cloned().collect();
@@ -318,6 +319,7 @@ fn replace_condition(debugger: &mut Debugger, index: usize, text: &str) {
     }
 
     for (offset, breakpoint) in tail.iter().enumerate() {
+        // The first of them is the breakpoint whose condition changes.
         let condition = if offset == 0 {
             text
         } else {

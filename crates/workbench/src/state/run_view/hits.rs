@@ -29,7 +29,8 @@ pub struct Hits {
 }
 
 impl Hits {
-    /// Returns the number of stops in words, once known.
+    /// Returns the number of stops in words, that it is being counted, or why it could not be. `None` without
+    /// breakpoints.
     #[must_use]
     pub fn description(&self) -> Option<String> {
         match &self.found {
@@ -72,7 +73,8 @@ impl RunView {
 
         let enabled = debugger.breakpoints().iter().filter(|b| b.enabled);
         let breakpoints = enabled.map(|b| (b.line, b.condition.as_str()));
-        // The comparison makes no copies, because it is made in every frame.
+        // The comparison with the breakpoints that were looked for last makes no copies, because it is made in every
+        // frame.
         let same = self.hits.key.as_ref().is_some_and(|(generation, known)| {
             let known = known.iter().map(|(line, text)| (*line, text.as_str()));
             *generation == session.generation && known.eq(breakpoints.clone())
@@ -132,13 +134,13 @@ fn hits(
         debugger.add_breakpoint(*line, condition);
     }
 
-    debugger.jump(0);
+    // A new debugger stands at the start of the run.
     let go_on = || !monitor.is_cancelled();
 
     let (mut found, mut unclear) = (Vec::new(), 0);
     while found.len() < MAX_HITS && unclear < MAX_UNCLEAR && go_on() {
         match debugger.run_while(Direction::Forwards, &go_on) {
-            // Only a run to a target ends at one, and this is none.
+            // `run_while` has no target, so that it never stops at one.
             Stop::Breakpoint(_) | Stop::Target => found.push(debugger.state().cursor()),
             // A condition that cannot be evaluated stops a run, but is not counted as a hit.
             Stop::BadCondition(..) => unclear += 1,

@@ -46,7 +46,8 @@ impl RunView {
         if before != passes.selected()
             && let Some(stage) = passes.whole_stage()
         {
-            // A session without events does not have the last iteration as a stage. The last stage up to it is then shown.
+            // A session without events does not have the last iteration as a stage. The last one of its stages that
+            // does not come after that is then shown.
             let stages = self.session.iter().flat_map(|session| &session.stages);
             let count = stages.take_while(|&&other| other <= stage).count();
             if count > 0 {
@@ -54,7 +55,8 @@ impl RunView {
             }
         }
 
-        // The passes keep this moment, as their buffers stay on the canvas until the timeline leaves it.
+        // The passes keep the moment that is shown now, as their buffers stay on the canvas until the timeline leaves
+        // it.
         let moment = self.moment();
         if let Some(passes) = &mut self.passes {
             passes.note_moment(moment);
