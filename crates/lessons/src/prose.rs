@@ -89,6 +89,7 @@ pub fn filled(
 
     while let Some(at) = rest.find(['{', '}']) {
         filled.push_str(&rest[..at]);
+        // A brace is one byte.
         let (brace, after) = rest[at..].split_at(1);
 
         // A brace that is written twice stands for itself.

@@ -26,6 +26,7 @@ pub fn verify(
     judge: Option<&str>,
     progress: Option<Py<PyAny>>,
 ) -> PyResult<String> {
+    // Where the radius varies, the set's own is the least one, and `varying` has the others.
     let (points, region, radius) = (set.points()?, set.region()?, set.radius()?);
     let (options, claimed, varying) = (verify_options(judge)?, claims(&set.levels), set.varying());
 

@@ -133,7 +133,8 @@ impl FileState {
             }
             FileCommand::Path(path) => {
                 if let Some(form) = &mut self.sheet {
-                    // The question whether to replace a file was about another path.
+                    // The question whether to replace a file was about another path, and chosen files have no path at
+                    // all.
                     (form.path, form.asked) = (path, false);
                     form.chosen = Arc::default();
                 }

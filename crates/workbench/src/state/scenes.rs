@@ -114,8 +114,8 @@ impl Scenes {
                         debugger.scenes.remove(index);
                     }
                 });
-                // The removed scene may be the one that is shown, so that none is shown from now on. A scene of the tour is in another list,
-                // and stays.
+                // The removed scene may be the one that is shown, and those behind it have other indices now. So none
+                // is shown from now on, but a scene of the tour, which is in another list, stays.
                 self.shown = self.shown.filter(|_| self.is_touring());
             }
 
