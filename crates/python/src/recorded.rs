@@ -32,7 +32,8 @@ pub fn recorded_numbers<'py>(
         // Recording a run does not change its numbers, so that it is made without its events.
         let made = tilescope_core::sample(&parameters, &mut watch.observer())?;
 
-        // Positions are looked up by their bits: files and shuffled sets have the same ones in another order.
+        // `result` has the numbers of the samples in the order of their positions. Positions are looked up by their
+        // bits: files and shuffled sets have the same ones in another order.
         let numbered = made.result.iter().zip(made.positions());
         let by_place: HashMap<[u64; 2], u32> = numbered
             .map(|(&number, place)| (place.map(f64::to_bits), number))

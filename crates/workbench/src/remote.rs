@@ -5,7 +5,7 @@ use glam::DVec2;
 
 use serde::{Deserialize, Serialize};
 use serde_json::{Map, Value};
-use tilescope_core::{MAXIMAL_DENSITY, Parameters, PatternSpec};
+use tilescope_core::{MAXIMAL_DENSITY, Parameters};
 
 use tilescope_classroom::lessons::{LessonCommand, WantedLesson};
 use tilescope_debugger::{Direction, Target, method_refusal};
@@ -525,14 +525,11 @@ fn parameters(value: &Value) -> Result<Parameters, RequestError> {
         Parameters::deserialize(&all)
             .map_err(|error| RequestError::Parameters(format!("the parameters: {error}")))
     };
-    // The usual pattern depends on the other parameters, except for its boundary, so that these are read first. Then given parts
-    // of the pattern replace those of the usual one.
+    // The usual pattern depends on the other parameters, so that all are read first. Read once more, the given parts of
+    // the pattern replace those of the usual one.
     let asked = laid_over(Parameters::default())?;
     let parameters = laid_over(Parameters {
-        pattern: PatternSpec {
-            boundary: Parameters::default().pattern.boundary,
-            ..asked.usual_pattern()
-        },
+        pattern: asked.usual_pattern(),
         ..Parameters::default()
     })?;
 
