@@ -205,7 +205,7 @@ impl FileState {
     /// Opens the sheet for a purpose, with a path to begin with.
     fn open_sheet(&mut self, purpose: Purpose, session_path: Option<&str>) {
         let path = match purpose {
-            // No name is likelier than another for a pattern, a layout or a set to be compared.
+            // Unlike a session, a pattern, a layout or a set to be compared has no usual name.
             Purpose::Pattern | Purpose::Combination | Purpose::Against => String::new(),
             // In a browser, files are chosen in its dialog, without a path.
             Purpose::Open if self.in_browser() => String::new(),
