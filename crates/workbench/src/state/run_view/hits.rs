@@ -30,7 +30,7 @@ pub struct Hits {
 
 impl Hits {
     /// Returns the number of stops in words, that it is being counted, or why it could not be. `None` without
-    /// breakpoints.
+    /// enabled breakpoints.
     #[must_use]
     pub fn description(&self) -> Option<String> {
         match &self.found {
