@@ -129,7 +129,7 @@ fn named(gate: &Gate, question: &Question, scene: &Scene) -> Result<Vec<Named>, 
     let is_done = true;
     let (chosen, not_chosen) = (true, false);
     // A learner points at the samples and places of the list. A right place is marked once more beside its place in the
-    // list, and nobody chooses the mark.
+    // list, and that mark is not chosen.
     let marks = question
         .interaction
         .marks(&Draft::default(), is_done)
