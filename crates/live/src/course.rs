@@ -45,8 +45,8 @@ impl Course {
         // What comes before the first event of a run is its pattern.
         let mut recorder = CourseRecorder::from(Stage::Pattern);
         for event in recording.tape().iter() {
-            // Most events change no sample and begin no stage, and unpacking them would take most of the time. A
-            // recording may leave out some of these for its budget, but no change.
+            // Most events change no sample and begin no stage. They are counted only, as unpacking them would take most
+            // of the time. A recording may lack some of them for its budget, but has every change.
             let run_event = match event.kind() {
                 EventKind::Begin
                 | EventKind::Iteration

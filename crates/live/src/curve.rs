@@ -22,7 +22,7 @@ pub const MAX_SAMPLES_OF_SPECTRUM: usize = 20_000;
 /// The fewest moments of a curve: its two ends.
 pub const MIN_MOMENTS: usize = 2;
 
-/// The steps that reading the numbers of a moment counts for, beside those of the spectrum.
+/// The steps that reading the numbers of a moment counts for, beside those of the spectrum. Chosen, not measured.
 const READING: u64 = 100;
 
 /// Numbers of a run over its events.
@@ -101,7 +101,8 @@ pub struct CurveMaker {
 
 impl CurveMaker {
     /// Begins the curve of `numbers`. It is read at both ends of the run and after every change of its samples, or at
-    /// `moments` of these that are evenly spread among them.
+    /// `moments` of these that are evenly spread among them. If a number is of the spectrum and `moments` is not given,
+    /// there are at most [`MOMENTS_OF_SPECTRUM`].
     ///
     /// Each number must be one that every moment has: [`crate::numbers_named`] returns such numbers.
     ///
@@ -209,13 +210,15 @@ fn spread_cursors(course: &Course, most: usize) -> Vec<usize> {
         .chain(after)
         .chain([course.events()])
         .collect();
-    // The last event of a recording that was cut off may be a change.
+    // The end is listed twice if the last event is a change, as in an order of samples and in a recording that was cut
+    // off, or if there are no events.
     all.dedup();
     if all.len() <= most {
         return all;
     }
 
     let last = all.len() - 1;
+    // In 128 bits no product of two numbers of moments overflows.
     let index = |moment: usize| (moment as u128 * last as u128 / (most - 1) as u128) as usize;
     (0..most).map(|moment| all[index(moment)]).collect()
 }

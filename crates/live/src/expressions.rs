@@ -47,6 +47,7 @@ fn follow(recording: &Recording) -> NumberAt {
 
     let mut moment = LiveMoment::new(Arc::new(Course::of_recording(recording)));
     Box::new(move |key, cursor, steps| {
+        // Expressions name only numbers of the list above, so that there is one.
         let Some(number) = number(key) else {
             return Ok(NumberValue::Undefined);
         };

@@ -176,7 +176,8 @@ impl<M: Follows> Kept<M> {
         let change = measure.cost_of_change();
 
         let ahead = self.ahead.as_ref().map(|ahead| {
-            // It will be the measure of the moment for which it was begun, and takes the changes from there.
+            // The measure that is being made will be that of `ahead.target`, and takes the changes from there. A
+            // renewal counts the measure's own steps, unlike the costs of `Follows`.
             let left = ahead.renewal.steps_left().div_ceil(M::RATE);
             left + change * ahead.target.abs_diff(target) as u64
         });
@@ -217,7 +218,8 @@ impl<M: Follows> Kept<M> {
         steps.div_ceil(M::RATE)
     }
 
-    /// Takes one change on the way to the moment after `target` of them, which must not be the measure's own.
+    /// Takes one change, or takes one back, on the way to the moment after `target` changes. The measure must not be at
+    /// that moment yet. Returns the steps.
     fn step(&mut self, course: &Course, target: usize) -> u64 {
         let is_forwards = self.taken < target;
         let index = if is_forwards {

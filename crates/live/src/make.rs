@@ -68,18 +68,19 @@ impl Course {
     ///
     /// As [`Self::of_run`].
     pub fn of_exact(recipe: &Recipe, observer: &mut dyn Observer) -> Result<Self, CourseError> {
+        // With a count, the radius of the parameters is an estimate, which is good enough for this check.
         Self::check(&recipe.parameters)?;
-        // The radius of a count is searched for, by making sets.
+        // The radius that gives the count is searched for, by making sets.
         let radius = match recipe.count {
             Some(_) => recipe.exact(observer)?.facts.radius,
             None => recipe.parameters.radius,
         };
-        let asked = Parameters {
+        let parameters = Parameters {
             radius,
             ..recipe.parameters
         };
 
-        let recording = Recording::new(&asked.as_exact(), DEFAULT_BUDGET, observer)?;
+        let recording = Recording::new(&parameters.as_exact(), DEFAULT_BUDGET, observer)?;
         Ok(Self::of_recording(&recording))
     }
 
@@ -89,8 +90,9 @@ impl Course {
     ///
     /// As [`Self::of_run`].
     pub fn of_reference(recipe: &Recipe, observer: &mut dyn Observer) -> Result<Self, CourseError> {
+        // With a count, the radius of the parameters is an estimate, which is good enough for this check.
         Self::check(&recipe.parameters)?;
-        // The radius of a count is searched for, by making sets.
+        // The radius that gives the count is searched for, by making sets.
         let radius = match recipe.count {
             Some(_) => recipe.reference(observer)?.facts.radius,
             None => recipe.parameters.radius,
@@ -117,13 +119,15 @@ impl Course {
         nested: &NestedRequest,
         observer: &mut dyn Observer,
     ) -> Result<Self, CourseError> {
-        // An exact number of samples decides the radius, with which the run is checked.
+        // Unless the request is for exactly so many samples, the radius of the parameters is used, which is already an
+        // estimate if the recipe has a count.
         let mut expected = recipe.parameters;
         if let Some(count) = nested.exactly {
             expected.radius = radius_estimate(&expected, count as u64)?;
         }
         Self::check(&expected)?;
 
+        // The recipe's count is met to within a hundredth, and the request's exactly. The recipe's comes first.
         let made = match recipe.count {
             Some(count) => nested.of_count(&recipe.parameters, count, observer)?,
             None => nested.make(&recipe.parameters, observer)?,

@@ -89,9 +89,9 @@ impl Spectra {
         Ok(steps)
     }
 
-    /// Makes the spectrum of a stride where there is none. Where that of all frequencies is nearer to the moment, it is
-    /// thinned and takes the place of the other: so it is after a rest, during which it alone was moved. Returns the
-    /// steps.
+    /// Makes the spectrum of the stride at `index` where there is none. If the spectrum of all frequencies, thinned,
+    /// gets to the moment in fewer steps, it replaces that of the stride. So it is after a rest, during which the
+    /// spectrum of all frequencies was moved, and no other. Returns the steps.
     fn begin(&mut self, index: usize, course: &Course, target: usize) -> Result<u64, MeasureError> {
         let stride = index as u32 + 1;
         self.kept[index]

@@ -110,7 +110,8 @@ pub struct Timed {
     pub frequencies: f64,
 }
 
-/// Moves a cursor of a recording, and returns what it took by `seconds`, a clock that never goes back.
+/// Moves a cursor of a recording, and returns what it took by `seconds`, a clock that never goes back. Without
+/// `analysis` only the state of the recording moves, and nothing is measured.
 ///
 /// # Errors
 ///

@@ -117,15 +117,16 @@ impl Walker {
         Ok(true)
     }
 
-    /// Reads back rows of a buffer.
+    /// Reads back the first rows of a buffer: as many as hold [`MAX_NUMBERS`] numbers, but at least one.
     async fn table(&self, name: Name) -> Result<BufferRows, GpuError> {
-        // A table without rows has its columns, too.
+        // A table that is read without rows still has its columns, whose number decides how many rows are read.
         let columns = self.stepper.table(name, 0).await?.columns.len() as u64;
         let rows = MAX_NUMBERS / columns.max(1);
         self.stepper.table(name, rows.max(1)).await
     }
 
-    /// Returns buffers of a pass of `stage`, and where their rows lie in the plane.
+    /// Returns the named buffers as they are now, and where their rows lie in the plane. `stage` is that of the visited
+    /// pass, since some buffers hold other data in other stages.
     async fn side(
         &self,
         names: &[Name],
@@ -157,7 +158,8 @@ pub(super) async fn survey(subject: DeviceRun, monitor: Arc<Monitor>) -> Survey 
     survey.stop = survey.run(&subject, &monitor).await.err();
 
     if let Some(walker) = &survey.walker {
-        // Times arrive after the passes' reports.
+        // The entries have copies of the reports from before their times were measured. The device's own reports now
+        // have the times.
         for (pass, report) in survey.passes.iter_mut().zip(walker.stepper.reports()) {
             pass.report = report.clone();
         }
@@ -166,7 +168,7 @@ pub(super) async fn survey(subject: DeviceRun, monitor: Arc<Monitor>) -> Survey 
 }
 
 impl Survey {
-    /// Runs all passes and lists them. Returns why it ended early, if it did: the passes until then are listed.
+    /// Runs all passes and lists them. The error is why it ended early; the passes until then are listed.
     async fn run(&mut self, subject: &DeviceRun, monitor: &Monitor) -> Result<(), Stop> {
         let parameters = &subject.parameters;
         let mut observer = |_: Progress| match continue_unless_cancelled(monitor) {
@@ -230,7 +232,8 @@ fn continue_unless_cancelled(monitor: &Monitor) -> Result<(), Stop> {
     Ok(())
 }
 
-/// Takes a run to a pass and reads its buffers before and after it. A run that is past it is restarted.
+/// Takes a run to a pass and reads its buffers before and after it. `walker` is the run as the work before left it, if
+/// it is still there. A run that is past the pass is restarted.
 pub(super) async fn visit(
     subject: DeviceRun,
     walker: Option<Walker>,
@@ -239,6 +242,7 @@ pub(super) async fn visit(
 ) -> Arrival {
     let mut arrival = Arrival {
         walker,
+        // This holds the place of the outcome, which is not known yet.
         outcome: Err(Stop::Cancelled),
     };
     arrival.outcome = arrival.go(&subject, &goal, &monitor).await;
@@ -268,8 +272,8 @@ impl Arrival {
             }
             walker
         } else {
-            // The survey has made the pattern, which is usually still kept: there is little to wait for, and nothing to
-            // cancel.
+            // `of_spec` keeps the last few patterns, usually with this one, which the survey has made: there is little
+            // to wait for, so that the work need not be stopped here.
             let observer = &mut |_: Progress| ControlFlow::Continue(());
             let pattern = Pattern::of_spec(&subject.parameters.pattern, observer)?;
             self.walker.insert(Walker::begin(subject, &pattern).await?)
@@ -287,12 +291,12 @@ impl Arrival {
             }
         }
 
-        between(walker, goal, replayed, monitor).await
+        run_and_read(walker, goal, replayed, monitor).await
     }
 }
 
-/// Runs the next pass and reads its buffers before and after.
-async fn between(
+/// Runs the pass of the goal, which is the next one, and reads its buffers before and after it.
+async fn run_and_read(
     walker: &mut Walker,
     goal: &Goal,
     replayed: bool,
@@ -303,12 +307,10 @@ async fn between(
     let names: Vec<Name> = buffers.iter().map(|&(name, ..)| name).collect();
 
     let before = walker.side(&names, stage, monitor).await?;
-    let is_there = walker.step().await? && walker.passed() == goal.pass + 1;
-
-    let reports = walker.stepper.reports();
-    // The run may have restarted in between, with other passes.
-    let same = |name| name == goal.entry.report.name;
-    if !is_there || !reports.last().is_some_and(|report| same(report.name)) {
+    // A step may restart the run with more memory. It is then at its first pass again, and may have other passes.
+    let is_next = walker.step().await? && walker.passed() == goal.pass + 1;
+    let last = walker.stepper.reports().last();
+    if !is_next || last.is_none_or(|report| report.name != goal.entry.report.name) {
         return Err(other_passes(goal));
     }
 

@@ -149,7 +149,7 @@ impl Passes {
     /// Carries out a command.
     pub fn apply(&mut self, command: PassCommand) {
         let last = self.entries.len().saturating_sub(1);
-        // Before a pass is selected, steps begin at the first.
+        // No pass is selected only while the list is empty, and `select` ignores every index that the list lacks.
         let current = self.selected.unwrap_or(0);
 
         match command {

@@ -76,15 +76,14 @@ pub enum PassLine {
 /// Returns the lines of the list: every stage, and the passes that belong to it.
 #[must_use]
 pub fn lines(passes: &[PassEntry]) -> Vec<PassLine> {
-    // Room for a line for each pass and for eight stages; with more stages, the list grows.
-    let mut lines = Vec::with_capacity(passes.len() + 8);
+    let mut lines = Vec::new();
     let mut first = 0;
     for group in passes.chunk_by(|a, b| a.report.stage == b.report.stage) {
         let timed = group.iter().filter_map(|pass| pass.report.seconds);
         lines.push(PassLine::Stage {
             stage: group[0].report.stage,
             passes: group.len(),
-            // None rather than zero where the device measures no times.
+            // The sum is None, not zero, where the device measures no times.
             seconds: timed.fold(None, |sum, seconds| Some(sum.unwrap_or(0.0) + seconds)),
         });
         lines.extend((first..first + group.len()).map(PassLine::Pass));

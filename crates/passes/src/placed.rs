@@ -34,7 +34,8 @@ impl PlacedRows {
 /// How many rows are on the canvas.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct PlacedCounts {
-    /// All rows that have a place in the plane.
+    /// The rows of which something is drawn: a row that has a place in the plane, unless it is an unchanged cell
+    /// without samples and no filter is active.
     pub rows: usize,
     /// The rows among these that the pass changed.
     pub changed: usize,
@@ -69,7 +70,7 @@ pub(super) fn count(
     let mut counts = PlacedCounts::default();
     for &row in rows {
         let row = row as usize;
-        // A row with several marks counts once, at its first.
+        // A row with several marks counts once, where its first mark lies; a cell lies where its lower corner does.
         if let Some(first) = marks(places, row, table, is_filtered).first() {
             counts.rows += 1;
             counts.changed += usize::from(table.is_changed(row));

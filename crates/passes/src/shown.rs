@@ -93,9 +93,10 @@ impl ShownBuffer {
         self.counts
     }
 
-    /// Shows the buffer chosen last; if the pass lacks it, the first that it changed.
+    /// Shows the buffer chosen last; if the pass lacks it, the first that it changed, or else the first of all.
     pub(super) fn enter(&mut self, visit: &Visit) {
         let chosen = |table: &BufferTable| Some(table.name) == self.chosen;
+        // The rows of a buffer that the pass only reads can differ by an injected fault, which the pass did not write.
         let changed = |table: &BufferTable| {
             table.changed_count() > 0 && !matches!(table.access, Access::Read | Access::Uniform)
         };

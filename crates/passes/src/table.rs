@@ -57,7 +57,8 @@ pub struct BufferTable {
 }
 
 impl BufferTable {
-    /// Returns the table of a buffer read before and after a pass. Rows that only one side has are left out.
+    /// Returns the table of a buffer read before and after a pass. Rows that only one side has are left out: a buffer
+    /// that is not allocated yet has none.
     #[must_use]
     pub fn new(
         name: Name,
@@ -145,6 +146,7 @@ impl BufferTable {
     /// Returns the width of each column in characters, including its name.
     #[must_use]
     pub fn widths(&self, side: PassSide) -> Vec<usize> {
+        // Names of columns are ASCII, so that their bytes are their characters.
         let mut widths: Vec<usize> = self.columns.iter().map(String::len).collect();
         let digits = |value: i64| {
             // Zero has no logarithm, but one digit.
@@ -153,13 +155,16 @@ impl BufferTable {
         };
 
         for row in 0..self.rows() {
-            let both = side == PassSide::Both && self.is_changed(row);
+            // Only rows that changed are compared cell by cell.
+            let may_differ = self.is_changed(row);
             for (column, width) in widths.iter_mut().enumerate() {
                 let (before, after) = (self.before(row)[column], self.after(row)[column]);
                 let needed = match side {
                     PassSide::Before => digits(before),
                     // An arrow between two spaces stands between the numbers.
-                    PassSide::Both if both && before != after => digits(before) + digits(after) + 3,
+                    PassSide::Both if may_differ && before != after => {
+                        digits(before) + digits(after) + 3
+                    }
                     PassSide::After | PassSide::Both => digits(after),
                 };
                 *width = needed.max(*width);

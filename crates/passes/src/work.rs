@@ -21,7 +21,7 @@ impl Passes {
         self.work = PassWork::Survey(Job::start_future(&self.wake, work));
     }
 
-    /// Takes the outcome of a survey. Returns that something has changed.
+    /// Takes the outcome of a survey. Returns true, as the list has changed.
     pub(super) fn surveyed(&mut self, outcome: Result<Survey, String>) -> bool {
         self.work = PassWork::Idle;
         match outcome {
@@ -42,7 +42,8 @@ impl Passes {
 
         self.lines = model::lines(&self.entries);
         let last = self.entries.len().checked_sub(1);
-        // The selected pass stays selected as far as the new list has it. If none was selected, the first is.
+        // The selected pass stays selected; if the new list ends before it, the list's last one is selected. If none
+        // was, the first one is.
         self.selected = last.map(|last| self.selected.unwrap_or(0).min(last));
         self.is_wanted = self.selected.is_some();
 
@@ -63,7 +64,7 @@ impl Passes {
         self.export_result = None;
         // The pass that was visited last is still at hand.
         self.is_wanted = self.visit().is_none();
-        // A visit under way is of another pass.
+        // A visit under way is of another pass, or was cancelled already.
         if let PassWork::Visit(job) = &self.work {
             job.cancel();
         }
@@ -89,7 +90,7 @@ impl Passes {
         self.work = PassWork::Visit(Job::start_future(&self.wake, work));
     }
 
-    /// Takes the outcome of a visit. Returns that something has changed.
+    /// Takes the outcome of a visit. Returns true, as the work in the background has changed at least.
     pub(super) fn visited(&mut self, outcome: Result<Arrival, String>) -> bool {
         self.work = PassWork::Idle;
         let outcome = match outcome {
@@ -104,7 +105,7 @@ impl Passes {
             Ok(visit) => {
                 if Some(visit.pass) == self.selected {
                     self.is_wanted = false;
-                    // The visit may have ended before it was cancelled.
+                    // `cancel` may have noted that the pass was not visited, when the visit had already ended.
                     self.notice = None;
                 }
                 self.shown.enter(&visit);
