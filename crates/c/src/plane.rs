@@ -163,8 +163,8 @@ impl TilescopePlane {
         }
     }
 
-    /// Writes the samples that are asked for, and their number, which is all that is written if there are more samples
-    /// than places for them.
+    /// Writes the number of the samples that are asked for to `count`, and the samples to `points`. If they do not all
+    /// fit, it writes none of them and fails.
     pub(crate) fn write(
         &self,
         asked: &Asked,

@@ -43,7 +43,7 @@ pub(crate) unsafe fn write<'a, T>(
     Ok(unsafe { &mut *pointer.cast::<MaybeUninit<T>>() })
 }
 
-/// Returns the buffer of `capacity` values that an argument points to; null is an empty one.
+/// Returns the buffer of `capacity` values that an argument points to; with a capacity of 0 the pointer may be null.
 ///
 /// # Safety
 ///
@@ -53,7 +53,7 @@ pub(crate) unsafe fn buffer<'a, T>(
     capacity: usize,
     name: &'static str,
 ) -> Result<&'a mut [MaybeUninit<T>], Failure> {
-    // Without a value there is nothing to point to.
+    // The pointer to no values is not looked at.
     if capacity == 0 {
         return Ok(&mut []);
     }

@@ -92,7 +92,8 @@ fn lines(domain: &Domain, seams: &[Seam]) -> Vec<[DVec2; 2]> {
         let line = [seam.from, seam.to].map(position);
         lines.push(line);
         for axis in 0..2 {
-            // A seam on the lower border of a periodic domain is on the upper one, too.
+            // A seam on the left or lower border of a periodic domain is on the opposite one, too. No coordinate is
+            // below 0.
             if line.iter().all(|end| end[axis] <= 0.0) {
                 let mut other = line;
                 for end in &mut other {

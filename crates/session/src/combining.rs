@@ -53,8 +53,8 @@ impl Task for CombineTask {
     }
 }
 
-/// Makes the combination of a layout. Its files are taken from those that came with `around`, or read from the
-/// folder of `around`.
+/// Makes the combination of a layout. `around` is the file in which the layout came: the files of its sets came with
+/// it, or are read from its folder. Without `around`, as for a layout that came as text, no set may lie in a file.
 ///
 /// Fails as [`Layout::placed`] and [`combine`] do, when a set cannot be made or read, and when `monitor` is
 /// cancelled.

@@ -79,7 +79,7 @@ impl GapBorders {
             let center = DVec2::from(place.map(radii));
             let mut ids = Vec::new();
             // `cover` has circles by place, and the index has the ids. The index rounds places, so that it is asked for
-            // all samples around the place, whose exact places are compared.
+            // all samples within r of the place, far more than it rounds by. Their exact places are compared.
             session.index.visit(center, center, 1.0, |seen| {
                 if session.position(seen.id) == center && moment.covers(session, seen.id) {
                     ids.push(seen.id);
@@ -272,8 +272,8 @@ pub fn key_of(shown: &ShownMoment<'_>) -> Key {
 }
 
 impl Geometry {
-    /// Returns the gaps of a moment, computed at once, and its triangulation if `with_net`; empty where there are too many
-    /// samples.
+    /// Returns the gaps of a moment, computed at once, and its triangulation if `with_net`. Both are left out if there
+    /// are too many samples for them, and the gaps also in a field of radii.
     #[must_use]
     pub fn computed(shown: &ShownMoment<'_>, with_net: bool) -> Self {
         let (key, count) = (key_of(shown), shown.session.run().samples.len());

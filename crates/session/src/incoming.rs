@@ -130,12 +130,12 @@ impl Incoming {
         };
         let certificate = Some((file.name.as_str(), file.bytes.as_slice()));
         let read = read_bytes(&self.bytes, &hint, certificate).ok()?;
-        let states_one = |read: &ReadSet| {
+        let states_ground = |read: &ReadSet| {
             read.certificate
                 .as_ref()
                 .is_some_and(Certificate::is_varying)
         };
-        Some(read).filter(states_one)
+        Some(read).filter(states_ground)
     }
 
     /// Returns the point set in it, in domain units if it has a certificate. A certificate that is false or unreadable is
@@ -255,7 +255,8 @@ pub fn refusals(files: &[(&str, u64)]) -> Vec<Option<String>> {
             ));
         }
 
-        // Only files that are read count, so that a file that is too long does not shut out the rest.
+        // Only bytes that are read count here, so that a file that is too long does not shut out the rest. Its place
+        // counts, since `pick` considers the first files, whatever their lengths.
         left -= length;
         None
     };

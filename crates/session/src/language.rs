@@ -129,7 +129,8 @@ impl Language {
         self.found(english, 0)
     }
 
-    /// Returns the translation of a text that is a part of `depth` others; `None` if there is none.
+    /// Returns the translation of a text that is a part of `depth` others; `None` if there is none. A text without the
+    /// blanks around it, or without its capital letter, counts as a part of the whole text.
     fn found(&self, english: &str, depth: usize) -> Option<String> {
         if depth > MAX_DEPTH {
             return None;

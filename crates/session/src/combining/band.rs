@@ -33,6 +33,7 @@ pub fn of(
         let below = lines.partition_point(|line| line.min.y < piece.rect.max.y);
         let near = lines[..below].iter();
         let parts = near.filter_map(|line| common(line, &piece.rect));
+        // The pieces do not overlap, so that their parts of the band do not, either.
         union(parts.collect(), stops, &mut band)?;
     }
     Some(band)

@@ -60,7 +60,7 @@ impl<'a> Files<'a> {
         let set = match slot.get_or_init(|| read(around, &path, monitor)) {
             Ok(file) => set(file, given).map_err(|why| failed(&path, &why)),
             Err(Unread::Failed(why)) => Err(failed(&path, why)),
-            // Files are read before the first stage begins, which stands for that time.
+            // A cancelled work names its stage. Files are read before the first one, which is named instead.
             Err(Unread::Stopped) => Err(CombinationError::Sample(SampleError::Cancelled {
                 stage: Stage::Pattern,
             })),
@@ -83,12 +83,12 @@ impl<'a> Files<'a> {
                 // A layout that may use no files has none that could be stated.
                 return Ok(Stated::new());
             };
-            let mut named = Stated::from([("file".to_owned(), json!(last_part(path)))]);
-            // A set that was not read made the combination fail.
+            let mut statement = Stated::from([("file".to_owned(), json!(last_part(path)))]);
+            // Every file was read, or the combination would have failed before.
             if let Some(Ok(file)) = self.slot(&path_of(around, path)).get() {
-                named.insert("digest".to_owned(), json!(file.digest));
+                statement.insert("digest".to_owned(), json!(file.digest));
             }
-            Ok(named)
+            Ok(statement)
         };
         let Ok(stated) = stated_layout(layout, placed, named);
         stated

@@ -130,7 +130,8 @@ impl Gluing<'_> {
 
 impl Observer for Gluing<'_> {
     fn observe(&mut self, progress: Progress) -> ControlFlow<()> {
-        // The shares are estimates: only a bar of progress depends on them.
+        // Where each stage begins in the time of gluing, and the part of that time that it takes. These are estimates:
+        // only a bar of progress depends on them.
         let share = match progress.stage {
             Stage::Tile => StageShare::new(0.0, 0.2),
             Stage::Eliminate => StageShare::new(0.2, 0.3),

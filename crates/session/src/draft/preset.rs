@@ -152,15 +152,22 @@ impl Preset {
         let (text, rings) = match self {
             Self::Ramp => (RAMP, Vec::new()),
             Self::Star => (STAR, star()),
-            // All others have one radius in a rectangle.
-            _ => return None,
+            // These have one radius in a rectangle.
+            Self::First
+            | Self::SmallBlocks
+            | Self::Million
+            | Self::BreakIt
+            | Self::LargeBlocks
+            | Self::Uniform
+            | Self::Exact
+            | Self::Nested => return None,
         };
         let ground = PortableGround {
             radius_expression: Some(text.to_owned()),
             rings,
             origin: [0.0; 2],
         };
-        // A test makes each preset, so that these are read.
+        // The expressions and the rings above are valid, as a test that makes each preset shows.
         ground.request().ok().flatten()
     }
 
@@ -179,12 +186,13 @@ impl Preset {
 fn star() -> Vec<Vec<[f64; 2]>> {
     // Four decimals keep links short, and keep the corners the same on machines whose sines differ in their last bits.
     let at = |radius: f64, turns: f64| {
+        // A quarter of a turn from the x axis, so that the first corner is at the top.
         let angle = TAU * (turns + 0.25);
         [0.5 + radius * angle.cos(), 0.5 + radius * angle.sin()]
             .map(|value| (value * 1e4).round() / 1e4)
     };
-    // The corners of the star lie by turns on a large and on a small circle, and those of the hole on a still smaller
-    // one. The three radii are chosen, not measured.
+    // The corners of the star lie by turns on a large and on a small circle, and the six of the hole on a still smaller
+    // one. The large circle touches the sides of the square; the other two radii and the six corners are chosen.
     let corner = |k: u32| {
         let radius = if k.is_multiple_of(2) { 0.5 } else { 0.23 };
         at(radius, f64::from(k) / 10.0)

@@ -64,7 +64,8 @@ impl MakeError {
         let iterations = (1..=64).map(Stage::Iterate);
         let mut stages = without_iterations.into_iter().chain(iterations);
 
-        // A monitor has only the names of stages. Before the first report, a run makes its pattern.
+        // A monitor has its stage only as a text. A text that names none, as before the first report and while the sets
+        // of a combination are made, counts as the first stage.
         let reported = stages.find(|stage| stage.to_string() == activity);
         let stage = reported.unwrap_or(Stage::Pattern);
 
