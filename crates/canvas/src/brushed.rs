@@ -17,7 +17,7 @@ pub struct Edges {
     made_from: Option<MadeFrom>,
     ends: Vec<[Pos2; 2]>,
     in_view: usize,
-    /// A short description of the brush, and the number of pairs that were left out.
+    /// A short description of the brush; `None` if it draws nothing.
     brushed: Option<String>,
 }
 
@@ -30,7 +30,9 @@ impl Edges {
         self.made_from = Some(made_from);
         (self.ends, self.in_view) = parts::pairs_in_view(scene);
         let cause = scene.subject.causes.map(|found| &found.cause);
-        self.brushed = cause.filter(|_| scene.stage >= Stage::Tile).and_then(short);
+        self.brushed = cause
+            .filter(|_| scene.stage >= Stage::Tile)
+            .and_then(described);
     }
 
     /// Draws the edges in view.
@@ -60,11 +62,12 @@ impl Edges {
     }
 }
 
-/// Describes the brush, if it draws anything.
-fn short(cause: &Cause) -> Option<String> {
+/// Describes the brush in a sentence; `None` if it draws nothing.
+fn described(cause: &Cause) -> Option<String> {
     let text = match cause {
-        // A brush without pairs and without frequencies draws nothing, and needs no remark.
+        // Without pairs at its distances, or frequencies in its range, the brush draws nothing and needs no remark.
         Cause::Pairs { total: 0, .. } | Cause::Shares { frequencies: 0, .. } => return None,
+        // The search keeps pairs from the bottom of the domain upwards, until it has as many as can be drawn.
         Cause::Pairs { total, pairs } if *total > pairs.len() as u64 => format!(
             "Brushed: {} pairs; the {} lowest in the domain are kept.",
             grouped(*total as usize),
@@ -96,9 +99,9 @@ mod tests {
             total,
             pairs: vec![pair; kept],
         };
-        assert_eq!(short(&pairs(0, 0)), None);
-        assert_eq!(short(&pairs(2, 2)).unwrap(), "Brushed: 2 pairs.");
-        let cut = short(&pairs(1_000, 2)).unwrap();
+        assert_eq!(described(&pairs(0, 0)), None);
+        assert_eq!(described(&pairs(2, 2)).unwrap(), "Brushed: 2 pairs.");
+        let cut = described(&pairs(1_000, 2)).unwrap();
         assert!(cut.contains("the 2 lowest in the domain are kept"), "{cut}");
     }
 }

@@ -133,6 +133,7 @@ pub(crate) fn sample(subject: &Subject<'_>, id: u32) -> [String; 2] {
         Origin::Tiled { block, .. } => {
             format!("from the margin of {word} {}", grouped(block as usize))
         }
+        // With its events such a set has the throws of its darts as iterations.
         Origin::Inserted { iteration, .. } if shown.session.ground.is_some() => {
             format!("of throw {iteration}")
         }
@@ -182,7 +183,8 @@ pub(crate) fn has_gaps(subject: &Subject<'_>) -> bool {
     is_of_radius_r && shown.stage >= Stage::Eliminate
 }
 
-/// Describes the gap at a position, with its extent from there, in r; `None` if no gap is known there.
+/// Describes the gap at a position, with the distance from there to its farthest corner, in r; `None` if no gap is
+/// known there.
 fn gap(subject: &Subject<'_>, position: DVec2) -> Option<(String, f32)> {
     let shown = &subject.shown;
     let size = shown.session.size_radii();
@@ -192,15 +194,16 @@ fn gap(subject: &Subject<'_>, position: DVec2) -> Option<(String, f32)> {
     }
 
     let gap = subject.geometry.gap_at(shown, position)?;
-    let ends = gap.boundary.iter().flatten().map(|edge| match *edge {
+    // Each edge begins at a corner, where the one before it ends.
+    let corners = gap.boundary.iter().flatten().map(|edge| match *edge {
         Edge::Line { from, .. } => from,
         Edge::Arc {
             center, from_angle, ..
         } => center + DVec2::from_angle(from_angle),
     });
-    let reach = ends.map(|end| end.distance(position));
+    let distances = corners.map(|corner| corner.distance(position));
 
-    Some((gap_text(gap), reach.fold(0.0, f64::max) as f32))
+    Some((gap_text(gap), distances.fold(0.0, f64::max) as f32))
 }
 
 /// Returns the description of a gap.

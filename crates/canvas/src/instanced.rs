@@ -145,8 +145,8 @@ impl InstancedCanvas {
         self.limits = limits;
     }
 
-    /// Uploads the samples of a session, all hidden; their ids are indices of `points`, and `nested` are the ends of their
-    /// levels, if those are nested. Does nothing if `generation` is already loaded.
+    /// Uploads the samples of a session, all hidden; their ids are indices of `points`. `nested` are the ends of their
+    /// nested levels; it is empty for other sets. Does nothing if `generation` is already loaded.
     ///
     /// Fails when they are too many for the device; the canvas is then empty.
     pub fn set_points(

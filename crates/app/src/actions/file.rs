@@ -16,9 +16,9 @@ pub(super) fn add(list: &mut List, state: &State) {
     run.on_keys(COMMAND, Key::Enter)
         .refused(state.form().refusal(state.gpu()).as_deref());
 
-    let is_idle = state.runs().first.sampling.is_none();
+    let no_sampling = state.runs().first.sampling.is_none();
     list.add("Cancel the run", Command::Cancel(Which::First))
-        .refused(is_idle.then_some("Nothing is being sampled."));
+        .refused(no_sampling.then_some("Nothing is being sampled."));
     list.group();
     sessions(list, state);
     list.group();
@@ -33,6 +33,7 @@ pub(super) fn add(list: &mut List, state: &State) {
         })
     };
 
+    // The pictures of all scenes have no action of their own: the sheet offers them beside the other kinds.
     for (name, kind) in [
         ("Export samples\u{2026}", ExportKind::Result),
         ("Export samples of this moment\u{2026}", ExportKind::Samples),
@@ -49,9 +50,9 @@ pub(super) fn add(list: &mut List, state: &State) {
         };
     }
 
-    let is_idle = state.files().exports.fraction().is_none();
+    let no_export = state.files().exports.fraction().is_none();
     list.add("Cancel the export", Command::Export(ExportCommand::Cancel))
-        .refused(is_idle.then_some("Nothing is being exported."));
+        .refused(no_export.then_some("Nothing is being exported."));
 
     list.group();
     list.add("Copy link", Command::Link(LinkCommand::Copy))

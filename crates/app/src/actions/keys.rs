@@ -104,7 +104,8 @@ pub fn press_keys(ctx: &egui::Context, state: &mut State) -> bool {
         // Space and Enter press a button that has the focus. Enter with a modifier is a shortcut: Ctrl+Enter runs.
         let presses_button =
             has_focus && !on_canvas && (key == Key::Space || (key == Key::Enter && held.is_none()));
-        // Arrows move the picture of a canvas that has the focus.
+        // Left and right step through time elsewhere. On a canvas that has the focus they move the picture, as up and
+        // down do.
         let moves_picture =
             on_canvas && matches!(key, Key::ArrowLeft | Key::ArrowRight) && held.is_none();
         if is_text || closes_popup || presses_button || moves_picture {

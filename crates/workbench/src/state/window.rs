@@ -160,7 +160,8 @@ impl WindowState {
         let (tabs, hidden) = (self.layout.root.clone(), self.layout.hidden());
         let sides = self.layout.sides();
         if self.shows_sides() {
-            // Panels that were hidden one by one do not come back with the others.
+            // Panels that were hidden one by one do not come back with the others. Of those that were put away together
+            // before, some may have been opened by themselves since: the rest still comes back.
             let shown = sides.panels().filter(|panel| !hidden.has(*panel));
             self.put_away = self.put_away.panels().chain(shown).collect();
             sides.panels().for_each(|panel| self.layout.hide(panel));

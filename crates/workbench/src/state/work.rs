@@ -206,6 +206,7 @@ impl State {
     #[cfg(not(target_arch = "wasm32"))]
     pub fn settle(&mut self) {
         self.with(|state, context| state.gpu.settle(context));
+        // A file that waited for a run is opened first, so that it is read with the other files below.
         if let Some(path) = self.files.take_awaiting(&self.runs.first) {
             self.apply(Command::File(FileCommand::Dropped(vec![path])));
         }
@@ -338,6 +339,7 @@ impl State {
             SavedContent::Run(saved) => {
                 run.debugger = debugger;
                 run.follow_cursor();
+                // Votes and drawings of a talk are saved in the view.
                 self.classroom.take_record(&saved.view);
                 saved.view
             }
