@@ -193,8 +193,9 @@ impl App {
     /// Shows the panels as they are arranged in a window of this size and look.
     fn show_panels(&mut self, ui: &mut Ui) {
         if let Some(embedding) = self.embedding() {
-            // A lesson beside the canvas has issued commands already. Those that open what this part of the window does not show are
-            // left out, but not the files that were dropped on a small window with a lesson.
+            // A lesson beside the canvas has issued commands already. Only those that a window in the frame of a page
+            // may carry out (`in_frame`) are kept, as the others open what this part of the window does not show; and
+            // the files that were dropped on a small window with a lesson.
             let takes_files = self.state.window().embedding.is_none();
             let stays = |command: &Command| {
                 command.rules().in_frame || takes_files && matches!(command, Command::File(_))
@@ -209,6 +210,7 @@ impl App {
             );
             // The canvas has issued commands since: a long press, for instance, would open a panel.
             self.commands.retain(stays);
+        // A small window shows one panel at a time in every look: the projector mode needs more room.
         } else if self.state.window().drawer.arrangement.is_compact() {
             panels::compact::show(ui, &self.state, &mut self.canvas, &mut self.commands);
         } else if self.state.appearance().look.is_projector() {

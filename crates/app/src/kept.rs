@@ -42,7 +42,8 @@ impl KeptFolder {
         Some(String::from_utf8_lossy(&bytes).into_owned())
     }
 
-    /// Writes the results, which `merge` returns from those that other windows have written.
+    /// Writes the results, which `merge` returns. It receives the text of those that are in the folder, as other
+    /// windows may have written some; `None` if there are none.
     ///
     /// # Errors
     ///

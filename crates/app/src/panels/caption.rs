@@ -109,7 +109,7 @@ pub fn show(ui: &Ui, state: &State, commands: &mut Vec<Command>) {
         // At both sides 12 points of the canvas stay free.
         (canvas.width() - 24.0, ABOVE_EDGE[1])
     };
-    // A card narrower than 200 points would be read word by word, even over a narrower canvas.
+    // A card narrower than 200 points would be read word by word, so that it is that wide even where the canvas is not.
     let width = room.clamp(200.0, widest);
     let at = pos2(canvas.center().x, canvas.bottom() - above);
 

@@ -159,9 +159,10 @@ fn chooser(ui: &mut Ui, context: &TimeContext<'_>, commands: &mut Vec<Command>) 
     });
 }
 
-/// Lets the upper border be dragged, which changes the height.
-fn border(ui: &Ui, context: &TimeContext<'_>, chart: Rect, commands: &mut Vec<Command>) {
-    let strip = chart.with_max_y(chart.top() + BORDER);
+/// Lets the upper border of the curve be dragged, which changes the height. `bordered` is the room of the chart with
+/// its border.
+fn border(ui: &Ui, context: &TimeContext<'_>, bordered: Rect, commands: &mut Vec<Command>) {
+    let strip = bordered.with_max_y(bordered.top() + BORDER);
     let response = ui.interact(strip, Id::unique("border of the curve"), Sense::drag());
     let name = ui.words("Height of the curve");
     response.widget_info(|| WidgetInfo::labeled(Role::Splitter, ENABLED, &name));
@@ -171,7 +172,7 @@ fn border(ui: &Ui, context: &TimeContext<'_>, chart: Rect, commands: &mut Vec<Co
         && response.dragged()
     {
         // Within the range of `u16` the cast drops nothing but the fraction.
-        let height = (chart.bottom() - pointer.y).clamp(0.0, f32::from(u16::MAX)) as u16;
+        let height = (bordered.bottom() - pointer.y).clamp(0.0, f32::from(u16::MAX)) as u16;
         commands.push(Command::Appearance(AppearanceCommand::CurveHeight(height)));
     }
 

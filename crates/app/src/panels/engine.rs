@@ -33,6 +33,7 @@ pub fn show(ui: &mut Ui, context: &FormContext<'_>, commands: &mut Vec<Command>)
         response.on_hover_text(EXPLANATION);
     });
 
+    // The line is short, and its tooltip says all.
     if let Some((line, all)) = &context.engine {
         let line = RichText::new(line).small().color(palette.muted);
         let label = ui.label(line);

@@ -96,6 +96,7 @@ fn compared(ui: &mut Ui, sets: &Sets<'_>, brush: Option<Brush>, own: &mut Vec<An
         });
         ui.columns_const(|[left, right]| {
             difference(left);
+            // The text begins beside the picture, which has its name above it.
             right.add_space(20.0);
             difference_text(right, palette);
         });
@@ -154,6 +155,7 @@ const fn frequencies() -> PlotAxis<'static> {
 /// Shows the charts of power, anisotropy and pair correlation.
 pub fn curves(ui: &mut Ui, sets: &Sets<'_>, brush: Option<Brush>, own: &mut Vec<AnalysisCommand>) {
     ui.add_space(8.0);
+    // Frequencies nu are relative to the number of samples, so that the length of r is not needed.
     let power = curves_of(sets, &|measured, _| {
         let spectrum = measured.spectrum_so_far()?;
         Some((spectrum.power(), spectrum.bands.clone()))

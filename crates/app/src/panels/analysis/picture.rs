@@ -47,6 +47,7 @@ pub fn show(
 
     let painter = ui.painter_at(rect);
     painter.rect_filled(rect, 2.0, palette.domain);
+    // The screen points of a frequency of 1.
     let per_nu = f64::from(side) / (2.0 * reach);
     if let Some(spectrum) = spectrum {
         // Frequencies that are not measured stay grey.
@@ -55,7 +56,7 @@ pub fn show(
             .picture_reach
             .map(|half| (2.0 * half * per_nu) as f32);
         let cells = Rect::from_center_size(rect.center(), vec2(size[0], size[1]));
-        // A chosen share of the opacity, at which the shades of another moment are still told apart.
+        // A chosen share of the opacity, at which the shades of another moment can still be distinguished.
         let tint = Color32::WHITE.gamma_multiply(if faded { 0.35 } else { 1.0 });
         let id = Id::unique(("periodogram of the moment", run));
         let texture = texture_of(ui, id, spectrum, TextureOptions::NEAREST, image);
@@ -139,6 +140,8 @@ pub(super) mod tests {
             height,
             boundary: Boundary::Periodic,
         };
+        // Multiples of the inverse plastic number and of its square, whose fractions fill a square evenly. The number
+        // of points is chosen.
         let fractions = (1..=600).map(|i| [0.754_877, 0.569_84].map(|step| f64::from(i) * step));
         let points: Vec<[f64; 2]> = fractions
             .map(|[x, y]| [x.fract() * width, y.fract() * height])
@@ -182,9 +185,11 @@ pub(super) mod tests {
             let [half_x, half_y] = spectrum.picture_reach;
             for (index, power) in picture.power.iter().enumerate() {
                 let (x, y) = (index % picture.size, index / picture.size);
+                // The middle of a cell, as an offset from the picture's centre in screen points.
                 let middle = |cell: usize, cells: usize, half: f64| {
                     (((2 * cell + 1) as f64 / cells as f64 - 1.0) * half * per_nu) as f32
                 };
+                // Screens count y downwards, frequencies upwards.
                 let at = vec2(
                     middle(x, picture.size, half_x),
                     -middle(y, picture.rows, half_y),
