@@ -263,6 +263,8 @@ impl InstancedCanvas {
             return false;
         }
 
+        // Samples are in levels of increasing density (`order.rs`), of which the first ones alone are a thinner
+        // picture.
         let (all_levels, seen) = self.seen(&copies, options);
         let Some((kind, limit)) = self.kind(options, view.scale(), seen, moving) else {
             return false;

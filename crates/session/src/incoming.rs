@@ -288,11 +288,11 @@ pub fn holds_document(bytes: &[u8]) -> Option<bool> {
 }
 
 /// Returns which of several files is to be opened, and which files belong neither to it nor to another one. A
-/// certificate goes with its set. A session or layout (`holds_document` tests the file at an index) is opened before
+/// certificate goes with its set. A session or layout (`is_document` tests the file at an index) is opened before
 /// the sets that it may name. `None` without files.
 pub fn pick(
     names: &[&str],
-    mut holds_document: impl FnMut(usize) -> bool,
+    mut is_document: impl FnMut(usize) -> bool,
 ) -> Option<(usize, Vec<usize>)> {
     let considered = names.len().min(MAX_FILES);
 
@@ -309,7 +309,7 @@ pub fn pick(
     // A file that is alone is opened whatever it holds, so that its content need not be read here.
     let document = lone.iter().copied().find(|&k| {
         let has_others = lone.len() > 1;
-        has_others && holds_document(k)
+        has_others && is_document(k)
     });
     let opened = document.or_else(|| lone.first().copied())?;
 
@@ -325,22 +325,22 @@ pub fn pick(
 #[must_use]
 pub fn gather(mut files: Vec<NamedBytes>) -> Option<(Incoming, Vec<String>)> {
     let names: Vec<&str> = files.iter().map(|file| file.name.as_str()).collect();
-    let holds = |k: usize| {
+    let is_document = |k: usize| {
         let bytes: &[u8] = &files[k].bytes;
         bytes.len() <= MAX_BYTES && begins_as_object(bytes) && holds_document(bytes) == Some(true)
     };
 
-    let (opened, left) = pick(&names, holds)?;
+    let (opened, others) = pick(&names, is_document)?;
     // The names are taken before the file is, as indices behind it change then.
-    let names: Vec<String> = left.iter().map(|&k| files[k].name.clone()).collect();
+    let other_names: Vec<String> = others.iter().map(|&k| files[k].name.clone()).collect();
 
     let file = files.remove(opened);
     // Files beyond the limit were not looked at, and are not kept either.
     files.truncate(MAX_FILES);
     let mut incoming = Incoming::new(file);
-    let left = incoming.without_named(names);
+    let unused = incoming.without_named(other_names);
     incoming.beside = files;
-    Some((incoming, left))
+    Some((incoming, unused))
 }
 
 /// Returns whether a JSON object is a layout or a saved combination, rather than a session or a point set.

@@ -139,7 +139,8 @@ impl SampleIndex {
             &[0.0]
         };
 
-        // A bounded domain has no images, but samples that it dropped lie up to one radius outside it.
+        // A bounded domain has no images, but samples that it dropped lie up to one radius outside it. They are visited
+        // even if `reach` is less than that.
         let beyond = if self.periodic {
             beyond
         } else {

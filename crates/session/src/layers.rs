@@ -133,7 +133,7 @@ impl Layer {
 
     /// Returns whether a kind of session has this layer. Every kind has samples, their disks and their triangulation;
     /// nested levels have nothing else. Sets of varying radius also have their field, their gaps, and their darts as
-    /// eliminated and inserted samples and as cells: the remaining layers are of one radius. Seams belong to
+    /// eliminated and inserted samples and as cells: the others are of one radius or of blocks. Seams belong to
     /// combinations, the tree to runs.
     #[must_use]
     pub const fn is_of(self, kind: SessionKind) -> bool {

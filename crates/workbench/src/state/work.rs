@@ -85,6 +85,7 @@ impl State {
         let asked = asked_of(self, Which::First, dt_secs);
         let awaits_rest = self.on(Which::First, |run, context| {
             run.follow_prefix(dt_secs, context);
+            // The tree of events is unfolded down to the last one only while a panel shows it.
             if shows_events {
                 run.reveal();
             }
@@ -271,6 +272,7 @@ impl State {
         let is_combination = session.combination.is_some();
 
         if which == Which::First {
+            // Playback stops; a loop stays if the run is the same.
             let is_same_run = self.runs.first.is_same_run(&session);
             self.time.rest(is_same_run);
         }
@@ -391,6 +393,7 @@ impl State {
     pub fn open_link(&mut self, text: &str) {
         let (content, warnings) = link::read(text);
         self.stop_making();
+        // What covers the window is closed, so that what the link shows is seen.
         (self.files.sheet, self.files.exports.sheet) = (None, None);
         self.window.finder = None;
         self.classroom.lessons.close_list();

@@ -242,7 +242,7 @@ impl PlotFrame<'_> {
         low + f64::from(part.clamp(0.0, 1.0)) * (high - low)
     }
 
-    /// Draws title, axes, ticks and levels.
+    /// Draws title, axes, ticks and the reference level.
     fn ground(&self, painter: &Painter, rect: Rect, palette: &Palette) {
         let (inner, plot) = (self.inner, self.plot);
         painter.rect_filled(inner, 2.0, palette.domain);
