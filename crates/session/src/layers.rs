@@ -131,10 +131,8 @@ impl Layer {
         }
     }
 
-    /// Returns whether a kind of session has this layer. Every kind has samples, their disks and their triangulation;
-    /// nested levels have nothing else. Sets of varying radius also have their field, their gaps, and their darts as
-    /// eliminated and inserted samples and as cells: the others are of one radius or of blocks. Seams belong to
-    /// combinations, the tree to runs.
+    /// Returns whether a kind of session has this layer: seams belong to combinations, the tree to runs; nested levels have
+    /// samples alone, and sets of varying radius those whose geometry depends on no radius, and their darts.
     #[must_use]
     pub const fn is_of(self, kind: SessionKind) -> bool {
         match (self, kind) {
