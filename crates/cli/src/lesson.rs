@@ -551,6 +551,7 @@ fn handout(arguments: &HandoutArguments, window: FromWindow) -> Result<()> {
     let is_html = out.extension().is_some_and(|extension| extension == "html");
     let path = named(out);
     ensure!(is_html, "--out {path}: the file must end in .html");
+    check_inputs_stay(out, [Path::new(lesson)])?;
     let texts = lesson_texts(lesson, &arguments.language)?;
     let made = (window.handout)(Handout {
         name: texts.name,
@@ -562,7 +563,6 @@ fn handout(arguments: &HandoutArguments, window: FromWindow) -> Result<()> {
     });
     let html = made.map_err(|fault| anyhow!("{lesson}: {fault}"))?;
 
-    check_inputs_stay(out, [Path::new(lesson)])?;
     write(out, &html)?;
     output::emit(&format!("{path}: {} bytes\n", html.len()))
 }

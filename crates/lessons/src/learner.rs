@@ -190,8 +190,12 @@ impl Learner {
 
     /// Begins to practise the question with the run of a seed, if that is one of its seeds.
     pub fn practise_seed(&mut self, seed: u64) -> bool {
-        let seeds = self.seeds().filter(|seeds| seeds.contains(&seed));
-        seeds.is_some_and(|seeds| self.practise(seed - seeds.start()))
+        let is_one = self.seeds().is_some_and(|seeds| seeds.contains(&seed));
+        // Not by `practise`, which gives another seed than the last one.
+        if is_one {
+            self.restart(Some(seed));
+        }
+        is_one
     }
 
     /// Returns the seed of practice, if the step is practised.

@@ -54,8 +54,12 @@ pub fn number(value: f64, digits: usize) -> String {
         };
     }
 
-    let magnitude = value.abs().log10().floor() as i32;
     let digits = digits.max(1) as i32;
+    // Rounding may lift a number to the next power of ten, as 9.996 to three digits.
+    let rounded: f64 = format!("{value:.*e}", (digits - 1) as usize)
+        .parse()
+        .unwrap_or(value);
+    let magnitude = rounded.abs().log10().floor() as i32;
 
     // Written out, numbers below 0.0001 and from 10^15 on would be mostly zeros.
     if !(-4..15).contains(&magnitude) {

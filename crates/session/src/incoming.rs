@@ -335,8 +335,8 @@ pub fn gather(mut files: Vec<NamedBytes>) -> Option<(Incoming, Vec<String>)> {
     let other_names: Vec<String> = others.iter().map(|&k| files[k].name.clone()).collect();
 
     let file = files.remove(opened);
-    // Files beyond the limit were not looked at, and are not kept either.
-    files.truncate(MAX_FILES);
+    // Files beyond the limit, of which the removed one counts, were not looked at, and are not kept either.
+    files.truncate(MAX_FILES - 1);
     let mut incoming = Incoming::new(file);
     let unused = incoming.without_named(other_names);
     incoming.beside = files;

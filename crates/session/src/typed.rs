@@ -48,8 +48,8 @@ fn plain(text: &str) -> Option<String> {
             return None;
         }
         whole.retain(|c| !separates(c));
-        // "1 000,5": after blanks a comma can only be a decimal one.
-        if whole.matches(',').count() == 1 && rest.is_empty() {
+        // "1 000,5": after blanks a comma can only be a decimal one, unless there is a point as well.
+        if whole.matches(',').count() == 1 && !rest.starts_with('.') {
             whole = whole.replace(',', ".");
         }
     } else if are_thousands(whole.split(',')) {
@@ -111,6 +111,7 @@ mod tests {
             ("1\u{2019}000", 1e3),
             ("1_000", 1e3),
             ("1 000,5", 1000.5),
+            ("1 000,5e3", 1_000_500.0),
             // Decimal commas.
             ("0,01", 0.01),
             ("0,125", 0.125),

@@ -52,9 +52,19 @@ pub(crate) fn lesson_of(
         // The name of a step is made from its title, and no two steps may have the same one. A number stands for a title that is
         // empty or taken.
         let name = step_name(&sentence);
-        let is_taken = titles.iter().any(|other| step_name(other) == name);
-        let free_title = Some(sentence).filter(|_| !name.is_empty() && !is_taken);
-        let title = free_title.unwrap_or_else(|| format!("Scene {}", index + 1));
+        let is_free = |title: &String| {
+            !titles
+                .iter()
+                .any(|other| step_name(other) == step_name(title))
+        };
+        let own = Some(sentence).filter(|own| !name.is_empty() && is_free(own));
+        // An earlier caption may be "Scene 3": the next number is taken then.
+        let numbered = || {
+            (index + 1..)
+                .map(|number| format!("Scene {number}"))
+                .find(is_free)
+        };
+        let title = own.or_else(numbered).unwrap_or_default();
 
         let _ = write!(text, "\n# {title}\n\n```run\n");
         // A step begins with the run of the step before it, so that only the first one needs to name it.
@@ -197,6 +207,9 @@ mod tests {
             scene("", Some(Stage::Iterate(1))),
             scene("after: tiling!", Some(Stage::Finish)),
             scene("冲突在哪里？", Some(Stage::Finish)),
+            // The number of the next scene is taken by this one's caption.
+            scene("Scene 7", Some(Stage::Finish)),
+            scene("", Some(Stage::Finish)),
         ];
         let parameters = Parameters {
             radius: 0.03,
@@ -217,7 +230,9 @@ mod tests {
                 "After tiling",
                 "Scene 3",
                 "Scene 4",
-                "冲突在哪里？"
+                "冲突在哪里？",
+                "Scene 7",
+                "Scene 8"
             ]
         );
         assert_eq!(lesson.steps[0].text, ["Nothing has (happened)."]);

@@ -283,8 +283,11 @@ impl Classroom {
             Err(error) => context.tell_error(format!("{}: {error}.", path.display())),
         }
 
-        // Also after an error, so that its notice is shown once for each change.
-        if let Some(open) = &mut self.lessons.open {
+        // Also after an error, so that its notice is shown once for each change. The lesson that stays open then may be another
+        // one.
+        if let Some(open) = &mut self.lessons.open
+            && open.source == LessonSource::File(path.to_owned())
+        {
             open.changed = changed;
         }
     }

@@ -44,7 +44,11 @@ fn read(fields: &Fields) -> Result<Arc<dyn GateKind>, LessonError> {
         };
         // Spectra of maximal sets end at about 3 / r (`sets.rs`).
         let end = |text: &str| field.part(text).number([0.0, 3.0]);
-        Ok([end(low)?, end(high)?])
+        let [low, high] = [end(low)?, end(high)?];
+        if low >= high {
+            return Err(field.wrong("a band ends at a higher frequency than it begins with"));
+        }
+        Ok([low, high])
     };
     // One band alone would be a choice of three words. Chosen, not measured.
     let least = 2;

@@ -57,6 +57,9 @@ fn read(fields: &Fields) -> Result<Arc<dyn GateKind>, LessonError> {
 impl GateKind for PlaceGate {
     fn ask(&self, asking: &Asking<'_>) -> Result<Arc<dyn Interaction>, LessonError> {
         let right = asking.scene.places(&self.right)?;
+        if right.is_empty() {
+            return Err(asking.fault("the question has no right place"));
+        }
         // Of several right places the list has the first, which is enough for a learner without a pointer.
         let mut candidates: Vec<[f64; 2]> = right.iter().take(1).copied().collect();
 

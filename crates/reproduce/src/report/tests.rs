@@ -114,5 +114,5 @@ fn numbers_have_all_digits_in_files_and_few_for_readers() {
     assert_eq!(number(-12.345, 3), "\u{2212}12.3");
     assert_eq!(number(1.5e-9, 2), "1.5e-9");
     assert_eq!(number(0.0, 3), "0");
-    assert_eq!(number(9.996, 3), "10.00");
+    assert_eq!(number(9.996, 3), "10.0");
 }
