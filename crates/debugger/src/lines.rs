@@ -164,6 +164,7 @@ const fn exact(run_event: &RunEvent) -> (&'static str, u8) {
 const fn printed(run_event: &RunEvent) -> (&'static str, u8) {
     match *run_event {
         RunEvent::Take { .. } => ("printed", 2),
+        // A sample that was contested is kept in its turn, the others once no turn is left.
         RunEvent::Keep { rest: false, .. } => ("printed", 3),
         // Line 4 of the listing marks the sample whose turn it is, line 9 another one because of a loss near it.
         RunEvent::Mark { sample, because } => ("printed", if sample == because { 4 } else { 9 }),
@@ -181,7 +182,7 @@ const fn printed(run_event: &RunEvent) -> (&'static str, u8) {
         }
         RunEvent::Search { .. } => ("printed", 14),
 
-        RunEvent::Keep { .. } => ("printed", 11),
+        RunEvent::Keep { rest: true, .. } => ("printed", 11),
         RunEvent::Iteration { .. } => ("printed", 12),
         // The first loop is iteration 1, the second one has all later ones.
         RunEvent::Call { iteration, .. } => ("printed", if iteration == 1 { 10 } else { 15 }),

@@ -106,7 +106,7 @@ fn report_of(adapter: &wgpu::Adapter) -> AdapterReport {
             max_compute_workgroups_per_dimension: limits.max_compute_workgroups_per_dimension,
             max_storage_buffers_per_shader_stage: limits.max_storage_buffers_per_shader_stage,
         },
-        // Browsers do not give the name.
+        // Not every browser gives a name.
         name: if info.name.is_empty() {
             format!("{} adapter", info.backend)
         } else {
@@ -115,7 +115,7 @@ fn report_of(adapter: &wgpu::Adapter) -> AdapterReport {
     }
 }
 
-/// Browsers do not report whether an adapter is software, but its name shows it.
+/// Browsers do not report whether an adapter is software, but its name shows it, where they give one.
 fn is_known_software(name: &str) -> bool {
     let name = name.to_lowercase();
     ["llvmpipe", "swiftshader", "softpipe", "basic render"]
@@ -126,8 +126,8 @@ fn is_known_software(name: &str) -> bool {
 impl Gpu {
     /// Returns the device of the adapter that `choice` names.
     ///
-    /// Fails when there is no such adapter, when only software adapters exist and none was named, and when a limit is
-    /// too low for any run.
+    /// Fails when there is no such adapter, when only software adapters exist and `choice` neither names nor allows one, when a
+    /// limit is too low for any run, and when the adapter gives no device.
     pub async fn open(choice: &Choice) -> Result<Self, GpuError> {
         let instance = instance();
         let adapter = choose(found(&instance).await, choice)?;
@@ -142,7 +142,8 @@ impl Gpu {
         let features = adapter.features() & wgpu::Features::TIMESTAMP_QUERY;
 
         // The limits are those that WebGPU guarantees, and higher only where this lets the engine compute larger parts of the
-        // domain at once. The resolution is that of textures, which the engine does not use.
+        // domain at once. The sizes of textures, which the engine does not use, are the adapter's own, so that none is refused for
+        // them.
         let mut limits = wgpu::Limits::default().using_resolution(adapter.limits());
         limits.max_buffer_size = report.limits.max_buffer_size;
         limits.max_storage_buffer_binding_size = report.limits.max_storage_buffer_binding_size as _;

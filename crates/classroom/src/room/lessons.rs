@@ -624,6 +624,8 @@ impl Classroom {
         };
 
         let (learner, last) = (&open.learner, &self.lessons.last);
+        // The second number is that of the events of a trace that are done.
+        let (tries, _) = learner.tries();
         let step = learner.step();
         let gate = step.gate.as_ref();
 
@@ -634,7 +636,7 @@ impl Classroom {
             gate: gate.map_or_else(String::new, |gate| gate.name.clone()),
             seed: learner.parameters().seed,
             score,
-            tries: learner.tries().0,
+            tries,
             // The question of a form stays open after its answer, so that nothing is revealed.
             done: !learner.is_open() || learner.is_taken(),
             given_up,

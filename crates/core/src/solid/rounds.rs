@@ -90,7 +90,8 @@ impl<'a> Undecided<'a> {
     }
 }
 
-/// Adds the darts that would be kept if they were taken in sequence, and returns them in it.
+/// Adds to `balls` the darts that would be kept if they were taken in sequence, and returns their places in that sequence.
+/// No dart may be covered by a ball that is there already.
 pub(super) fn decide_in_rounds(darts: &[SolidDart], balls: &mut BallGrid) -> Vec<Place> {
     let place = |number: u32| darts[number as usize].place;
     let mut heads = vec![NOTHING; balls.frame().count()];

@@ -1,4 +1,4 @@
-//! A module as it is read: its sections, and who refers to which function.
+//! A module as it is read, to be cut into two modules: its sections, and who refers to which function.
 
 use std::collections::BTreeMap;
 
@@ -97,13 +97,14 @@ impl<'a> Program<'a> {
                         .context("a function has code and no type")?;
                     program.take_code(kind, body)?;
                 }
+                // Of custom sections only the names are read. None is written again, as no code depends on them.
                 Payload::CustomSection(section) => {
                     if let KnownCustom::Name(section) = section.as_known() {
                         names = function_names(section)?;
                     }
                 }
                 Payload::Version { .. } | Payload::CodeSectionStart { .. } | Payload::End(_) => {}
-                // A section that is not known here would be missing from both modules.
+                // A section that is not known here would be in neither of the two modules that are written.
                 other => bail!("the module has a section that cannot be cut: {other:?}"),
             }
         }

@@ -125,8 +125,8 @@ fn plate_better(
     claim("fig10/plate-better", verdict, &values)
 }
 
-/// Judges whether horizons by KDRT are as good as those by the reference sampler, and better than those by random
-/// samples.
+/// Judges whether horizons by KDRT are as good as those by the reference sampler, and both are clearly better than those by
+/// random samples.
 fn horizon_alike(
     random: &SamplerResults,
     reference: &SamplerResults,
@@ -137,7 +137,7 @@ fn horizon_alike(
     let ratio = Ratio::of(&kdrt.overall(), &reference.overall());
     let better = [kdrt, reference].map(|one| Ratio::of(&random.densest(), &one.densest()));
     let densest = kdrt.horizons.last().and_then(|sets| sets.first());
-    // A claim of two parts: as good as the reference sampler, and better than random samples.
+    // A claim of two parts: the two samplers are alike, and each is better than random samples.
     let verdict = Verdict::of_all([alike(ratio), clearly(&better)]);
 
     let values = json!({

@@ -36,6 +36,7 @@ pub struct SetCounts {
     pub inserted: Vec<u64>,
     /// Inserted samples by rank in their gap.
     pub ranks: Vec<u64>,
+    /// Inserted samples without a rank: they lie in no gap of the survivors, or too little of their gap was left.
     pub skipped: u64,
 }
 
@@ -177,6 +178,7 @@ impl Counter {
             .filter(|(origin, _)| matches!(origin, Origin::Inserted { .. }))
             .map(|(_, point)| *point)
             .collect();
+        // A rank is estimated at places of the gap that are drawn from the seed.
         let ranked = gaps.ranked(&self.domain.users_from_lattice(&inserted), seed);
 
         Ok(SetCounts {
