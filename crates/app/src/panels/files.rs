@@ -133,7 +133,7 @@ fn file(ui: &mut Ui, state: &State, form: &FileForm, own: &mut Vec<FileCommand>)
         if entered(ui, &response) && refusal(state, form).is_none() {
             own.push(FileCommand::Go);
         }
-        // A browser chooses the folder of a download itself.
+        // A browser chooses the folder of a download itself, so that there is none to browse for.
         if in_browser && is_saving {
             return;
         }
@@ -155,6 +155,7 @@ fn refusal(state: &State, form: &FileForm) -> Option<String> {
             "Name a file."
         }
     } else if form.purpose == Purpose::Save {
+        // The session of run A is saved, whether or not a second run is beside it.
         return (state.runs().first)
             .save_refusal()
             .map(str::to_owned)
@@ -173,6 +174,7 @@ fn no_folder(path: &str) -> Option<String> {
     Some(format!("There is no folder \"{}\".", folder.display()))
 }
 
+/// Returns how far a file is read or written, from 0 to 1; `None` if none is.
 fn busy(state: &State) -> Option<f32> {
     state
         .files()

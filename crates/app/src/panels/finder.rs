@@ -19,7 +19,7 @@ use tilescope_workbench::state::State;
 /// Height of a row, unless enlarged for touch.
 const ROW: f32 = 30.0;
 
-/// Where the names begin, from the left edge of a row; the longest menu fits before it.
+/// Where the names begin, from the left edge of a row; the name of every menu fits before it.
 const NAME_START: f32 = 76.0;
 /// Least gap between a menu and a name.
 const AFTER_MENU: f32 = 10.0;
@@ -35,7 +35,7 @@ pub fn show(ui: &mut Ui, state: &State, commands: &mut Vec<Command>) {
         // Text and Enter may come in one frame: the text filters the list first.
         let (field_id, filter) = field(ui, open, commands);
         found = actions::found(&filter, state);
-        // The last letter may have left fewer actions than the choice counts.
+        // The last letter typed may have left so few actions that the chosen row is gone: the last row is chosen then.
         let choice = filter.choice.min(found.len().saturating_sub(1));
 
         ui.add_space(6.0);
@@ -52,7 +52,7 @@ pub fn show(ui: &mut Ui, state: &State, commands: &mut Vec<Command>) {
         let mut run_row = (enters && is_meant).then_some(choice);
 
         ScrollArea::vertical()
-            // A dozen rows are enough to choose from: more letters leave fewer.
+            // A dozen rows of normal height are enough to choose from: more letters leave fewer actions.
             .max_height(room.min(12.0 * ROW))
             .auto_shrink([false, false])
             .show(ui, |ui| {
@@ -185,7 +185,7 @@ fn texts(ui: &Ui, action: &Action, rect: Rect, palette: &Palette) {
         FontId::proportional(12.0),
         palette.muted,
     );
-    // Names begin at one place, except beside a menu whose name is longer.
+    // The names of actions begin at one place. A menu that reached beyond it would move the name to the right.
     let start = (menu.right() + AFTER_MENU).max(rect.left() + NAME_START);
     painter.text(
         egui::pos2(start, rect.center().y),

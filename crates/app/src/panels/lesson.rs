@@ -186,7 +186,8 @@ impl LessonPanel<'_> {
             let sentence = format!("{} {why}.", self.labels.cannot_show);
             let text = RichText::new(sentence).color(self.palette.conflict);
             ui.add(Label::new(text).wrap()).known_as("lesson-fault");
-        // The run of this step is still being made; practice may need several until one has the moment.
+        // The run of this step is still being made. In practice it may be one of several: until a run has the step's
+        // moment, another seed is drawn.
         } else if learner.scene().is_none() {
             ui.label(self.muted(self.labels.makes_run))
                 .known_as("lesson-waits");
@@ -242,7 +243,8 @@ impl LessonPanel<'_> {
                 let gate = step.gate.as_ref();
                 let score = gate.and_then(|gate| lessons.shown_score(lesson, &gate.name));
                 let is_here = index == learner.index();
-                // The colour says where the learner is, and otherwise how the question was answered: in full, in part, or not yet.
+                // The colour says where the learner is, and otherwise how the question was answered at best: in full, not in full
+                // (in part or wrongly), or not at all. A step without a question has no score either.
                 let color = match (is_here, score) {
                     (true, _) => self.palette.accent,
                     // `FULL_MARKS` lies just below the score of a whole answer, for rounding.
@@ -316,6 +318,7 @@ impl LessonPanel<'_> {
             read_out(ui, &label);
             label.known_as("lesson-hint-text");
         }
+        // The question is open, so that `remember` only stores this, for the frame in which it has been closed.
         self.remember(ui);
     }
 
@@ -420,8 +423,8 @@ impl LessonPanel<'_> {
         }
 
         if (step.gate.as_ref()).is_some_and(|gate| gate.practice.is_some()) {
-            // Any seed serves that differs from click to click, as the time does, also without its lowest bits. The remainder
-            // by a prime is short enough to be read.
+            // Any seed serves that differs from click to click. The time does, even without its lowest 12 bits, which stand for
+            // nanoseconds. The remainder by a prime, chosen, not measured, is short enough to be read.
             let seed = (ui.input(|input| input.time.to_bits()) >> 12) % 100_003;
             let again = ui.button(self.labels.again);
             self.on_click(&again, "lesson-practise", LessonCommand::Practise(seed));

@@ -49,6 +49,7 @@ fn listings_of(context: &PanelContext<'_>) -> Vec<&'static Listing> {
             &["blocks", "tile", "eliminate", "darts", "finish"]
         }
     };
+    // The program has a listing of each of these names; one that it lacked would be left out here.
     let all = &Listings::shipped().listings;
     names
         .iter()
@@ -181,8 +182,8 @@ pub fn show(ui: &mut Ui, context: &PanelContext<'_>, commands: &mut Vec<Command>
         view: Rangef::new(start, start + output.inner_rect.height()),
     };
     if has_moved && !placed.shows(now.leading()) {
-        // The line was not laid out before, or the panel has another width. Its place is known in the next frame, which
-        // scrolls to it, as no moment counts as seen.
+        // The line was not laid out before, or the panel has another width. Its place is known from this frame on: the next
+        // one scrolls to it, since the moment that is stored for it differs from every moment with a line.
         let unseen = Now::default();
         remember(ui, id, unseen, placed);
         ui.ctx().request_repaint();
@@ -251,7 +252,8 @@ fn show_line(
     response.widget_info(|| WidgetInfo::selected(Role::Button, ENABLED, is_current, &said));
     response.known_as(format_args!("{}.line", line.id));
 
-    if is_current || tag.is_some() {
+    // The current line has a tag as well.
+    if tag.is_some() {
         highlight(ui, rect, is_current, palette);
     } else if response.hovered() || response.has_focus() {
         let fill = palette.text.gamma_multiply(0.06);

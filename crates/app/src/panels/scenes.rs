@@ -160,7 +160,8 @@ fn row(
             issue(SceneCommand::Replace(index));
         }
 
-        // The first scene cannot go up and the last one not down: their buttons say so.
+        // The first scene cannot go up and the last one not down: their buttons say so. Both buttons have the arrows of
+        // `Taller` and `Shorter`, which point up and down.
         let no_up = (index == 0).then_some("It is the first.");
         let no_down = (number == debugger.scenes.len()).then_some("It is the last.");
         // Numbers count from 1, so that the number of a scene is the index of the next one.

@@ -34,6 +34,7 @@ pub fn show(ui: &mut Ui, curves: &[&Curve], height: f32, palette: &Palette) {
         painter.line_segment([at([0.0, level]), at([REACH[0], level])], thin);
     }
 
+    // The unit stands in the place of the last number, at the right end.
     let (below, font) = (vec2(0.0, 2.0), FontId::proportional(11.0));
     for tick in [0.5, 1.0, 1.5, 2.0, 2.5] {
         let (pos, text) = (at([tick, 0.0]) + below, ui.words(format!("{tick}")));

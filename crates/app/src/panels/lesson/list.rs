@@ -29,6 +29,7 @@ pub fn show(ui: &mut Ui, state: &State, palette: &Palette, commands: &mut Vec<Co
     ui.add_space(6.0);
 
     let mut forms = Vec::new();
+    // The shelf has the lessons before the forms, so that its indices number the lessons without gaps.
     for (index, shipped) in state.lessons().shelf.iter().enumerate() {
         // No shipped lesson fails here, since tests read all of them.
         let Ok(lesson) = Lesson::read(&shipped.name, &shipped.text) else {
@@ -59,7 +60,7 @@ pub fn show(ui: &mut Ui, state: &State, palette: &Palette, commands: &mut Vec<Co
         let intro = RichText::new(labels(state).forms_intro).color(palette.muted);
         ui.add(Label::new(intro).wrap());
         for (lesson, shipped) in &forms {
-            // Forms have no number, and neither has the first lesson: index 0 stands for none.
+            // A form has no number. Neither has the first lesson, whose index is 0.
             entry(ui, state, lesson, shipped, 0, palette, commands);
         }
     }
@@ -68,13 +69,14 @@ pub fn show(ui: &mut Ui, state: &State, palette: &Palette, commands: &mut Vec<Co
     results(ui, state, palette, commands);
 }
 
-/// Shows a lesson, and how many of its questions are answered; a click opens it.
+/// Shows a lesson, and how many of its questions are answered; a click opens it. Its `number` stands before its title,
+/// unless it is 0.
 fn entry(
     ui: &mut Ui,
     state: &State,
     lesson: &Lesson,
     shipped: &shipped::Shipped,
-    index: usize,
+    number: usize,
     palette: &Palette,
     commands: &mut Vec<Command>,
 ) {
@@ -92,13 +94,12 @@ fn entry(
         .filter(|(_, gate)| is_done(&gate.name))
         .count();
 
-    // Index 0 stands for a lesson without a number.
-    let number = if index == 0 {
+    let before_title = if number == 0 {
         String::new()
     } else {
-        format!("{index}. ")
+        format!("{number}. ")
     };
-    let text = format!("{number}{}", words(&lesson.title));
+    let text = format!("{before_title}{}", words(&lesson.title));
     // The colour of links says that a click opens something.
     let title = RichText::new(text).size(14.5).color(palette.accent);
     let button = ui

@@ -333,6 +333,7 @@ impl Notes<'_> {
             .unwrap_or_default();
 
         ui.horizontal(|ui| {
+            // There are two votes at most: one that is typed after the second replaces it.
             let name = if votes.is_empty() {
                 "First vote:"
             } else {
@@ -397,8 +398,9 @@ impl Notes<'_> {
     fn next_step(&self, ui: &mut Ui) {
         let learner = &self.open.learner;
         let lesson = learner.lesson();
-        let later = self.talk.parts.get(self.talk.part + 1);
-        let title = match (lesson.steps.get(learner.index() + 1), later) {
+        // After the last step of a lesson the talk goes on with the lesson of its next part.
+        let next_part = self.talk.parts.get(self.talk.part + 1);
+        let title = match (lesson.steps.get(learner.index() + 1), next_part) {
             (Some(step), _) => learner.words(&step.title),
             (None, Some(part)) => format!("{}: {}", part.title, ui.words("the next lesson")),
             (None, None) => ui.words("Nothing: this is the last step."),
@@ -407,8 +409,8 @@ impl Notes<'_> {
         self.heading(ui, &title);
         match self.state.talks().next_picture.drawn() {
             Some(picture) => self.picture(ui, picture),
-            // After the last step there is no picture to wait for.
-            None if later.is_none() && learner.index() + 1 == lesson.steps.len() => {}
+            // After the last step of the last part there is no picture to wait for.
+            None if next_part.is_none() && learner.index() + 1 == lesson.steps.len() => {}
             _ => self.muted(ui, ui.words("Its picture is being drawn\u{2026}")),
         }
     }

@@ -91,7 +91,7 @@ pub fn show(ui: &mut Ui, state: &State, canvas: &mut Canvas, commands: &mut Vec<
         let scroll = ScrollArea::vertical()
             // Another id begins at the top: that of a new step, and that of the explanation after the answer.
             .id_salt(("stage", open.learner.index(), open.learner.is_open()))
-            // The text of a step fits on the stage, which needs no bar.
+            // The text of a step is meant to fit on the stage. A longer one can be scrolled, by the wheel.
             .scroll_bar_visibility(ScrollBarVisibility::AlwaysHidden)
             .auto_shrink([false, false]);
         scroll.show(ui, |ui| {
@@ -270,7 +270,8 @@ impl Slide<'_> {
         }
     }
 
-    /// Shows a bar for each count of an option; the largest count of all options, `most`, has the whole width.
+    /// Shows a bar for each count of an option; the largest count of all options, `most`, has the whole width. It is `None`
+    /// only where no option has a count.
     fn bars(
         &self,
         ui: &mut Ui,
@@ -413,8 +414,9 @@ fn code(ui: &Ui, state: &State) {
                 .inner_margin(Margin::same(18))
                 .show(ui, |ui| {
                     ui.vertical_centered(|ui| {
-                        // The margins and the address below the code take 130 points of the height. The address has at least 300
-                        // points of width, so that it takes few lines.
+                        // The margins and the address below the code take 130 points of the height; of the width the same is left,
+                        // as the code is a square. From 120 to 330 points it can be read and leaves something of the canvas in
+                        // view: chosen, not measured. The address is at least 300 points wide, so that it takes few lines.
                         let side = (rect.size().min_elem() - 130.0).clamp(120.0, 330.0);
                         ui.set_width(side.max(300.0));
 

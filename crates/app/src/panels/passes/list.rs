@@ -42,6 +42,7 @@ pub(super) fn show(
             let top = ui.max_rect().top() + (line as f32 - range.start as f32) * LINE;
             let size = vec2(ui.available_width(), LINE);
             let rect = Rect::from_min_size(Pos2::new(ui.max_rect().left(), top), size);
+            // One line more on each side shows what comes before and after it.
             ui.scroll_to_rect(rect.expand2(vec2(0.0, LINE)), None);
         }
         for line in &passes.lines()[range] {
