@@ -186,7 +186,8 @@ fn describe(ui: &Ui, response: &egui::Response, subject: &Subject<'_>) {
 }
 
 impl PaneSide<'_> {
-    /// Shows one picture with its input, and returns its response. On the stage of a talk, nothing but the scale lies over it.
+    /// Shows one picture with its input, and returns its response. On the stage of a talk, nothing but the scale and
+    /// the rows of a buffer, if they are shown, lies over it.
     fn show(
         &self,
         ui: &mut Ui,
@@ -233,7 +234,7 @@ impl PaneSide<'_> {
         };
 
         overlay::scale_bar(&painter, rect, subject, palette);
-        // On the stage of a talk only the picture and its scale are shown.
+        // The stage of a talk has no texts that explain the picture: the lecturer does.
         if context.is_stage {
             return response;
         }

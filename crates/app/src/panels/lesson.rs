@@ -243,8 +243,8 @@ impl LessonPanel<'_> {
                 let gate = step.gate.as_ref();
                 let score = gate.and_then(|gate| lessons.shown_score(lesson, &gate.name));
                 let is_here = index == learner.index();
-                // The colour says where the learner is, and otherwise how the question was answered at best: in full, not in full
-                // (in part or wrongly), or not at all. A step without a question has no score either.
+                // The colour says where the learner is, and otherwise how the question was answered at best: in full,
+                // not in full (in part or wrongly), or not at all. A step without a question has no score either.
                 let color = match (is_here, score) {
                     (true, _) => self.palette.accent,
                     // `FULL_MARKS` lies just below the score of a whole answer, for rounding.
@@ -423,8 +423,8 @@ impl LessonPanel<'_> {
         }
 
         if (step.gate.as_ref()).is_some_and(|gate| gate.practice.is_some()) {
-            // Any seed serves that differs from click to click. The time does, even without its lowest 12 bits, which stand for
-            // nanoseconds. The remainder by a prime, chosen, not measured, is short enough to be read.
+            // Any seed serves that differs from click to click. The time does, even without its lowest 12 bits, which
+            // stand for nanoseconds. The remainder by a prime, chosen, not measured, is short enough to be read.
             let seed = (ui.input(|input| input.time.to_bits()) >> 12) % 100_003;
             let again = ui.button(self.labels.again);
             self.on_click(&again, "lesson-practise", LessonCommand::Practise(seed));

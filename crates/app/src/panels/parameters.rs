@@ -180,8 +180,9 @@ fn remark_height(ui: &Ui, context: &FormContext<'_>, width: f32) -> f32 {
     })
 }
 
-/// Shows the remark, the button Run or the progress of the run, and Cancel. Button and progress take the same room, so that
-/// nothing moves. Cancel stands beside them, where a double click on Run does not hit it and where no other button ever is.
+/// Shows the remark, the button Run or the progress of the run, and Cancel. Button and progress take the same room, so
+/// that nothing moves. Cancel stands beside them, where a double click on Run does not hit it and where no other button
+/// ever is.
 fn run_or_cancel(ui: &mut Ui, context: &FormContext<'_>, commands: &mut Vec<Command>) {
     let palette = context.palette;
     let height = run_height(ui);

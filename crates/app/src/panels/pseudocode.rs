@@ -182,8 +182,8 @@ pub fn show(ui: &mut Ui, context: &PanelContext<'_>, commands: &mut Vec<Command>
         view: Rangef::new(start, start + output.inner_rect.height()),
     };
     if has_moved && !placed.shows(now.leading()) {
-        // The line was not laid out before, or the panel has another width. Its place is known from this frame on: the next
-        // one scrolls to it, since the moment that is stored for it differs from every moment with a line.
+        // The line was not laid out before, or the panel has another width. Its place is known from this frame on: the
+        // next one scrolls to it, since the moment that is stored for it differs from every moment with a line.
         let unseen = Now::default();
         remember(ui, id, unseen, placed);
         ui.ctx().request_repaint();

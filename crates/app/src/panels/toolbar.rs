@@ -175,8 +175,8 @@ pub fn show_compact(ui: &mut Ui, state: &State, commands: &mut Vec<Command>) {
             // A click in this menu opens another one within it, and must not close this one.
             .close_behavior(PopupCloseBehavior::CloseOnClickOutside)
             .show(|ui| {
-                // The menu leaves 40 points of the window beside it, and 96 points above and below it. In a window lower than
-                // any phone it keeps 120 points, in which it scrolls.
+                // The menu leaves 40 points of the window beside it, and 96 points above and below it. In a window
+                // lower than any phone it keeps 120 points, in which it scrolls.
                 ui.set_width(MAX_MENU_WIDTH.min(room.x - 40.0));
                 let height = (room.y - 96.0).max(120.0);
                 egui::ScrollArea::vertical()
@@ -343,7 +343,8 @@ fn scrolled_if_low(ui: &mut Ui, add: impl FnOnce(&mut Ui)) {
         .show(ui, add);
 }
 
-/// Returns the actions of a menu in parts: those of a submenu, or those between two submenus or lines. No part is empty.
+/// Returns the actions of a menu in parts: those of a submenu, or those between two submenus or lines. No part is
+/// empty.
 fn parts(all: &[Action], menu: Menu) -> impl Iterator<Item = &[Action]> {
     all.chunk_by(|a, b| {
         let is_new = b.begins_group && b.submenu.is_none();

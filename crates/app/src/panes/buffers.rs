@@ -194,6 +194,7 @@ impl RowPainter<'_> {
                         if is_changed { 1.6 } else { 1.0 },
                         color,
                     );
+                    // The ring is at the row's own sample. The other end is the sample that eliminated it.
                     add_ring(&mut rings, stamp, ends[0], color);
                 }
                 RowPlace::Point(point) => add_ring(&mut rings, stamp, self.at(*point), color),
@@ -204,7 +205,8 @@ impl RowPainter<'_> {
         self.painter.add(rings);
     }
 
-    /// Outlines the marks of the selected row, or of the one under the pointer, by lines of this width.
+    /// Outlines all places of the selected row, or of the one under the pointer, by lines of this width; also those
+    /// that have no mark, as the cell of a row that did not change.
     fn single_out(&self, spots: &[RowPlace], width: f32) {
         // The outline stands clear of the row's own mark, which stays visible.
         let stroke = Stroke::new(width, self.palette.halo);
@@ -239,6 +241,7 @@ fn add_ring(mesh: &mut Mesh, stamp: Stamp, at: Pos2, color: Color32) {
 /// opacities are chosen.
 fn add_square(mesh: &mut Mesh, rect: Rect, color: Color32, strong: bool) {
     let width = if strong { 1.5 } else { 1.0 };
+    // The squares of neighbouring cells stand half a point apart.
     let inner = rect.shrink(0.25);
     // The border of so small a square would fill it anyway.
     if inner.width().min(inner.height()) < MIN_BORDERED {
@@ -298,7 +301,8 @@ fn tag(
         palette.muted
     };
     job.append(&changed, 0.0, format(color));
-    // Even in a canvas narrower than that a line has room for a word or two.
+    // The tag keeps clear of both edges. In a very narrow canvas it reaches beyond, so that a line has room for a word
+    // or two.
     job.wrap.max_width = (painter.clip_rect().width() - 2.0 * INSET.x).max(80.0);
 
     let galley = painter.layout_job(job);

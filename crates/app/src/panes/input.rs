@@ -52,7 +52,7 @@ pub fn handle(
     }
 
     inspect_later(ui, response, is_picked, flies, context, commands);
-    // A finger that was lifted hovers nowhere.
+    // Only a mouse hovers: the place of a finger that was lifted would stay otherwise.
     response.hover_pos().filter(|_| touch.hand == Hand::Mouse)
 }
 
@@ -141,6 +141,7 @@ fn move_view(
         // Equal turns of the wheel change the scale by equal factors. 100 points change it by e^0.24 = 1.27, a
         // chosen speed.
         let factor = f64::from(zoom) * f64::from(scroll * 0.0024).exp();
+        // While another widget is dragged over the canvas, nothing hovers: the wheel zooms about the middle then.
         let at = response.hover_pos().unwrap_or(response.rect.center());
         (at, factor)
     } else {
@@ -196,6 +197,7 @@ fn pick(
         let sample = nearest(response, subject, pos, reach).map(Selection::Sample);
         sample.unwrap_or_else(|| selection_at(response, subject, pos))
     });
+    // A click without a pointer, as screen readers make them, is at no place.
     let selection = picked.unwrap_or(Selection::Nothing);
     commands.push(ViewCommand::Pick(selection));
     true
@@ -220,6 +222,7 @@ pub(super) fn nearest(
 
     // A copy across a periodic border is drawn, and a click on it selects its sample.
     let around = drawn_around(shown.session);
+    // The rectangle around which the index looks is the position alone.
     index.visit_around(position, position, in_radii, around, |seen| {
         let distance = seen.position.distance(position);
         let visible = shown.standing(seen.id) != Standing::Absent;

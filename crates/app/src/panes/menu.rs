@@ -132,21 +132,21 @@ fn entries(subject: &Subject<'_>, which: Which, about: MenuSubject) -> Vec<MenuE
     let view = |command| vec![Command::View(which, command)];
     let centre = view(ViewCommand::Centre(about.place));
     let copy = view(ViewCommand::CopyPosition(at));
-    let mut others = vec![
+    let mut of_view = vec![
         MenuEntry::new("centre", "Centre here", centre),
         MenuEntry::new("copy", "Copy the position", copy),
     ];
     // Scenes are moments of run A, and only a run with events has such moments.
     if which == Which::First && subject.shown.debugger.is_some() {
         let scene = vec![Command::Scene(SceneCommand::Add)];
-        others.push(MenuEntry::new(
+        of_view.push(MenuEntry::new(
             "scene",
             "Make a scene of this moment",
             scene,
         ));
     }
 
-    add(others);
+    add(of_view);
     entries
 }
 

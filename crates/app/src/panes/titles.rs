@@ -80,12 +80,13 @@ fn title(
 ) -> Title {
     let mut parts = Vec::new();
     if let (Some(own), Some(other)) = (own, other) {
-        // The parameters that differ tell the runs apart. Where none differs, the seed still names the run.
+        // The parameters that differ tell the runs apart; a combination has none to compare. Where none differs, the
+        // seed still names the run.
         let differing = contrast_of(own, other).unwrap_or_default();
         parts.extend(
             differing
                 .into_iter()
-                .map(|(name, value, _)| format!("{name} {value}")),
+                .map(|(name, value, _of_other)| format!("{name} {value}")),
         );
         if own.combination.is_some() {
             parts.push(tilescope_session::words::counted(

@@ -84,8 +84,8 @@ impl Overlay {
             return;
         };
         let (painter, palette) = (&self.painter, self.palette);
-        // Both ends are drawn in the domain itself: of each end alone, the image nearest to the middle of the view might
-        // belong to another copy of the domain.
+        // Both ends are drawn in the domain itself: of each end alone, the image nearest to the middle of the view
+        // might belong to another copy of the domain.
         let ends = |segment: Segment| segment.map(|end| self.fixed(end.into()));
         let [low, high] = ends(lines.outline);
         let rect = Rect::from_two_pos(low, high);
@@ -150,8 +150,8 @@ impl Overlay {
         self.label(place.min + vec2(MARGIN, 0.0), label, color);
     }
 
-    /// Draws marks as circles, each with its label or, where it has none, with a cross. Labels keep clear of the rectangles
-    /// `taken`. Returns the rectangles around the marks and their labels.
+    /// Draws marks as circles, each with its label or, where it has none, with a cross. Labels keep clear of the
+    /// rectangles `taken`. Returns the rectangles around the marks and their labels.
     fn marks(&self, marks: &[Mark], taken: &[Rect]) -> Vec<Rect> {
         // The arms of a cross reach 13 points around its place, so that a part of one beyond the border may be in view.
         let near = self.viewport.expand(20.0);

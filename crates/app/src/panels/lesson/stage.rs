@@ -270,8 +270,8 @@ impl Slide<'_> {
         }
     }
 
-    /// Shows a bar for each count of an option; the largest count of all options, `most`, has the whole width. It is `None`
-    /// only where no option has a count.
+    /// Shows a bar for each count of an option; the largest count of all options, `most`, has the whole width. It is
+    /// `None` only where no option has a count.
     fn bars(
         &self,
         ui: &mut Ui,
@@ -414,9 +414,10 @@ fn code(ui: &Ui, state: &State) {
                 .inner_margin(Margin::same(18))
                 .show(ui, |ui| {
                     ui.vertical_centered(|ui| {
-                        // The margins and the address below the code take 130 points of the height; of the width the same is left,
-                        // as the code is a square. From 120 to 330 points it can be read and leaves something of the canvas in
-                        // view: chosen, not measured. The address is at least 300 points wide, so that it takes few lines.
+                        // The margins and the address below the code take 130 points of the height; of the width the
+                        // same is left, as the code is a square. From 120 to 330 points it can be read and leaves
+                        // something of the canvas in view: chosen, not measured. The address is at least 300 points
+                        // wide, so that it takes few lines.
                         let side = (rect.size().min_elem() - 130.0).clamp(120.0, 330.0);
                         ui.set_width(side.max(300.0));
 
