@@ -121,12 +121,19 @@ pub async fn start(
     let runner = WebRunner::new();
     let shared = Rc::<Shared>::default();
     let web_options = web_options(&options, &shared);
-    let (carried, seen) = (pool.clone(), Rc::clone(&shared));
+    let (pool_of_page, shared_with_page) = (pool.clone(), Rc::clone(&shared));
     let started = runner
         .start(
             canvas,
             web_options,
-            Box::new(move |creation| Ok(Box::new(Page::new(creation, &options, carried, seen)))),
+            Box::new(move |creation| {
+                Ok(Box::new(Page::new(
+                    creation,
+                    &options,
+                    pool_of_page,
+                    shared_with_page,
+                )))
+            }),
         )
         .await;
 
@@ -553,7 +560,7 @@ impl Page {
         self.load_lessons();
 
         let state = &self.app.state;
-        // The clock of the browser goes on while the page is hidden, and that of egui stands still.
+        // Date::now is used, as the browser's clock goes on while the page is hidden and that of egui stands still.
         let now_secs = Date::now() / 1e3;
         let due_secs = self.reported_secs + REPORTS_SECS - now_secs;
         if due_secs > 0.0 {
@@ -618,7 +625,7 @@ impl eframe::App for Page {
         self.store_results();
         self.store_language();
         self.shared.has_list.set(egui::Popup::is_any_open(ui.ctx()));
-        // Ends tasks that this frame has cancelled now, since no other frame may follow.
+        // Tasks that this frame has cancelled are ended at once, since there may be no next frame.
         self.pool.tick();
         self.report_changes();
     }
@@ -670,7 +677,9 @@ fn connect(app: &mut App, creation: &eframe::CreationContext<'_>) -> String {
 
 /// Restores what earlier visits have stored. Returns the language of lessons, if one is stored.
 fn restore(app: &mut App, storage: &dyn Storage, options: &Options) -> Option<String> {
-    app.remember(storage, options.link.is_empty());
+    // A first visit begins with the tour, unless a link says what to show.
+    let has_no_link = options.link.is_empty();
+    app.remember(storage, has_no_link);
     if let Some(results) = storage.get_string(RESULTS_KEY) {
         app.state.take_results(&results);
     }
@@ -711,7 +720,7 @@ fn address() -> Option<String> {
 }
 
 /// Parameters of the address that links leave out: those of an embedded page, and those of a record store, with which others
-/// could write there.
+/// could write there. The empty name is that of the one part into which an address without parameters is split.
 const NOT_IN_LINKS: [&str; 7] = [
     "",
     "embed",

@@ -300,6 +300,8 @@ impl Pool {
             (!value.is_undefined()).then_some(value)
         };
 
+        // `broken`: the worker could not start the program. `fault`: the program panicked in it. `lacking`: its later
+        // part could not be loaded.
         if let Some(why) = get("broken").or_else(|| get("fault")) {
             self.remove_broken(worker, &Break::Fault(why.as_string().unwrap_or_default()));
         } else if let Some(why) = get("lacking") {
@@ -463,12 +465,13 @@ impl Inner {
 
 impl TaskPool for Pool {
     fn run(&self, task: PendingTask) {
-        let none = {
+        let has_no_worker = {
             let mut inner = self.0.borrow_mut();
             inner.waiting.push_back(task);
             inner.slots.is_empty() && inner.program.workers == 0
         };
-        if none {
+        // The task that was just added comes back: no worker will ever take it.
+        if has_no_worker {
             let task = self.0.borrow_mut().waiting.pop_back();
             if let Some(task) = task {
                 (task.answer)(TaskEnd::Failed(no_worker(&JsValue::NULL)));

@@ -138,7 +138,8 @@ impl Tree {
                 data,
             }));
 
-        // egui closes a list when the pointer has chosen from it, and otherwise only by this key.
+        // egui closes a list by itself only when the pointer has chosen from it. After a choice by a request Escape
+        // does.
         let element = self.elements.get(&number);
         let is_chosen = action == Action::Click && element.is_some_and(|it| it.role == "option");
         let is_open = |it: &Element| it.role == "combobox" && it.expanded == Some(true);
@@ -172,7 +173,8 @@ impl Tree {
 
     /// Sends the changes since the last call to the page, if there are any.
     fn send(&mut self, update: &TreeUpdate, zoom: f64) {
-        // The page may still have elements of a program that was replaced after its display was lost.
+        // At the first call the page may still have elements of a program that was replaced after its display was lost.
+        // It forgets all of them then.
         let is_first = self.elements.is_empty();
         let nodes: HashMap<NodeId, &Node> = (update.nodes.iter())
             .map(|(id, node)| (*id, node))

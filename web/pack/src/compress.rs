@@ -37,10 +37,12 @@ pub fn sizes(text: &[u8]) -> [usize; 3] {
     [text.len(), gzip(text).len(), brotli(text).len()]
 }
 
-/// Compresses files. Copies in `earlier`, from an earlier run, are reused if they decompress to the same bytes.
+/// Compresses files. Copies by brotli in `earlier`, from an earlier run, are reused if they decompress to the same
+/// bytes; gzip is fast enough to be run again.
 pub fn all(files: Vec<File>, earlier: &Path) -> Vec<Packed> {
     let packed = files.into_iter().map(|file| {
-        // Pictures are compressed already.
+        // `is_compressed` says whether a file gets copies at all: pictures, for one, do not, as their format is
+        // compressed.
         let worth = names::is_compressed(&file.path);
         let smaller = |copy: Vec<u8>| (worth && copy.len() < file.bytes.len()).then_some(copy);
         let gzip = worth.then(|| gzip(&file.bytes)).and_then(smaller);

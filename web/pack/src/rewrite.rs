@@ -51,9 +51,9 @@ pub fn rewrite(
         let Some(placeholder) = Placeholder::parse(inner) else {
             bail!("the placeholder {{{{{inner}}}}} is not known");
         };
-        let value =
+        let replacement =
             value(placeholder).with_context(|| format!("the placeholder {{{{{inner}}}}}"))?;
-        written.push_str(&value);
+        written.push_str(&replacement);
         rest = after;
     }
 

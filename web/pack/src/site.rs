@@ -158,7 +158,7 @@ pub fn add(sources: &mut BTreeMap<String, Source>, address: &str) -> Result<()> 
         }
     }
 
-    // The first page has no snippets.
+    // This script serves the snippets of lesson pages, so that the program's own page does not need it.
     if let Some(script) = sources.remove("site.js") {
         sources.insert("site.js".to_owned(), script.set_apart());
     }

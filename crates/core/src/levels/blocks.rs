@@ -30,8 +30,9 @@ pub(super) struct BlockDraws {
 }
 
 impl BlockDraws {
-    /// Fills `out` with the blocks that, enlarged by `reach` units, meet `target`, in the order of their indices.
-    /// Coordinates begin at the plane's place `origin`; `repeats` says whether the plane does.
+    /// Fills `out` with the blocks that, enlarged by `reach` units, meet `target`, in the order of their indices. Both
+    /// are in the frame's coordinates, which begin at the plane's place `origin`. `repeats` says whether the plane
+    /// repeats the domain, as it does if that is periodic.
     pub fn find(
         &self,
         target: &Rect,

@@ -42,13 +42,15 @@ impl NestedPattern {
         let shortest = (SHORTEST_SIDE * f64::from(coarsest.units)).ceil() as i32;
         let side = spec.side_units()?.max(shortest);
 
+        // Patterns of other numbers of levels have other keys: chosen, not measured.
         let key = Key::from_seed(spec.seed).derive(Stream::Pattern, levels);
         let rect = Domain::from_units(side, side, Boundary::Periodic).rect();
         let mut samples: Vec<Point> = Vec::new();
         let mut made = Vec::with_capacity(levels as usize);
 
         for level in 0..levels {
-            // A level keeps all samples of those before it, which are farther apart.
+            // A level keeps all samples of those before it, which are farther apart. Its radius is that from which as
+            // many halvings of the square as there are finer levels lead to the finest.
             let mut disks = DiskGrid::default();
             let periodic = true;
             disks.reset(rect, periodic, Radius::before(levels - 1 - level));

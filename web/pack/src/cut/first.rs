@@ -98,8 +98,9 @@ fn functions(
     let functions = kept.iter().filter_map(|index| program.function(*index));
     encode::code(functions, indices, &mut kinds, &mut code)?;
 
-    // Its index, which stubs need before it is written.
+    // Stubs need the index of the check before it is written: it comes behind the functions and the stubs.
     let check = (program.imported.len() + kept.len() + plan.slots.len()) as u32;
+    // The table of slots is behind the program's own, so that their number is its index.
     let [slots_table, ..] = program.counts();
     for (index, slot) in &plan.slots {
         kinds.function(program.kind(*index));

@@ -50,7 +50,8 @@ fn imports(program: &Program<'_>, plan: &Plan, indices: &mut Indices) -> Result<
         imports.import(FROM, name, EntityType::Function(program.kind(*index)));
     }
 
-    // Types of places have to be those of the first module, or the browser refuses to join the two.
+    // Tables, memories and globals have to have their types in the first module, or the browser refuses to join the
+    // two.
     let failed = |error| anyhow!("imports: {error}");
     let sections = &program.sections;
     let mut kinds = Vec::new();
@@ -81,6 +82,7 @@ fn imports(program: &Program<'_>, plan: &Plan, indices: &mut Indices) -> Result<
 /// table need no slot any more.
 fn elements(program: &Program<'_>, plan: &Plan, indices: &Indices) -> Result<ElementSection> {
     let mut elements = ElementSection::new();
+    // The table of slots is behind the program's own, so that their number is its index.
     let [slots_table, ..] = program.counts();
     let in_slots = plan.slots.keys().map(|index| indices.get(*index));
     let in_slots: Vec<u32> = in_slots.collect::<Result<_>>()?;

@@ -201,8 +201,8 @@ impl<'a> Program<'a> {
     fn take_elements(&mut self, section: ElementSectionReader<'a>) -> Result<()> {
         for element in section.clone() {
             let element = element?;
-            // The linker puts all functions into the table where the module begins, at places that are numbers. The places of
-            // others would not be known here.
+            // The linker has all functions put into the table as the module begins, at places that are numbers. The
+            // places of functions put there later, or at a computed place, would not be known here.
             let ElementKind::Active {
                 table_index,
                 offset_expr,
