@@ -496,7 +496,7 @@ impl Page {
         let mut store = LocalStore;
         let before = store.get_string(RESULTS_KEY);
         let results = state.store_results(before.as_deref());
-        // Results that cannot be read are put aside, and not replaced.
+        // Results that cannot be read are put aside under a key of their own, before the new ones take their place.
         if let Some(before) = before.filter(|_| results.unreadable) {
             store.set_string(UNREADABLE_RESULTS_KEY, before);
         }
@@ -681,6 +681,7 @@ fn restore(app: &mut App, storage: &dyn Storage, options: &Options) -> Option<St
     let has_no_link = options.link.is_empty();
     app.remember(storage, has_no_link);
     if let Some(results) = storage.get_string(RESULTS_KEY) {
+        // Results that cannot be read stay in the store until new ones are stored.
         app.state.take_results(&results);
     }
 

@@ -345,6 +345,7 @@ impl Pool {
                 slot.busy.take()
             })
         };
+        // The worker begins the next task before the answer to this one is taken, which may last a while.
         self.send_waiting();
         if let Some(busy) = busy {
             (busy.task.answer)(TaskEnd::Done(bytes));

@@ -76,6 +76,8 @@ impl ObjectList<'_> {
             ui.ctx().accesskit_node_builder(id, |node| {
                 node.set_role(Role::ListBoxOption);
                 node.set_label(text.as_str());
+                // A web page reads the first of these from its mirror of the tree, screen readers of a system the
+                // second.
                 node.set_toggled(is_selected.into());
                 node.set_selected(is_selected);
                 node.add_action(Action::Click);

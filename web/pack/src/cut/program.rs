@@ -218,6 +218,7 @@ impl<'a> Program<'a> {
                 bail!("a table has elements that are no functions");
             };
 
+            // Places have no sign, and are written as numbers that have one.
             for (place, function) in (first as u32..).zip(functions) {
                 self.entries.push(Entry {
                     table: table_index.unwrap_or(0),

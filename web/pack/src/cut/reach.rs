@@ -26,7 +26,8 @@ pub struct Plan {
 }
 
 impl Plan {
-    /// Chooses by a rule for names, and by who calls whom.
+    /// Chooses by a rule, `is_later`, for the name of a function and its bytes of code, and by which functions call
+    /// which.
     pub fn of(program: &Program<'_>, is_later: impl Fn(&str, usize) -> bool) -> Result<Self> {
         let chosen: BTreeSet<u32> = program
             .own()
@@ -100,7 +101,9 @@ fn check_loader(
     loader: u32,
     later: &BTreeSet<u32>,
 ) -> Result<()> {
-    let needed = reached(program, &[loader], &BTreeSet::new());
+    // All that it calls counts, by way of later functions as well: no function stops the search.
+    let none_chosen = BTreeSet::new();
+    let needed = reached(program, &[loader], &none_chosen);
     let stub = needed.iter().find(|index| later.contains(index));
     let name = stub
         .and_then(|index| program.function(*index))

@@ -161,6 +161,7 @@ fn results(ui: &mut Ui, state: &State, palette: &Palette, commands: &mut Vec<Com
     });
 
     ui.horizontal(|ui| {
+        // The three buttons stand in a row, in which the word of the first one is enough.
         for (name, format) in [
             (format!("{} JSON", labels.save), "json"),
             ("CSV".to_owned(), "csv"),
