@@ -65,7 +65,8 @@ impl<'a> CanvasContext<'a> {
         let causes = state.analysis().causes(&runs.first, window);
         let clock = state.time().playback.clock;
 
-        // The question comes first: its run does not play, but would list objects otherwise.
+        // An open question is looked for first: while it is open the run does not play, and all objects would be
+        // listed.
         let listing = if state.lessons().open_question().is_some() {
             Listing::Withheld
         } else if state.time().playback.is_playing() {

@@ -92,7 +92,8 @@ struct ListedScene<'a> {
     is_shown: bool,
 }
 
-/// Shows the small picture of a scene, framed if the scene is current; a click goes to the scene.
+/// Shows the small picture of a scene, in a frame of the accent colour if the scene is shown; a click goes to the
+/// scene.
 fn picture(
     ui: &mut Ui,
     state: &State,

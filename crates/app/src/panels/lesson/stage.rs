@@ -355,6 +355,7 @@ fn point(ui: &Ui, state: &State, talk: &Talk, rect: Rect, commands: &mut Vec<Com
                 issue(TalkCommand::Lift);
             }
         }
+        // The hand was left out above.
         Tool::Hand => {}
     }
 }
