@@ -76,7 +76,8 @@ pub use ranks::{RankReport, RankedSet, verify_ranks};
 pub use region::{Boundary, Region};
 pub use report::Report;
 pub use solid::{
-    SolidError, SolidGap, SolidRegion, SolidReport, SolidVerdict, measure_solid, verify_solid,
+    SolidCorrelation, SolidError, SolidGap, SolidRegion, SolidReport, SolidShell, SolidSpectrum,
+    SolidVerdict, measure_solid, verify_solid,
 };
 pub use squares::{
     LatticeRegion, MAX_FACTOR, MAX_PITCH_BITS, MAX_RADIUS, Radii, Shape, SquaresError,

@@ -160,7 +160,11 @@ pub(crate) fn check_range(
 }
 
 /// Refuses zero and more than a limit.
-fn check_count(name: &'static str, count: usize, limit: usize) -> Result<(), MeasureError> {
+pub(crate) fn check_count(
+    name: &'static str,
+    count: usize,
+    limit: usize,
+) -> Result<(), MeasureError> {
     if (1..=limit).contains(&count) {
         return Ok(());
     }

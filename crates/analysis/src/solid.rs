@@ -11,14 +11,20 @@
 //! that a search for conflicts only where cubes are cut misses some.
 //!
 //! [`circles`] has the second judge and its theorem.
+//!
+//! # Measures
+//!
+//! [`SolidSpectrum`] has the power by shells of frequency, [`SolidCorrelation`] the pairs by distance. They judge nothing.
 
 mod circles;
+mod correlation;
 mod cubes;
 mod error;
 mod farthest;
 mod measured;
 mod pairs;
 mod region;
+mod spectrum;
 
 use serde::{Deserialize, Serialize};
 
@@ -30,9 +36,11 @@ use crate::verify::VerifyOptions;
 use crate::witness::Conflict;
 use pairs::PairsFound;
 
+pub use correlation::SolidCorrelation;
 pub use error::SolidError;
 pub use measured::{SolidVerdict, measure_solid};
 pub use region::SolidRegion;
+pub use spectrum::{SolidShell, SolidSpectrum};
 
 /// The edge of the cubes that are not cut further, in radii. A place that is farther than the limit by less than this may
 /// pass: a thousandth of the tolerance that sets are judged with.

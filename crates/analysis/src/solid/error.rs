@@ -1,6 +1,7 @@
 //! Why a set in space could not be judged, one variant for each cause, with the value and the limit.
 
 use crate::error::VerifyError;
+use crate::measures::MeasureError;
 use crate::number::Number;
 
 use super::region::SolidRegion;
@@ -107,6 +108,9 @@ pub enum SolidError {
         /// The distance that no place exceeds by the judges.
         bound: f64,
     },
+    /// A measure was asked for what it cannot give.
+    #[error(transparent)]
+    Measure(#[from] MeasureError),
     /// The control function asked to stop.
     #[error("the verification was cancelled")]
     Cancelled,
@@ -128,10 +132,7 @@ pub(super) fn check(question: &SolidQuestion<'_>) -> Result<(), SolidError> {
         tolerance,
         ..
     } = *question;
-    if !region.is_supported() {
-        let size = region.size();
-        return Err(SolidError::BadRegion { size });
-    }
+    check_region(region)?;
     let ratio = radius / region.longest();
     if !(1.0 / MAX_RATIO..=MAX_RATIO).contains(&ratio) {
         return Err(SolidError::BadRadius { radius });
@@ -145,6 +146,21 @@ pub(super) fn check(question: &SolidQuestion<'_>) -> Result<(), SolidError> {
         return Err(SolidError::Period { side, limit });
     }
 
+    check_points(points, region)
+}
+
+/// Returns the error of a region that is not supported.
+fn check_region(region: SolidRegion) -> Result<(), SolidError> {
+    if region.is_supported() {
+        return Ok(());
+    }
+    let size = region.size();
+    Err(SolidError::BadRegion { size })
+}
+
+/// Returns the error of the first point that cannot be judged or measured in a region, if there is one.
+pub(super) fn check_points(points: &[[f64; 3]], region: SolidRegion) -> Result<(), SolidError> {
+    check_region(region)?;
     // Samples are numbered in 32 bits, of which the judges keep the largest number for no sample. The limit itself
     // would still fit, and is refused as well.
     let (count, most) = (points.len(), u32::MAX as usize);

@@ -95,6 +95,54 @@ pub(super) fn search(
     Ok(found)
 }
 
+/// Pairs by their distance.
+pub(super) struct PairsByDistance {
+    /// How many pairs each bin of distances has.
+    pub counts: Vec<u64>,
+    /// For each bin, the sum of the inverse volumes in which a pair can lie. In a periodic region that is the region's.
+    pub weights: Vec<f64>,
+}
+
+impl PairsByDistance {
+    fn new(bins: usize) -> Self {
+        Self {
+            counts: vec![0; bins],
+            weights: vec![0.0; bins],
+        }
+    }
+
+    fn merge(&mut self, other: &Self) {
+        for (own, others) in self.counts.iter_mut().zip(&other.counts) {
+            *own += others;
+        }
+        for (own, others) in self.weights.iter_mut().zip(&other.weights) {
+            *own += others;
+        }
+    }
+}
+
+/// Counts the pairs closer than `most` in so many bins of equal width.
+pub(super) fn pairs_by_distance(
+    points: &[[f64; 3]],
+    region: &SolidRegion,
+    most: f64,
+    bins: usize,
+    monitor: &Monitor<'_>,
+) -> Result<PairsByDistance, SolidError> {
+    let cells = Bins::new(points, region, most);
+    let mut all = PairsByDistance::new(bins);
+    for batch in cells.binned.chunks(CHUNK * CHUNKS) {
+        let of_chunk = |chunk: &[Binned]| cells.by_distance(chunk, most, bins);
+        let found: Vec<PairsByDistance> = batch.par_chunks(CHUNK).map(of_chunk).collect();
+        // In their order, so that sums are rounded alike on any number of threads.
+        for found in found {
+            all.merge(&found);
+        }
+        monitor.advance(batch.len() as u64)?;
+    }
+    Ok(all)
+}
+
 /// Returns the smallest distance of two samples, and infinity of one sample alone. `reach` is where the search begins.
 fn smallest_distance(
     points: &[[f64; 3]],
@@ -254,6 +302,36 @@ impl<'a> Bins<'a> {
                 // A crowd of a million would take a million million comparisons.
                 if found.is_full() {
                     return found;
+                }
+            }
+        }
+        found
+    }
+
+    /// Returns the pairs of some samples with those in the bins around them by their distance, each pair once.
+    fn by_distance(&self, chunk: &[Binned], most: f64, bins: usize) -> PairsByDistance {
+        let mut found = PairsByDistance::new(bins);
+        let size = self.region.size();
+        for own in chunk.chunk_by(|a, b| a.key == b.key) {
+            let around = self.around(own[0].key);
+            for one in own {
+                for other in around.iter().copied().flatten() {
+                    let distance = self.region.distance(one.place, other.place);
+                    // Of a pair each sample finds the other, and the first one counts.
+                    if one.index >= other.index || distance >= most {
+                        continue;
+                    }
+
+                    // Rounding may put the largest distance into the bin beyond the last.
+                    let bin = ((distance / most * bins as f64) as usize).min(bins - 1);
+                    let apart = self.region.apart(one.place, other.place);
+                    let room: f64 = if self.region.is_periodic() {
+                        self.region.volume()
+                    } else {
+                        (0..3).map(|axis| size[axis] - apart[axis]).product()
+                    };
+                    found.counts[bin] += 1;
+                    found.weights[bin] += 1.0 / room;
                 }
             }
         }

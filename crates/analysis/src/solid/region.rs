@@ -76,17 +76,21 @@ impl SolidRegion {
 
     /// Returns the distance of two places, around the torus if the region is periodic.
     pub(super) fn distance(&self, a: [f64; 3], b: [f64; 3]) -> f64 {
+        let [x, y, z] = self.apart(a, b).map(|apart| apart * apart);
+        (x + y + z).sqrt()
+    }
+
+    /// Returns how far apart two places are along each axis, around the torus if the region is periodic.
+    pub(super) fn apart(&self, a: [f64; 3], b: [f64; 3]) -> [f64; 3] {
         let size = self.size();
-        let squared = |axis: usize| {
+        [0, 1, 2].map(|axis| {
             let inside = (a[axis] - b[axis]).abs();
-            let apart = if self.is_periodic() {
+            if self.is_periodic() {
                 inside.min(size[axis] - inside)
             } else {
                 inside
-            };
-            apart * apart
-        };
-        (squared(0) + squared(1) + squared(2)).sqrt()
+            }
+        })
     }
 }
 
