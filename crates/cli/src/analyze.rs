@@ -10,6 +10,7 @@ mod measured;
 mod names;
 pub(crate) mod page;
 mod report;
+mod space;
 mod subject;
 mod table;
 
@@ -25,8 +26,9 @@ use tilescope_formats::write_whole;
 
 use crate::options::SetArguments;
 use crate::paths::{check_file, check_inputs_stay, extension, named};
-use crate::{EXIT_BAD_INPUT, EXIT_FINE, interrupt, output, solid};
+use crate::{EXIT_BAD_INPUT, EXIT_FINE, interrupt, output};
 use gather::Analysis;
+use space::InSpace;
 
 /// Arguments of `tilescope analyze`.
 #[derive(Debug, Args)]
@@ -68,6 +70,9 @@ Effective Nyquist frequencies are those of the smooth spectrum that follows from
 scatter, and lie 2 to 3 % below those of Heck's definition on the mean periodogram of many sets; a square
 lattice has 0.92 instead of 1.
 
+Sets in space, those with a certificate of one or with --depth, have the power by shells of frequency, with
+nu = |k| / cbrt(N / volume), and g(r) over the distance in radii; they are not compared with --against.
+
 With --average all sets must have the domain of the first and its number of samples to within 10 %;
 frequencies are the first one's, and nu is taken with the mean number of samples.
 
@@ -77,6 +82,7 @@ Examples:
   tilescope analyze kdrt.npy darts.npy --against reference.npy --out report.html
   tilescope analyze theirs.txt --radius 0.01 --boundary bounded --json
   tilescope analyze *.npy --out numbers.csv
+  tilescope analyze balls.ply --out balls.html
 
 Exit codes: 0 all files were analysed, 2 a file was not, or the arguments cannot be used.";
 
@@ -86,11 +92,6 @@ const EXTENSIONS: [&str; 5] = ["html", "htm", "png", "svg", "csv"];
 /// Measures the sets of some files, prints the numbers and writes the report.
 pub fn run(arguments: &AnalyzeArguments) -> Result<u8> {
     interrupt::listen();
-    let has_depth = arguments.set.depth.is_some();
-    solid::refuse(
-        &[("--depth", has_depth)],
-        "measures are those of planar sets",
-    )?;
     let out = arguments.out.as_deref();
     // The path is checked before the work, so that the command does not fail only when it writes. A report in the place
     // of an input would destroy it.
@@ -105,6 +106,9 @@ pub fn run(arguments: &AnalyzeArguments) -> Result<u8> {
         check_file(path).context("--out")?;
     }
 
+    if space::is_asked(arguments)? {
+        return in_space(arguments);
+    }
     if let Some(nu) = arguments.frequencies {
         // A frequency that is too large for one sample is too large for any set.
         Spectrum::window_to(nu, 1.0, Region::UNIT_SQUARE).context("--frequencies")?;
@@ -132,6 +136,56 @@ pub fn run(arguments: &AnalyzeArguments) -> Result<u8> {
     Ok(if is_fine { EXIT_FINE } else { EXIT_BAD_INPUT })
 }
 
+/// Measures sets in space, prints the numbers and writes the report.
+fn in_space(arguments: &AnalyzeArguments) -> Result<u8> {
+    let analysis = InSpace::of(arguments)?;
+    let out = arguments.out.as_deref().filter(|_| !analysis.is_empty());
+    let written = match out {
+        Some(path) => save_in_space(&analysis, path),
+        None => Ok(()),
+    };
+
+    // The results are printed, whether or not they could be saved.
+    let saved = out
+        .filter(|_| written.is_ok())
+        .map(|path| path.display().to_string());
+    if arguments.json || !analysis.is_empty() {
+        let json = || analysis.json(saved.as_deref());
+        let text = || with_report(analysis.text(), saved.as_deref());
+        output::report(arguments.json, json, text)?;
+    }
+
+    written?;
+    let is_fine = analysis.is_fine();
+    Ok(if is_fine { EXIT_FINE } else { EXIT_BAD_INPUT })
+}
+
+/// Writes the report on sets in space in the format of the path's extension.
+fn save_in_space(analysis: &InSpace, path: &Path) -> Result<()> {
+    let bytes = match extension(path).as_str() {
+        "csv" => analysis.csv().into_bytes(),
+        "png" | "svg" => picture(&analysis.figure(), path)?,
+        // `run` lets only the extensions of pages through here.
+        _ => {
+            let scene = figure_scene(&analysis.figure(), &Palette::LIGHT)?;
+            let svg = tilescope_figures::to_svg(&scene)?;
+            analysis.html(&[svg]).into_bytes()
+        }
+    };
+    Ok(write_whole(path, &bytes)?)
+}
+
+/// Returns a figure in the format of the path's extension, .png or .svg.
+fn picture(figure: &Figure, path: &Path) -> Result<Vec<u8>> {
+    let scene = figure_scene(figure, &Palette::LIGHT)?;
+    if extension(path) == "png" {
+        Ok(tilescope_figures::to_png(&scene, SCALE)?)
+    } else {
+        // A file of its own has no page around it whose style has the fonts.
+        Ok(tilescope_figures::to_svg_with_fonts(&scene)?.into_bytes())
+    }
+}
+
 /// Pixels of a point in a PNG picture, so that letters stay sharp on screens of high density.
 const SCALE: f64 = 2.0;
 
@@ -150,13 +204,7 @@ fn save(analysis: &mut Analysis, path: &Path) -> Result<()> {
                     analysis.subjects.len()
                 ));
             }
-            let scene = scene(&figure)?;
-            if extension == "png" {
-                tilescope_figures::to_png(&scene, SCALE)?
-            } else {
-                // A file of its own has no page around it whose style has the fonts.
-                tilescope_figures::to_svg_with_fonts(&scene)?.into_bytes()
-            }
+            picture(&figure, path)?
         }
         // `run` lets only the extensions of pages through here.
         _ => {
@@ -175,8 +223,13 @@ fn text(analysis: &Analysis, saved: Option<&str>) -> String {
         let table = table::differences(reference, analysis.compared(), &analysis.differences);
         out = format!("{out}\n{}", table::text(&table));
     }
+    with_report(out, saved)
+}
+
+/// Adds the path of a report that was saved to the text that is printed.
+fn with_report(text: String, saved: Option<&str>) -> String {
     match saved {
-        Some(path) => format!("{out}\nreport         {path}\n"),
-        None => out,
+        Some(path) => format!("{text}\nreport         {path}\n"),
+        None => text,
     }
 }

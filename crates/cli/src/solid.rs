@@ -17,6 +17,7 @@ use tilescope_formats::{CheckError, FormatError, Overrides, solid_certificate};
 use crate::options::{JudgeArguments, SetArguments, WITHOUT_CERTIFICATE};
 
 pub use plane::Slice;
+pub use verdict::box_text;
 
 /// Why options of planar sets are refused.
 pub const PLANAR: &str = "it is for planar sets, and this one has a third side";

@@ -79,7 +79,8 @@ pub fn figures(analysis: &Analysis) -> Vec<Figure> {
     std::iter::once(curves).chain(pictures).collect()
 }
 
-fn of_rows(title: String, mut rows: Vec<Vec<Panel>>) -> Figure {
+/// Returns the figure of the rows that are not empty.
+pub fn of_rows(title: String, mut rows: Vec<Vec<Panel>>) -> Figure {
     rows.retain(|row| !row.is_empty());
     Figure { title, rows }
 }
@@ -150,13 +151,13 @@ fn difference_row(analysis: &Analysis) -> Vec<Panel> {
 }
 
 /// Returns the charts that have a curve.
-fn drawn(charts: impl IntoIterator<Item = LineChart>) -> Vec<Panel> {
+pub fn drawn(charts: impl IntoIterator<Item = LineChart>) -> Vec<Panel> {
     let charts = charts.into_iter().filter(|chart| !chart.series.is_empty());
     charts.map(Panel::Lines).collect()
 }
 
 /// Returns a curve as a chart draws it; `None` without a point, as its name would stand in the legend alone.
-fn series(name: &str, look: Look, curve: &Curve) -> Option<Series> {
+pub fn series(name: &str, look: Look, curve: &Curve) -> Option<Series> {
     let series = || Series {
         name: name.to_owned(),
         look,
@@ -180,7 +181,7 @@ fn ends_of_bands(series: &[Series]) -> [f64; 2] {
 }
 
 /// Returns the axis of a quantity that is not negative: it cuts off high peaks, and bands that would dwarf their curves.
-fn cut(label: &str, series: &[Series]) -> Axis {
+pub fn cut(label: &str, series: &[Series]) -> Axis {
     let top = highest(series);
     if top > MAX_PEAK {
         return Axis::new(format!("{label}, cut off at {MAX_PEAK}")).with_range(0.0, MAX_PEAK);

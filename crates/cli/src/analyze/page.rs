@@ -18,13 +18,7 @@ pre{background:#f6f7f9;padding:.8rem;overflow-x:auto}.wide{overflow-x:auto}";
 
 /// Returns a page with the tables, the figures and the command that made it.
 pub fn html(analysis: &Analysis, figures: &[String]) -> String {
-    let title = "Analysis of point sets";
-    let fonts = font_faces(&[Font::Regular, Font::SemiBold]);
-    let mut out = format!(
-        "<!DOCTYPE html>\n<html lang=\"en\">\n<head>\n<meta charset=\"utf-8\">\n<title>{title}</title>\n\
-         <style>{STYLE}{fonts}</style>\n</head>\n<body>\n<h1>{title}</h1>\n"
-    );
-
+    let mut out = opening();
     let measures = table::measures(&analysis.subjects);
     page_table(&mut out, &measures);
     if let Some(reference) = analysis.reference() {
@@ -33,19 +27,39 @@ pub fn html(analysis: &Analysis, figures: &[String]) -> String {
         page_table(&mut out, &table);
     }
 
-    out.push_str("<h2>Curves</h2>\n");
-    // Figures on one page share its ids, and each numbers its own from the start.
-    for (index, svg) in figures.iter().enumerate() {
-        let svg = with_own_ids(svg, index);
-        let _ = writeln!(out, "<div class=\"wide\">\n{svg}</div>");
-    }
-
+    curves(&mut out, figures);
     out.push_str(NOTES);
     files(&mut out, analysis);
     list(&mut out, "Notes", analysis.notes.iter());
     let reasons = analysis.failures.iter().map(|failure| &failure.reason);
     list(&mut out, "Not analysed", reasons);
 
+    close(&mut out);
+    out
+}
+
+/// Returns the beginning of a page, up to its heading.
+pub fn opening() -> String {
+    let title = "Analysis of point sets";
+    let fonts = font_faces(&[Font::Regular, Font::SemiBold]);
+    format!(
+        "<!DOCTYPE html>\n<html lang=\"en\">\n<head>\n<meta charset=\"utf-8\">\n<title>{title}</title>\n\
+         <style>{STYLE}{fonts}</style>\n</head>\n<body>\n<h1>{title}</h1>\n"
+    )
+}
+
+/// Appends the figures, which are SVG.
+pub fn curves(out: &mut String, figures: &[String]) {
+    out.push_str("<h2>Curves</h2>\n");
+    // Figures on one page share its ids, and each numbers its own from the start.
+    for (index, svg) in figures.iter().enumerate() {
+        let svg = with_own_ids(svg, index);
+        let _ = writeln!(out, "<div class=\"wide\">\n{svg}</div>");
+    }
+}
+
+/// Appends the command that made a page, and the page's end.
+pub fn close(out: &mut String) {
     // The first word is the path of the program on this machine, which the page has no use for.
     let _ = write!(
         out,
@@ -53,7 +67,6 @@ pub fn html(analysis: &Analysis, figures: &[String]) -> String {
         escape(&command_line(std::env::args_os().skip(1))),
         env!("CARGO_PKG_VERSION")
     );
-    out
 }
 
 /// Renames the ids of a figure, which are those of clip paths and of layers, so that the ids of several figures on one
@@ -79,7 +92,8 @@ fn files(out: &mut String, analysis: &Analysis) {
     list(out, "Files", lines.iter());
 }
 
-fn list<'a>(out: &mut String, heading: &str, lines: impl Iterator<Item = &'a String>) {
+/// Appends lines under a heading; nothing without lines.
+pub fn list<'a>(out: &mut String, heading: &str, lines: impl Iterator<Item = &'a String>) {
     let mut lines = lines.peekable();
     if lines.peek().is_none() {
         return;
@@ -105,7 +119,7 @@ difference of equal curves with probability 0.95. Periodograms are white where t
 three times the power of white noise on. The zero frequency is left out; if it has a cell of its own, a ring marks it.</p>\n";
 
 /// Appends a table in HTML.
-fn page_table(out: &mut String, table: &Table) {
+pub fn page_table(out: &mut String, table: &Table) {
     // Tables of files have no units, and an empty column of units is left out.
     let has_units = table.rows.iter().any(|(_, unit)| !unit.is_empty());
     let class = if has_units { " class=\"units\"" } else { "" };

@@ -37,7 +37,7 @@ pub fn csv(analysis: &Analysis) -> String {
 }
 
 /// Appends the measures of a set or an average in CSV.
-fn csv_measures(out: &mut String, name: &str, measures: &[Measure]) {
+pub fn csv_measures(out: &mut String, name: &str, measures: &[Measure]) {
     for measure in measures {
         // A measure that is not defined has no line.
         let Some(value) = measure.value else {
@@ -57,7 +57,8 @@ fn csv_measures(out: &mut String, name: &str, measures: &[Measure]) {
     }
 }
 
-fn csv_curves(out: &mut String, name: &str, curves: &[(&str, Curve)]) {
+/// Appends curves in CSV.
+pub fn csv_curves(out: &mut String, name: &str, curves: &[(&str, Curve)]) {
     for (key, curve) in curves {
         for (index, [x, y]) in curve.points.iter().enumerate() {
             let band = curve.bands.as_ref().map(|bands| bands[index]);
@@ -67,7 +68,8 @@ fn csv_curves(out: &mut String, name: &str, curves: &[(&str, Curve)]) {
     }
 }
 
-fn quoted(name: &str) -> String {
+/// Returns a name as a cell of CSV.
+pub fn quoted(name: &str) -> String {
     let name = cell(name);
     if name.contains([',', '"', '\n', '\r']) {
         return format!("\"{}\"", name.replace('"', "\"\""));

@@ -34,7 +34,8 @@ pub struct Column {
 }
 
 impl Column {
-    fn new(name: &str, cells: impl IntoIterator<Item = String>) -> Self {
+    /// Returns a column that may stand apart from the one before it.
+    pub fn new(name: &str, cells: impl IntoIterator<Item = String>) -> Self {
         Self {
             name: name.to_owned(),
             cells: cells.into_iter().collect(),

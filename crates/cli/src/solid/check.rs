@@ -133,6 +133,40 @@ fn certified(check: SolidCheck, file: &Path) -> Result<SolidContext> {
     Ok(context)
 }
 
+/// A set in space as it was read, without a verdict.
+pub struct ReadSet {
+    pub points: Vec<[f64; 3]>,
+    pub region: SolidRegion,
+    pub radius: f64,
+    /// Whether the radius was given or stated; else it is the smallest distance.
+    pub has_radius: bool,
+}
+
+/// Reads a set, with its smallest distance for a radius that nothing states.
+pub fn read(file: &Path, set: &SetArguments) -> Result<ReadSet> {
+    match read_solid(file, &overrides(set, file)?, set.depth) {
+        Err(CheckError::NoRadius) => {
+            let (points, context) = uncertified(file, set)?;
+            let planar = &context.planar;
+            Ok(ReadSet {
+                region: in_space(planar.region, context.depth),
+                radius: planar.radius,
+                points,
+                has_radius: false,
+            })
+        }
+        read => {
+            let read = read.map_err(hinted).in_file(file)?;
+            Ok(ReadSet {
+                points: read.points,
+                region: read.region,
+                radius: read.radius,
+                has_radius: true,
+            })
+        }
+    }
+}
+
 /// Reads a set of unknown radius: its smallest distance becomes the radius.
 fn uncertified(file: &Path, set: &SetArguments) -> Result<(Vec<[f64; 3]>, SolidContext)> {
     let mut overrides = overrides(set, file)?;

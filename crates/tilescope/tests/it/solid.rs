@@ -294,6 +294,58 @@ fn files_of_others_are_sets_in_space_where_a_third_side_is_given() {
 }
 
 #[test]
+fn sets_are_analyzed_alone_and_averaged() {
+    let folder = tempdir().unwrap();
+    for seed in 1..=3 {
+        let line = format!("sample --size 10x10x10 --radius 1 --seed {seed} --out {seed}.ply");
+        ends(&folder, &line, 0);
+    }
+
+    let one = run(&folder, "analyze 1.ply --out report.html", 0);
+    let measures = &one["files"][0]["measures"];
+    let number = |key: &str| measures[key].as_f64().unwrap();
+    assert!((number("density") - 0.7336).abs() < 0.01, "{measures}");
+    assert!(number("min_distance_r") >= 1.0 && number("covering_radius_r") < 1.001);
+    // Such sets have little power at low frequencies; noise has 1.
+    assert!(
+        number("low_power") < 0.1 && number("peak_power") > 1.3,
+        "{measures}"
+    );
+    let page = fs::read_to_string(folder.path().join("report.html")).unwrap();
+    assert!(page.contains("Pair correlation") && page.contains("close packing"));
+
+    let all = run(
+        &folder,
+        "analyze 1.ply 2.ply 3.ply --average --out all.csv",
+        0,
+    );
+    let pairs = &all["average"]["curves"]["pair_correlation"];
+    let g = |bin: usize| pairs["y"][bin].as_f64().unwrap();
+    // Nothing below the radius, and most just above it: 3.86 in large sets.
+    assert!(g(19) < 1e-9);
+    assert!((g(20) - 3.86).abs() < 0.3, "{pairs}");
+    assert!(pairs["lower"][20].as_f64().unwrap() < g(20));
+    assert_eq!(all["files"].as_array().unwrap().len(), 3);
+    let table = fs::read_to_string(folder.path().join("all.csv")).unwrap();
+    assert!(table.contains("density_standard_error"));
+
+    ends(&folder, "sample --radius 0.05 --out planar.csv", 0);
+    refused(&folder, "analyze 1.ply planar.csv", "a planar one");
+    refused(&folder, "analyze 1.ply --against 2.ply", "--against");
+    refused(&folder, "analyze 1.ply --frequencies 0.01", "not between");
+    // A set of another box is named, and the others are averaged.
+    ends(&folder, "sample --size 6x6x6 --radius 1 --out small.ply", 0);
+    let mixed = run(&folder, "analyze 1.ply small.ply 2.ply --average", 2);
+    assert_eq!(mixed["files"].as_array().unwrap().len(), 2);
+    assert!(
+        mixed["failures"][0]["reason"]
+            .as_str()
+            .unwrap()
+            .contains("its domain")
+    );
+}
+
+#[test]
 fn what_makes_no_set_in_space_is_refused_by_name() {
     let folder = tempdir().unwrap();
     let sample = |options: &str, wanted: &str| {
@@ -332,9 +384,7 @@ fn what_makes_no_set_in_space_is_refused_by_name() {
         "sample --exactly 100",
         "--exactly needs --levels K, or a third side",
     );
-    refused(&folder, "analyze a.ply --depth 5", "--depth");
     ends(&folder, "sample --size 5x5x5 --radius 1 --out a.ply", 0);
-    refused(&folder, "analyze a.ply", "third side, 5");
     refused(&folder, "verify a.ply --prefix 5", "--prefix");
     refused(&folder, "verify a.ply --origin 1 1", "--origin");
 }
