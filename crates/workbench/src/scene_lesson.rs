@@ -58,11 +58,11 @@ pub(crate) fn lesson_of(
                 .any(|other| step_name(other) == step_name(title))
         };
         let own = Some(sentence).filter(|own| !name.is_empty() && is_free(own));
-        // An earlier caption may be "Scene 3": the next number is taken then.
+        // An earlier caption may be "Scene 3": the next number is taken then. Of one number more than titles one is free.
+        let numbers = index + 1..=index + 1 + titles.len();
         let numbered = || {
-            (index + 1..)
-                .map(|number| format!("Scene {number}"))
-                .find(is_free)
+            let mut all = numbers.map(|number| format!("Scene {number}"));
+            all.find(is_free)
         };
         let title = own.or_else(numbered).unwrap_or_default();
 

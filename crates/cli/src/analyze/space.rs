@@ -1,62 +1,30 @@
 //! `tilescope analyze` of sets in space: their numbers, the power by shells of frequency, and the pair correlation. The tables,
 //! charts and reports are those of planar sets; there are no periodograms, and no differences from a reference.
 
-use std::ops::ControlFlow;
-use std::path::{Path, PathBuf};
+mod measured;
 
-use anyhow::{Context, Result, ensure};
+use std::path::PathBuf;
+
+use anyhow::Result;
 use serde_json::{Value, json};
 use tilescope_analysis::measures::{Average, Spectrum};
-use tilescope_analysis::{
-    BYTE_ORDER_MARK, JudgeChoice, SolidCorrelation, SolidRegion, SolidShell, SolidSpectrum,
-    SolidVerdict, VerifyOptions, measure_solid,
-};
+use tilescope_analysis::{BYTE_ORDER_MARK, SolidShell};
 use tilescope_drawing::spectra::{self, chart};
 use tilescope_figures::chart::{Axis, Figure, Level, Look, Series};
 
 use super::curve::Curve;
 use super::gather::Failure;
-use super::measure::{Form, Measure};
+use super::measure::Measure;
 use super::table::{Column, Table};
 use super::{AnalyzeArguments, curves, names, page, report, table};
-use crate::options::SetArguments;
-use crate::paths::{InFile, named};
-use crate::progress::watched;
-use crate::solid::check::{ReadSet, read};
+use crate::paths::named;
 use crate::solid::{box_text, is_in_space, refuse};
 use crate::{describe, interrupt, output};
-
-/// Width of a bin of the pair correlation, in radii.
-const BIN: f64 = 0.05;
-
-/// The longest distance of the pair correlation, in radii: there it is 1 to within a hundredth.
-const REACH: f64 = 4.0;
-
-/// Frequencies below which power is said to be low, and from which on anisotropy counts, in cycles to a radius, as of planar sets.
-const LOW: f64 = 0.3;
-
-/// Anisotropies of fewer frequencies scatter by decibels, and are not compared.
-const FEW: usize = 50;
-
-/// Numbers of samples that differ by a larger share have no common average: their frequencies differ, too.
-const ALIKE: f64 = 0.1;
+use measured::{Measured, Request};
 
 // A sign for the cube root is in none of the fonts of figures.
 const FREQUENCY: &str = "frequency \u{3bd} = |k| (volume / N)^(1/3)";
 const DISTANCE: &str = "distance / r";
-
-/// A set with its measures.
-struct Measured {
-    name: String,
-    region: SolidRegion,
-    /// Whether the radius was given or stated, and not measured.
-    has_radius: bool,
-    numbers: Vec<Measure>,
-    /// The largest frequency, in cycles to a unit of length.
-    most: f64,
-    spectrum: SolidSpectrum,
-    correlation: SolidCorrelation,
-}
 
 /// A column of the table and a curve in each chart: a set, or the average of several.
 struct Subject {
@@ -67,13 +35,6 @@ struct Subject {
     words: [String; 2],
     numbers: Vec<Measure>,
     curves: [(&'static str, Curve); 3],
-}
-
-/// What is measured of all sets alike.
-struct Request<'a> {
-    set: &'a SetArguments,
-    /// The largest frequency, if one is given.
-    most: Option<f64>,
 }
 
 /// The measures of all files.
@@ -300,214 +261,6 @@ impl InSpace {
 const NOTES: &str = "<p>Powers are means over shells of frequencies, of which large shells have 256 drawn ones. Frequencies are \
 given as nu = |k| / cbrt(N / volume). Shaded bands hold the true mean with probability 0.95: those of one set follow from the \
 scatter between its frequencies, and those of an average from the spread between sets.</p>\n";
-
-impl Request<'_> {
-    /// Measures the set of a file, with the frequencies and distances of a first one if they are to be averaged.
-    fn measure(&self, path: &Path, first: Option<&Measured>) -> Result<Measured> {
-        let given = read(path, self.set)?;
-        if let Some(first) = first {
-            check_alike(&given, first).in_file(path)?;
-        }
-        self.measure_read(path, &given, first).in_file(path)
-    }
-
-    fn measure_read(
-        &self,
-        path: &Path,
-        given: &ReadSet,
-        first: Option<&Measured>,
-    ) -> Result<Measured> {
-        let (points, region, radius) = (&given.points[..], given.region, given.radius);
-        let shortest = region.size().into_iter().fold(f64::INFINITY, f64::min);
-
-        // Frequencies and distances of an average are those of its first set, in the unit of the samples.
-        let unit = (points.len() as f64 / region.volume()).cbrt();
-        let usual = || self.most.unwrap_or(SolidSpectrum::USUAL) * unit;
-        let most = first.map_or_else(usual, |first| first.most);
-        let bin = first.map_or(BIN * radius, |first| first.correlation.bin_width);
-        // A hair less than half the side, since rounding may lift a whole number of bins above it.
-        let reach = (REACH * radius).min(0.499 * shortest);
-        let bins = first.map_or((reach / bin) as usize, |first| first.correlation.g.len());
-        let bins = bins.max(1);
-
-        let spectrum = watched("spectrum", |control| {
-            SolidSpectrum::of(points, region, most / unit, control)
-        })
-        .context("--frequencies")?;
-        let correlation = watched("pairs", |control| {
-            SolidCorrelation::of(points, region, bin * bins as f64, bins, control)
-        })?;
-        // A set that judges refuse, as one of a box too small for its radius, has measures all the same.
-        let judged = watched("verify", |control| {
-            let options = VerifyOptions {
-                judges: JudgeChoice::Subdivision,
-                ..VerifyOptions::default()
-            };
-            measure_solid(points, region, radius, false, &options, control)
-        });
-        if interrupt::flow() == ControlFlow::Break(()) {
-            judged.as_ref().map_err(Clone::clone)?;
-        }
-
-        let verdict = judged.ok();
-        Ok(Measured {
-            name: path.display().to_string(),
-            region,
-            has_radius: given.has_radius,
-            numbers: numbers(given, verdict.as_ref(), &spectrum, &correlation),
-            most,
-            spectrum,
-            correlation,
-        })
-    }
-}
-
-/// Refuses a set that cannot be averaged with another.
-fn check_alike(given: &ReadSet, first: &Measured) -> Result<()> {
-    ensure!(
-        given.region == first.region,
-        "its domain, {}, is not that of {}, {}",
-        box_text(&given.region),
-        first.name,
-        box_text(&first.region)
-    );
-    let (own, others) = (given.points.len(), first.spectrum.samples);
-    ensure!(
-        own.abs_diff(others) as f64 <= ALIKE * others as f64,
-        "its {own} samples differ by more than 10 % from the {others} of {}",
-        first.name
-    );
-    Ok(())
-}
-
-/// Returns the numbers of a set, under the keys that planar sets have.
-fn numbers(
-    given: &ReadSet,
-    verdict: Option<&SolidVerdict>,
-    spectrum: &SolidSpectrum,
-    correlation: &SolidCorrelation,
-) -> Vec<Measure> {
-    let radius = given.radius;
-    let report = verdict.map(|verdict| &verdict.report);
-    let count = given.points.len() as f64;
-    let density = count * radius.powi(3) / given.region.volume();
-    // Balls of half the radius in the close packing: half the root of 2 of them to a cubed radius.
-    let packing = density / 2_f64.sqrt();
-
-    let of_radius = |shell: &SolidShell| shell.nu * spectrum.unit * radius;
-    let low = || {
-        spectrum
-            .shells
-            .iter()
-            .filter(|shell| of_radius(shell) < LOW)
-    };
-    let weights: f64 = low().map(|shell| shell.count as f64).sum();
-    let low_power = low()
-        .map(|shell| shell.count as f64 * shell.power)
-        .sum::<f64>()
-        / weights;
-    let highest = spectrum
-        .shells
-        .iter()
-        .max_by(|a, b| a.power.total_cmp(&b.power));
-    let many =
-        (spectrum.shells.iter()).filter(|shell| of_radius(shell) >= LOW && shell.count >= FEW);
-    let anisotropy = many.map(|shell| shell.anisotropy_db).max_by(f64::total_cmp);
-    let nearest = correlation.g.iter().copied().max_by(f64::total_cmp);
-
-    let number = |key: &str, label: &str, unit, decimals, value| {
-        let form = Form { unit, decimals };
-        Measure::new(key.to_owned(), label.to_owned(), form, value)
-    };
-    vec![
-        number("samples", "samples N", "", 0, Some(count)),
-        number("radius", "radius r", "user units", 8, Some(radius)),
-        number("density", "density", "N r\u{b3} / volume", 4, Some(density)),
-        number("packing", "packing", "of close packing", 4, Some(packing)),
-        number(
-            "min_distance_r",
-            "smallest distance",
-            "r",
-            6,
-            report.map(|own| own.min_distance / radius),
-        ),
-        number(
-            "covering_radius_r",
-            "covering radius",
-            "r",
-            6,
-            verdict.map(|own| own.covering_radius / radius),
-        ),
-        number(
-            "conflicts",
-            "conflicts",
-            "pairs",
-            0,
-            report.map(|own| own.conflicts as f64),
-        ),
-        number(
-            "gaps",
-            "gaps",
-            "places",
-            0,
-            report.map(|own| own.gaps as f64),
-        ),
-        number(
-            "relative_radius",
-            "relative radius",
-            "r_max",
-            4,
-            verdict.map(SolidVerdict::relative_radius),
-        ),
-        number(
-            "peak",
-            "frequency of most power",
-            "1/r",
-            3,
-            highest.map(of_radius),
-        ),
-        number(
-            "peak_power",
-            "most power",
-            "",
-            3,
-            highest.map(|shell| shell.power),
-        ),
-        number(
-            "low_power",
-            "power below 0.3 / r",
-            "",
-            4,
-            (weights > 0.0).then_some(low_power),
-        ),
-        number("anisotropy", "largest anisotropy", "dB", 2, anisotropy),
-        number("peak_correlation", "largest g(r)", "", 2, nearest),
-    ]
-}
-
-impl Measured {
-    /// Returns the powers by shell, and the middles of the bins of g(r) in radii, with the values there.
-    fn curves(&self) -> [Vec<[f64; 2]>; 3] {
-        let shells = || self.spectrum.shells.iter();
-        // The radius is that of the first set where several are averaged.
-        let radius = self.correlation.bin_width / BIN;
-        let middle = |bin: usize| (bin as f64 + 0.5) * self.correlation.bin_width / radius;
-        [
-            shells().map(|shell| [shell.nu, shell.power]).collect(),
-            // One frequency has no anisotropy.
-            shells()
-                .filter(|shell| shell.anisotropy_db.is_finite())
-                .map(|shell| [shell.nu, shell.anisotropy_db])
-                .collect(),
-            self.correlation
-                .g
-                .iter()
-                .enumerate()
-                .map(|(bin, g)| [middle(bin), *g])
-                .collect(),
-        ]
-    }
-}
 
 impl Subject {
     /// Returns the column of one set.
