@@ -77,6 +77,8 @@ fn are_same(a: &Path, b: &Path) -> bool {
     }
     #[cfg(not(unix))]
     {
+        // Paths do not show hard links. Of what is no regular file a path may have no canonical form, and two failures must
+        // not be equal.
         let canonical = |path: &Path| path.canonicalize().ok();
         first.is_file() && second.is_file() && canonical(a) == canonical(b)
     }

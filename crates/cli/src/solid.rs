@@ -46,8 +46,8 @@ pub fn is_in_space(set: &SetArguments, file: &Path) -> bool {
     set.depth.is_some() || (!set.no_certificate && solid_certificate(file).is_some())
 }
 
-/// Returns the values that override the certificate of a set in space. Without a certificate, sides that are not given are 1, and
-/// the box is periodic.
+/// Returns the values that override the certificate of a set in space, but for the depth, which readers of such sets
+/// take beside them. Without a certificate, a width and a height that are not given are 1, and the box is periodic.
 fn overrides(set: &SetArguments, file: &Path) -> Result<Overrides> {
     refuse(
         &[
@@ -58,16 +58,16 @@ fn overrides(set: &SetArguments, file: &Path) -> Result<Overrides> {
         PLANAR,
     )?;
 
-    // Sides that are not given are those of the certificate, if there is one.
+    // A width and a height that are not given are those of the certificate, if there is one.
     let stated = solid_certificate(file).filter(|_| !set.no_certificate);
-    let given = set.width.is_some() || set.height.is_some() || set.boundary.is_some();
+    let is_given = set.width.is_some() || set.height.is_some() || set.boundary.is_some();
     let of_stated = stated.map(|stated| stated.region);
     let region = || set.region_over(of_stated.unwrap_or(Region::UNIT_SQUARE));
     // Without a region here, the check takes that of the certificate.
     Ok(Overrides {
         format: set.format,
         set: set.set,
-        region: (given || of_stated.is_none()).then(region),
+        region: (is_given || of_stated.is_none()).then(region),
         radius: set.radius,
         without_certificate: set.no_certificate,
         ..Overrides::default()

@@ -93,27 +93,28 @@ pub fn run(arguments: &VerifyArguments) -> Result<u8> {
     let (file, set) = (&arguments.file, &arguments.set);
     let source = arguments.source.as_deref();
     let judge_thinned = || thinned::run(file, set, &arguments.ground, source, arguments.json);
+    // Only a thinned set has a source: of any other one, --source is refused there.
     if source.is_some() {
         return judge_thinned();
     }
 
-    let (check, given) = match checked(arguments) {
+    let (check, given_origin) = match checked(arguments) {
         // Only the certificate says that a set was thinned, and it is read with the points.
         Err(error) if matches!(error.downcast_ref(), Some(CheckError::Thinned)) => {
             return judge_thinned();
         }
         outcome => outcome?,
     };
-    let origin = origin(given, &check);
+    let corner = origin(given_origin, &check);
     output::report(
         arguments.json,
-        || to_json(&check, origin),
-        || to_text(&check, origin),
+        || to_json(&check, corner),
+        || to_text(&check, corner),
     )?;
     Ok(verdict_code(check.passed()))
 }
 
-/// Checks a set in space.
+/// Checks a set in space. Refuses the options of planar sets.
 fn in_space(arguments: &VerifyArguments) -> Result<u8> {
     let given = [
         ("--prefix", arguments.prefix.is_some()),
@@ -144,6 +145,7 @@ fn prefix(arguments: &VerifyArguments, count: usize) -> Result<u8> {
     let Some(certificate) = read.certificate else {
         bail!("{name}: there is no certificate, which states the levels of a set");
     };
+    // The claim says how far apart these samples are and how far they cover, by the levels that they complete.
     let Some(claim) = certificate.prefix(count) else {
         bail!("{name}: the certificate states no levels, or fewer than {count} samples");
     };
@@ -161,8 +163,8 @@ fn prefix(arguments: &VerifyArguments, count: usize) -> Result<u8> {
     Ok(verdict_code(level.valid))
 }
 
-/// Reads and verifies a file. Returns also the given origin, or else that of the field and the shape, if there is
-/// either.
+/// Reads and verifies a file. Returns also the given origin, or else that of the field and the shape; none where no
+/// origin is given and the radius is the same everywhere in a rectangle.
 fn checked(arguments: &VerifyArguments) -> Result<(Check, Option<[f64; 2]>)> {
     let file = &arguments.file;
     let mut overrides = Overrides {
@@ -170,22 +172,22 @@ fn checked(arguments: &VerifyArguments) -> Result<(Check, Option<[f64; 2]>)> {
         ..arguments.set.overrides(file)?
     };
     let (ground, set) = (&arguments.ground, &arguments.set);
-    // Without a certificate only the arguments can state the field and the shape.
+    // Arguments state a field and a shape that no certificate does, and give the images that a certificate names.
     if ground.is_given() {
         ground.judge_in(file, set, &mut overrides)?;
     }
 
-    let check = |overrides: &_| verifying(|control| check_stream(file, overrides, control));
+    let judge = |overrides: &_| verifying(|control| check_stream(file, overrides, control));
     // A file of which neither the certificate nor the arguments state a domain is checked in the periodic unit square.
-    let mut checked = check_or_unit_square(&overrides, check);
+    let mut outcome = check_or_unit_square(&overrides, judge);
 
     // The certificate is read with the points. Only when it states a field or a shape, which few sets have, is the file
     // read a second time, to be judged in them.
-    if let Err(CheckError::NoField) = checked {
+    if let Err(CheckError::NoField) = outcome {
         ground.judge_in(file, set, &mut overrides)?;
-        checked = check_or_unit_square(&overrides, check);
+        outcome = check_or_unit_square(&overrides, judge);
     }
-    match checked {
+    match outcome {
         Err(error @ CheckError::NoRadius) => Err(error).context("give --radius").in_file(file),
         outcome => {
             let check = outcome.map_err(hinted).in_file(file)?;
@@ -201,7 +203,7 @@ fn origin(given: Option<[f64; 2]>, check: &Check) -> Option<[f64; 2]> {
     origin.filter(|&[x, y]| x != 0.0 || y != 0.0)
 }
 
-/// Returns the outcome for programs.
+/// Returns the outcome for programs; it has an origin only where that is not 0 0.
 fn to_json(check: &Check, origin: Option<[f64; 2]>) -> serde_json::Value {
     let mut object = json!({
         "format": check.detection.format.to_string(),

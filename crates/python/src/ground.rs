@@ -143,11 +143,12 @@ impl FieldArgument<'_> {
         }
     }
 
-    /// Returns the recipe of a set in the domain of another recipe, whose radius is replaced.
+    /// Returns a recipe with this field and this shape in place of its own; the domain, the seed and the count stay.
     pub fn recipe(&self, mut like: VaryingRecipe) -> PyResult<VaryingRecipe> {
         let wanted = |name: &str| {
             PyValueError::new_err(format!("{name} is given without count or radius; give one"))
         };
+        // First, as the nodes at which a function is evaluated may depend on the shape.
         like.shape = self.shape()?;
         // With a count the scale is searched for, and any number begins the search.
         let any = like.count.map(|_| 1.0);
@@ -163,6 +164,7 @@ impl FieldArgument<'_> {
             GivenRadius::Expression(expression) => RadiusSource::Expression { expression, scale },
             GivenRadius::Grid(grid) => RadiusSource::Grid { grid, scale },
             GivenRadius::Image(image) if self.density.is_some() => {
+                // Black pixels have the density 1, and so the radius that is given.
                 let black = scale;
                 RadiusSource::Density { image, black }
             }

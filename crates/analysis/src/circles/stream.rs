@@ -130,8 +130,8 @@ impl CircleBands {
         cells.is_ok_and(|cells| cells.counts[1] >= 8 * KEPT && cells.reach[1] == 1)
     }
 
-    /// Judges the rows below the ordinate `complete`, under which no sample can follow but in the lowest row of a torus, if there
-    /// are enough of them.
+    /// Judges the rows below the ordinate `complete`, if they are enough for a band. No sample can follow there, but in the
+    /// lowest row of a torus.
     pub fn judge_complete(
         &mut self,
         question: &Question,
@@ -153,8 +153,8 @@ impl CircleBands {
         let samples = Samples::of_rows(cells, &held);
         self.judge(question, &samples, rows.clone(), monitor)?;
 
-        // Circles that reach into holes wait until all rows are complete that their cells may need. For those near the lower
-        // border of a torus, these are the last rows.
+        // Exposed samples, whose circles reach into holes, wait until all rows are complete from which their Voronoi cells may be
+        // cut. For those near the lower border of a torus, these are the last rows.
         let ready = |row: usize| row + KEPT < open_row && (!cells.domain.periodic || row > KEPT);
         self.holes(question, &samples, ready, monitor)?;
         self.rows = held;

@@ -71,7 +71,8 @@ pub fn player_height(ctx: &Context, size: Vec2, state: &State) -> f32 {
     Player::of(size).height(ctx, &TimeContext::of(state), width)
 }
 
-/// Shows a button in the corner of the canvas that shows the whole domain again, if the view has changed.
+/// Shows a button in the upper right corner of the canvas that fits the whole domain again. The caller shows it only where the
+/// view has changed.
 fn whole_domain(ui: &mut Ui, canvas: Rect, palette: &Palette, commands: &mut Vec<Command>) {
     let corner = canvas.shrink2(INSET);
     let builder = egui::UiBuilder::new()

@@ -76,7 +76,8 @@ fn to_text(check: &SolidCheck) -> String {
     out
 }
 
-/// Writes a set in space in another format, verified as it was read and as it was written.
+/// Writes a set in space in another format, verified as it was written. It is verified as it was read, too, unless its
+/// radius is unknown: that is then measured. The exit code is that of the written set.
 pub fn convert(
     [input, path]: [&Path; 2],
     to: Option<Format>,
@@ -86,7 +87,7 @@ pub fn convert(
     // A format that cannot hold the set is refused before the set is judged, which takes longest.
     check_solid_format(Format::to_write(path, to)?).in_file(path)?;
     let (points, mut context) = match checked(input, set, judge)? {
-        // Without a certificate the smallest distance may have to serve as the radius.
+        // Neither a certificate nor --radius states a radius: the smallest distance becomes the radius.
         Err(CheckError::NoRadius) => uncertified(input, set)?,
         read => {
             let (points, check) = read.map_err(hinted).in_file(input)?;
@@ -111,14 +112,14 @@ pub fn convert(
     Ok(verdict_code(exported.verdict.valid()))
 }
 
-/// Carries the certificate of a checked set over, if it has one.
+/// Returns what the new file's certificate states: box and radius as they were checked, and how the set was made as its
+/// own certificate states it, if there is one. Fails if that is not true.
 fn certified(check: SolidCheck, file: &Path) -> Result<SolidContext> {
-    // The new file's certificate repeats these statements, so that they have to be true.
+    // The new certificate repeats what the old one states, which therefore has to be true.
     if let Some(differs) = check.differences.first() {
         let file = named(file);
         bail!("{file}: its certificate is not true: {differs}; {WITHOUT_CERTIFICATE}");
     }
-    // Without a certificate, box and radius are those of the arguments.
     let report = &check.verdict.report;
     let mut context = of_unknown_origin(report.region, report.radius);
     if let Some(stated) = check.certificate {
@@ -181,10 +182,12 @@ fn uncertified(file: &Path, set: &SetArguments) -> Result<(Vec<[f64; 3]>, SolidC
 
 /// Returns the smallest distance of a set without a radius, which then serves as its radius.
 fn smallest_distance(points: &[[f64; 3]], region: SolidRegion) -> Result<f64> {
-    // The report's smallest distance does not depend on the radius; the mean spacing keeps the search quick.
+    // Any radius gives the same smallest distance. The mean spacing keeps the search quick; an empty file is refused
+    // below.
     let spacing = (region.volume() / points.len().max(1) as f64).cbrt();
     let shortest = region.size().into_iter().fold(f64::INFINITY, f64::min);
     let options = VerifyOptions {
+        // One judge is enough for a distance; the new file is judged by those that the user asks for.
         judges: JudgeChoice::Subdivision,
         ..VerifyOptions::default()
     };

@@ -21,7 +21,7 @@ const CLOSE: f64 = 0.2;
 /// The paper's bound for leaves from `FROM` on.
 const PAPER: f64 = 0.1;
 const FROM: f64 = 20.0;
-/// The largest distance of an exponent from that of an inverse.
+/// The largest distance of an exponent from that of an inverse. Chosen, not measured.
 const EXPONENT: f64 = 0.15;
 
 /// Sets of each leaf, and the samples of each.
@@ -178,7 +178,8 @@ fn below(found: &[LeafShares]) -> Claim {
     claim("eq4/below", Verdict::of(margin < PAPER), &values)
 }
 
-/// Judges whether the shares go as the inverse of the leaf.
+/// Judges whether the shares of the margin and of inserted samples go as the inverse of the leaf. The exponents of the overlap
+/// and of the formula are only reported.
 fn inverse(found: &[LeafShares]) -> Claim {
     let [margin, inserted] =
         [LeafShares::margin_share, LeafShares::inserted_share].map(|share| exponent(found, share));

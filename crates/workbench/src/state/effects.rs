@@ -516,7 +516,8 @@ impl State {
                 run.verify(context);
             });
         } else if self.runs.first.sampling.is_none() {
-            // At the start of the program that run is being made already.
+            // Borrowing the window sets the run aside, with what was being made. Only at the start of the program, when there is
+            // nothing to borrow, a run is still being made here: that of the default parameters.
             self.run();
         }
         self.in_scenes(|scenes, run, source, context| {

@@ -88,6 +88,7 @@ impl SeamTiling<'_> {
         for lost in self.lost.iter().filter(|lost| lost.is_deep) {
             region.remove(lost.place.x, lost.place.y);
         }
+        // Listed samples that are left out are lost or doubtful ones, and those that an interior has.
         for sample in self.samples.iter().filter(|sample| !sample.is_left_out) {
             let tag = if TAGS { self.tag(sample) } else { 0 };
             region.insert(sample.place.x, sample.place.y, tag);
