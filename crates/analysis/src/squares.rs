@@ -236,7 +236,7 @@ impl SquaresJudge {
 
     /// Refuses samples outside of the domain, and more than can be numbered.
     fn check(&self, samples: &[[i32; 2]]) -> Result<(), SquaresError> {
-        // Samples are numbered in 32 bits. As many as the limit would still fit, and are refused as well.
+        // Samples are numbered in 32 bits. The limit itself would still fit, and is refused as well.
         let limit = u32::MAX as usize;
         if samples.len() >= limit {
             let count = samples.len();

@@ -67,7 +67,7 @@ fn described(cause: &Cause) -> Option<String> {
     let text = match cause {
         // Without pairs at its distances, or frequencies in its range, the brush draws nothing and needs no remark.
         Cause::Pairs { total: 0, .. } | Cause::Shares { frequencies: 0, .. } => return None,
-        // The search keeps pairs from the bottom of the domain upwards, until it has as many as can be drawn.
+        // The search keeps pairs from the bottom of the domain upwards, until no more can be drawn.
         Cause::Pairs { total, pairs } if *total > pairs.len() as u64 => format!(
             "Brushed: {} pairs; the {} lowest in the domain are kept.",
             grouped(*total as usize),

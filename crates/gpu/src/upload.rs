@@ -253,7 +253,7 @@ fn write_grid(
         slots[3] |= FLAG_FRESH;
 
         // As on the device, the cells at the frame's edge are unsure, since samples beyond it are unknown, and those
-        // beside them hot, since what is inserted there may depend on these.
+        // beside them hot, since samples inserted there may depend on these.
         if to_edge == 0 {
             slots[3] |= FLAG_UNSURE;
             unsure.push(cell as u32);

@@ -117,7 +117,7 @@ impl Walker {
         Ok(true)
     }
 
-    /// Reads back the first rows of a buffer: as many as hold [`MAX_NUMBERS`] numbers, but at least one.
+    /// Reads back the first rows of a buffer, at most [`MAX_NUMBERS`] numbers but at least one row.
     async fn table(&self, name: Name) -> Result<BufferRows, GpuError> {
         // A table that is read without rows still has its columns, whose number decides how many rows are read.
         let columns = self.stepper.table(name, 0).await?.columns.len() as u64;

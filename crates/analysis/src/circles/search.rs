@@ -270,7 +270,7 @@ impl<'a> Search<'a> {
             arcs.truncate(arcs.len() - usize::from(!is_near));
         });
 
-        // What lies beyond a side of the region needs no cover: it counts as covered, as an arc toward that side.
+        // Places beyond a side of the region need no cover: the side counts as covered, as an arc toward that side.
         let of_border = |line: &BorderLine| Arc {
             toward: line.outward(),
             least: line.depth(tile.position(index), domain.extent) / rho,

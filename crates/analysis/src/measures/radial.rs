@@ -352,6 +352,7 @@ impl ProfileSums<'_> {
         // The last place is for the frequencies beyond all whole annuli, whose powers are added nowhere.
         let whole = self.sums.len() - 1;
         let annuli = self.sums[..whole].iter().zip(counts).zip(lengths);
+
         let annulus = |((&[sum, squares], &count), &length): ((&[f64; 2], &u64), &f64)| {
             // Without a frequency it is no number, and the annulus is left out.
             let mean = sum / count as f64;

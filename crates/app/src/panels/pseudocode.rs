@@ -36,6 +36,7 @@ fn listings_of(context: &PanelContext<'_>) -> Vec<&'static Listing> {
         return Vec::new();
     };
     let parameters = &session.run().parameters;
+
     let names: &[&str] = match (parameters.method, parameters.variant, parameters.insertion) {
         // Exact tiling has neither variants nor ways of insertion, and the variant as printed has no ways of insertion.
         (TilingMethod::Exact, _, _) => &["blocks", "exact", "finish"],
@@ -49,6 +50,7 @@ fn listings_of(context: &PanelContext<'_>) -> Vec<&'static Listing> {
             &["blocks", "tile", "eliminate", "darts", "finish"]
         }
     };
+
     // The program has a listing of each of these names; one that it lacked would be left out here.
     let all = &Listings::shipped().listings;
     names

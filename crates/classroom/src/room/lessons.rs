@@ -65,7 +65,7 @@ fn tell_fault(fault: Option<String>, context: &mut Context) {
 /// Returns whether sh, cmd or PowerShell may read a character as something else within double quotes.
 fn is_read_in_quotes(c: char) -> bool {
     // These end the quotes, or begin what a shell puts there: variables, commands, earlier lines. PowerShell takes curly quotes
-    // for straight ones. The last sign stands for what is not Unicode, so that the command would name another file.
+    // for straight ones. The last sign stands for bytes that are not Unicode, so that the command would name another file.
     let is_read = "\"`$!%\u{201c}\u{201d}\u{201e}\u{fffd}".contains(c);
     // Where a backslash does not divide folders, it escapes what follows. Line breaks are control characters.
     let is_escape = c == '\\' && !std::path::is_separator(c);

@@ -135,6 +135,7 @@ impl InSpace {
             .map_or(&[][..], |first| &first.numbers);
         let words = ["domain", "radius is"].map(|label| (label.to_owned(), ""));
         let labels = rows.iter().map(|own| (own.label.clone(), own.unit));
+
         let mut columns = Vec::new();
         for subject in &self.subjects {
             let mean = subject.numbers.iter().map(|own| own.text(own.value, 0));
@@ -153,6 +154,7 @@ impl InSpace {
                 ));
             }
         }
+
         Table {
             head: "measure".to_owned(),
             rows: words.into_iter().chain(labels).collect(),

@@ -92,6 +92,7 @@ fn recipe(arguments: &SampleArguments) -> Result<SolidRecipe> {
         .space
         .size([asked.width, asked.height])
         .context("a set in space has three sides")?;
+
     // Clap lets just one of --exactly, --count and --radius through, but for a radius beside a count with
     // --radius-image, which is refused by now.
     let balls = match (arguments.nested.exactly, arguments.run.count) {

@@ -27,7 +27,7 @@ pub fn rank_threshold(level: u32, levels: u32) -> f64 {
 pub(super) fn rank(level: u32, levels: u32, place: u32) -> f64 {
     let threshold = rank_threshold(level, levels);
     let share = f64::from(place) / PLACES as f64;
-    // The part of the first level begins at 0. Every other one is the upper half of what lies below its threshold, as each
+    // The part of the first level begins at 0. Every other one is the upper half of the interval below its threshold, as each
     // threshold is twice the one before. All three operations are exact: 33 bits are scaled by powers of two.
     match level {
         0 => threshold * share,

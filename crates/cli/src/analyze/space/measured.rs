@@ -1,4 +1,4 @@
-//! What is measured of a set in space.
+//! The measures of one set in space.
 
 use std::ops::ControlFlow;
 use std::path::Path;
@@ -45,7 +45,7 @@ pub struct Measured {
     correlation: SolidCorrelation,
 }
 
-/// What is measured of all sets alike.
+/// The choices that hold for all sets.
 pub struct Request<'a> {
     pub set: &'a SetArguments,
     /// The largest frequency, if one is given.

@@ -46,7 +46,7 @@ impl SeamTiling<'_> {
             max: cut_off(block.rect.max),
         };
         // Where something is unknown, the frame's edge counts as a border of the tile, too: samples near it may depend on
-        // what lies beyond. Without unknowns only the block's own border matters.
+        // samples beyond. Without unknowns only the block's own border matters.
         let has_unknown = self.ground.has_unknown();
         self.tiles.push(SeamTile {
             block: block.index,
