@@ -8,8 +8,8 @@ import path from "node:path";
 import { after, before, test } from "node:test";
 import { fileURLToPath } from "node:url";
 import { makeRecord } from "../course/record.js";
-import { DIST, ask, folder, native, slowTest, state, unpacked, until } from "./harness.mjs";
-import { contextOf } from "./shared.mjs";
+import { DIST, PATIENCE_MS, ask, folder, native, slowTest, state, typing, unpacked, until } from "./harness.mjs";
+import { contextOf, started } from "./shared.mjs";
 
 /** A lesson of two questions, one right answer each, whose runs are small. */
 const LESSON = `---
@@ -231,6 +231,36 @@ test("what was kept of another version of the lesson, or by another program, doe
   assert.deepEqual([other.done(), other.place()], [0, "b"]);
   for (const text of ["", "{", "null", "17", '{"version":1,"of":"v","done":{"one":7}}']) {
     assert.equal(makeRecord(QUESTIONS, "v", text).done(), 0, text);
+  }
+});
+
+/** Makes a package of the lesson that a page shows, by the list of actions, and returns its bytes and its name. */
+async function packaged(page, kind) {
+  const coming = page.waitForEvent("download", { timeout: PATIENCE_MS });
+  await page.focus("#canvas");
+  await page.keyboard.press("Control+k");
+  await typing(page);
+  await page.keyboard.type(`course system by ${kind}`);
+  await page.keyboard.press("Enter");
+  const download = await coming;
+  return [await readFile(await download.path()), download.suggestedFilename()];
+}
+
+test("the page makes the packages that the command makes, byte for byte", async (t) => {
+  const { page } = await started(t, "?engine=cpu#lesson=gaps");
+  await state(page, (told) => told.lesson?.name === "gaps");
+  const at = await folder(t);
+  const command = async (...options) => {
+    const out = path.join(at, "out.zip");
+    await native("lesson", "package", "gaps", "--folder", DIST, "--out", out, ...options);
+    return readFile(out);
+  };
+  for (const [kind, name, ...options] of [["cmi5", "gaps-cmi5.zip", "--cmi5"], ["SCORM 1.2", "gaps-scorm-1.2.zip", "--scorm", "1.2"]]) {
+    const [bytes, given] = await packaged(page, kind);
+    assert.equal(given, name);
+    assert.ok(bytes.equals(await command(...options)), `the package for ${kind} differs`);
+    // The control: a package with another option is another one.
+    assert.ok(!bytes.equals(await command(...options, "--pass", "60")));
   }
 });
 

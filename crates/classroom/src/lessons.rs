@@ -8,6 +8,7 @@ use glam::DVec2;
 use serde::{Deserialize, Serialize};
 use tilescope_debugger::{Direction, Recording};
 use tilescope_drawing::camera::Camera;
+use tilescope_lessons::package::CourseSystem;
 use tilescope_lessons::results::Results;
 use tilescope_lessons::{
     Control, Draft, DraftCommand, Feedback, Learner, Lesson, LessonError, Lines, MarkKind,
@@ -60,6 +61,9 @@ pub enum LessonCommand {
     KeepResults,
     /// Names the learner in saved results.
     Name(String),
+    /// Makes a package of the open lesson for a kind of course system, as a new file beside where the program runs; on a page,
+    /// as a download.
+    Package(CourseSystem),
     /// Copies the command that makes a package for course systems of the open lesson.
     CopyPackaging,
 }

@@ -7,6 +7,7 @@ use std::sync::Arc;
 use tilescope_core::Parameters;
 use tilescope_debugger::Recording;
 use tilescope_drawing::camera::Camera;
+use tilescope_lessons::package::PackageOrder;
 use tilescope_session::jobs::Wake;
 use tilescope_session::layers::Layers;
 
@@ -102,6 +103,8 @@ pub enum Effect {
     RememberFile(String),
     /// Write a file, or download it.
     Save(NewFile),
+    /// Make a package for a course system, and write or download it.
+    Package(Box<PackageOrder>),
     /// Copy a text to the clipboard.
     Copy(String),
     /// Close menus and help.

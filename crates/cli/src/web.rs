@@ -9,13 +9,14 @@ use std::net::{IpAddr, Ipv4Addr, SocketAddr, UdpSocket};
 use std::path::{Path, PathBuf};
 use std::time::Duration;
 
-use anyhow::{Context, Result, bail, ensure};
+use anyhow::{Context, Result, anyhow, bail, ensure};
 use axum::Router;
 use axum::serve::Listener;
 use clap::Args;
 use hyper::server::conn::http1;
 use hyper_util::rt::{TokioIo, TokioTimer};
 use hyper_util::service::TowerToHyperService;
+use tilescope_session::page_folder::{has_page, page_folder};
 use tokio::net::TcpListener;
 
 use crate::paths::named;
@@ -154,7 +155,6 @@ fn outward(listening: IpAddr) -> Option<IpAddr> {
 ///
 /// There is no page.
 pub fn folder(asked: Option<&Path>) -> Result<PathBuf> {
-    let has_page = |folder: &Path| folder.join("index.html").is_file();
     if let Some(folder) = asked {
         // Of a folder without the page all files would be served, and the page would not be found.
         ensure!(
@@ -164,17 +164,13 @@ pub fn folder(asked: Option<&Path>) -> Result<PathBuf> {
         );
         return Ok(folder.to_owned());
     }
-    // web/build makes the first, in a checkout; an installed program has its page beside it.
-    let mut tried = vec![PathBuf::from("web/dist")];
-    tried.extend(std::env::current_exe().map(|program| program.with_file_name("web")));
-    if let Some(folder) = tried.iter().find(|folder| has_page(folder)) {
-        return Ok(folder.clone());
-    }
-    let folders: Vec<_> = tried.iter().map(|p| p.to_string_lossy()).collect();
-    bail!(
-        "there is no page in {}; run web/build, or name its folder by --folder",
-        folders.join(" or ")
-    )
+    page_folder().map_err(|tried| {
+        let folders: Vec<_> = tried.iter().map(|p| p.to_string_lossy()).collect();
+        anyhow!(
+            "there is no page in {}; run web/build, or name its folder by --folder",
+            folders.join(" or ")
+        )
+    })
 }
 
 #[cfg(test)]

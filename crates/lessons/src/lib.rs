@@ -55,6 +55,7 @@ mod learner;
 mod lesson;
 mod moment;
 mod names;
+pub mod package;
 mod parameters;
 mod part;
 mod prose;

@@ -3,6 +3,7 @@
 //! the commands.
 
 mod archive;
+pub(crate) mod packaging;
 mod read;
 mod save;
 
@@ -18,6 +19,7 @@ pub use archive::{PackError, packed, unpacked};
 pub(crate) use disk::answered;
 #[cfg(not(target_arch = "wasm32"))]
 pub use disk::browse;
+pub use packaging::Packaging;
 pub use read::{Done, FileOutcome, FileSource, Opened, ReadTask, SavedContent, read};
 pub use save::missing_folder;
 #[cfg(not(target_arch = "wasm32"))]

@@ -273,6 +273,7 @@ const fn lesson(command: &LessonCommand) -> Rules {
         | LessonCommand::ClearResults
         | LessonCommand::KeepResults
         | LessonCommand::Name(_)
+        | LessonCommand::Package(_)
         | LessonCommand::CopyPackaging => VIEW,
     }
 }

@@ -47,6 +47,7 @@ tasks! {
     crate::compare::DivergenceTask,
     crate::compare::difference::DifferenceTask,
     crate::files::ReadTask,
+    crate::files::packaging::PackageTask,
     crate::state::export::ExportTask,
     crate::thumbnails::ThumbnailTask,
     tilescope_classroom::lesson_picture::StepPictureTask,

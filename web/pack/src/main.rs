@@ -33,6 +33,9 @@ struct Arguments {
     /// A folder that is copied as it is to `example/`
     #[arg(long, value_name = "FOLDER", default_value = "web/example")]
     example: PathBuf,
+    /// The folder with the page of a package for course systems, which goes into one file
+    #[arg(long, value_name = "FOLDER", default_value = "web/course")]
+    course: PathBuf,
     /// The folder to write; the output of an earlier run is replaced
     #[arg(long, value_name = "FOLDER", default_value = "web/dist")]
     out: PathBuf,
@@ -110,6 +113,7 @@ fn pack(arguments: &Arguments) -> Result<()> {
         names::LESSONS.to_owned(),
         page::Source::made(lessons.into_bytes()),
     );
+    sources.insert(names::COURSE.to_owned(), page::course(&arguments.course)?);
     for &(language, table) in language::TABLES {
         sources.insert(format!("{language}.txt"), page::Source::made(table.into()));
     }

@@ -59,11 +59,12 @@ pub fn is_later(name: &str) -> bool {
     is_picture(name) || is_table || name.ends_with(".webmanifest") || LATER.contains(&name)
 }
 
-/// The later part of the program, the lessons, the voting card, the notes of a talk, what sends answers to a record store, the
+/// The later part of the program, the lessons, the texts of packages, the voting card, the notes of a talk, what sends answers to a record store, the
 /// texts of these three, and what only the pages before the program use.
-const LATER: [&str; 8] = [
+const LATER: [&str; 9] = [
     LATER_PART,
     LESSONS,
+    COURSE,
     "card.js",
     "notes.js",
     "report.js",
@@ -77,6 +78,9 @@ pub const LATER_PART: &str = "tilescope_later.wasm";
 
 /// The file that holds the lessons and their translations.
 pub const LESSONS: &str = "lessons.json";
+
+/// The file that holds the texts of the page around a lesson in a course system, for packages.
+pub const COURSE: &str = "course.json";
 
 /// Whether compressed copies of a file are made.
 pub fn is_compressed(name: &str) -> bool {

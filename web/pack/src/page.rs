@@ -96,6 +96,16 @@ pub fn example(folder: &Path) -> Result<Vec<File>> {
     Ok(files.map(file).collect())
 }
 
+/// Returns the file with the texts of a package's page, by their names, as JSON: the program needs all of them or none.
+pub fn course(folder: &Path) -> Result<Source> {
+    let texts = read_folder(folder)?.into_iter().map(|(name, bytes)| {
+        let text = String::from_utf8(bytes).with_context(|| name.clone())?;
+        Ok((name, text))
+    });
+    let texts: BTreeMap<String, String> = texts.collect::<Result<_>>()?;
+    Ok(Source::made(serde_json::to_vec(&texts)?))
+}
+
 fn read_folder(folder: &Path) -> Result<Vec<(String, Vec<u8>)>> {
     let context = || format!("cannot read the folder {}", folder.display());
     let mut files = Vec::new();

@@ -4,6 +4,7 @@
 use egui::{Key, KeyboardShortcut};
 use tilescope_classroom::lessons::LessonCommand;
 use tilescope_debugger::Direction;
+use tilescope_lessons::package::CourseSystem;
 use tilescope_lessons::{Control, DraftCommand};
 use tilescope_workbench::command::Command;
 use tilescope_workbench::state::State;
@@ -57,6 +58,10 @@ pub(super) fn add(list: &mut List, state: &State) {
         .on_key(Key::PageUp)
         .refused((learner.index() == 0).then_some("This is the first step."));
     own(list, "Close the lesson", LessonCommand::Leave);
+    for system in CourseSystem::ALL {
+        let name = format!("Package for a course system by {}", system.name());
+        own(list, &name, LessonCommand::Package(system));
+    }
     let packaging = LessonCommand::CopyPackaging;
     own(
         list,

@@ -9,6 +9,8 @@ use glam::DVec2;
 use tilescope_core::Stage;
 use tilescope_debugger::{Direction, Recording};
 use tilescope_drawing::camera::Camera;
+use tilescope_lessons::package::{CourseSystem, PackageOrder};
+use tilescope_lessons::shipped::Shipped;
 use tilescope_lessons::{
     Arrival, Draft, DraftCommand, Learner, Lesson, LessonError, MAX_BYTES, Translation, results,
 };
@@ -179,6 +181,7 @@ impl Classroom {
             // The question whether to clear the results has ended above, and they stay as they are.
             LessonCommand::KeepResults => {}
             LessonCommand::Name(name) => self.lessons.name_learner(&name),
+            LessonCommand::Package(system) => self.package(system, context),
             LessonCommand::CopyPackaging => self.copy_packaging(context),
         }
     }
@@ -308,8 +311,37 @@ impl Classroom {
         }
     }
 
-    /// Copies the command that makes a package of the open lesson, and says what it is for. A package holds the built page with
-    /// everything that belongs to it, 4 MB, which a window or a page does not have at hand.
+    /// Asks for a package of the open lesson, which begins in the language of the window, if the lesson has it.
+    fn package(&self, system: CourseSystem, context: &mut Context) {
+        let Some(open) = &self.lessons.open else {
+            return context.tell("Open a lesson first.".to_owned());
+        };
+        let name = &open.learner.lesson().name;
+        let german = match &open.source {
+            LessonSource::Shipped => self.lessons.shipped(name).map(|own| own.german.to_string()),
+            // As the command takes it: from the file beside the lesson's, if there is one.
+            LessonSource::File(path) => read_short(&path.with_extension("de.md")).ok(),
+            LessonSource::Text => None,
+        };
+
+        let german = german.unwrap_or_default();
+        let is_german = self.lessons.language == "de" && !german.is_empty();
+        context.ask(Effect::Package(Box::new(PackageOrder {
+            lesson: Shipped {
+                name: name.clone().into(),
+                text: open.text.clone().into(),
+                german: german.into(),
+                keys: "",
+            },
+            system,
+            steps: Vec::new(),
+            language: if is_german { "de" } else { "en" }.to_owned(),
+            pass: None,
+        })));
+    }
+
+    /// Copies the command that makes a package of the open lesson, which also takes single steps and a score to pass with, and
+    /// says what it is for.
     fn copy_packaging(&self, context: &mut Context) {
         let Some(open) = &self.lessons.open else {
             return;

@@ -77,6 +77,57 @@ fn scenes_of_a_session_become_a_lesson_that_can_be_checked_and_printed() {
     broken.assert().code(2).stderr(contains("broken.tilescope"));
 }
 
+#[test]
+fn the_window_makes_the_package_that_the_command_makes() {
+    let folder = tempdir().unwrap();
+    let page = folder.path().join("web/dist");
+    fs::create_dir_all(&page).unwrap();
+    // A folder that looks like a built page, with the texts of a package's page in one file.
+    let names = [
+        "index.html",
+        "course.css",
+        "course.js",
+        "record.js",
+        "scorm.js",
+    ];
+    let course = names.map(|name| {
+        (
+            name.to_owned(),
+            serde_json::json!(format!("{name} [[title]]")),
+        )
+    });
+    let course = serde_json::Value::Object(course.into_iter().collect());
+    for (name, text) in [
+        (
+            "index.html",
+            "course-0123456789ab.json lessons-0123456789ab.json <div id=\"site\"><template id=\"program\">",
+        ),
+        ("course-0123456789ab.json", &course.to_string()),
+        (
+            "lessons-0123456789ab.json",
+            r#"{"lessons":[],"tables":{"de":"Words\n    W"}}"#,
+        ),
+    ] {
+        fs::write(page.join(name), text).unwrap();
+    }
+
+    let script = r#"[{"lesson": {"open": "gaps"}}, {"lesson": {"package": "scorm-1.2"}}]"#;
+    fs::write(folder.path().join("steps.json"), script).unwrap();
+    let mut window = tilescope(&folder);
+    window.args(["script", "steps.json"]).assert().success();
+    let packed = |options: &[&str]| {
+        let mut command = tilescope(&folder);
+        command.args(["lesson", "package", "gaps", "--out", "command.zip"]);
+        command.args(options).assert().success();
+        fs::read(folder.path().join("command.zip")).unwrap()
+    };
+    let made = fs::read(folder.path().join("gaps-scorm-1.2.zip")).unwrap();
+    assert!(made == packed(&["--scorm", "1.2"]));
+
+    // The control: with a score to pass with it is another package.
+    assert!(made != packed(&["--scorm", "1.2", "--pass", "60"]));
+}
+
 /// Saves a session with two scenes, made by a script of the window's commands; returns the file's name.
 fn saved_session(folder: &TempDir) -> String {
     let script = r#"[{"time": {"jump": 3000}}, {"scene": "add"},

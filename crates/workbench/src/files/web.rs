@@ -6,7 +6,7 @@ use tilescope_session::incoming::refusals;
 use tilescope_session::jobs::{Job, Wake};
 use wasm_bindgen::{JsCast, JsValue};
 use wasm_bindgen_futures::JsFuture;
-use web_sys::{File, HtmlInputElement};
+use web_sys::{File, HtmlInputElement, Response};
 
 use super::NamedBytes;
 
@@ -76,6 +76,25 @@ async fn answer(input: &HtmlInputElement, answered: Promise) -> Result<Vec<File>
     Ok(files
         .flat_map(|list| (0..list.length()).filter_map(move |k| list.get(k)))
         .collect())
+}
+
+/// Fetches a file of the page by its name; fails with a reason.
+pub(super) async fn fetched(name: &str) -> Result<Vec<u8>, String> {
+    let window = web_sys::window().ok_or("there is no page")?;
+    // Servers answer for the page by the name of its folder, and some redirect `index.html` to that.
+    let address = match name {
+        "index.html" => "./".to_owned(),
+        name => format!("./{name}"),
+    };
+    let answered = JsFuture::from(window.fetch_with_str(&address)).await;
+    let response: Response = answered.map_err(|error| message(&error))?.unchecked_into();
+    if !response.ok() {
+        return Err(format!("the server answered {}", response.status()));
+    }
+
+    let buffer = response.array_buffer().map_err(|error| message(&error))?;
+    let buffer = JsFuture::from(buffer).await;
+    Ok(Uint8Array::new(&buffer.map_err(|error| message(&error))?).to_vec())
 }
 
 /// Reads files that were dropped on the page.

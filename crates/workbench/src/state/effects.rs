@@ -346,6 +346,9 @@ impl State {
             }
 
             E::RememberFile(path) => self.files.remember_file(&path),
+            E::Package(order) => {
+                self.with(|state, context| state.files.start_packaging(*order, context));
+            }
             E::Save(file) => self.with(|state, context| state.files.save_new(file, context)),
             E::Copy(text) => self.window.copied = Some(text),
             E::CloseMenus => (self.window.finder, self.window.help) = (None, None),

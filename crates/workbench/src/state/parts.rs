@@ -74,6 +74,8 @@ pub struct FileState {
     pub sheet: Option<FileForm>,
     /// The file being read or written.
     pub filing: Option<Filing>,
+    /// The package of a lesson that is being made.
+    pub(super) packaging: Option<crate::files::Packaging>,
     /// The system's dialog for it, if open.
     #[cfg(not(target_arch = "wasm32"))]
     pub finding: Option<(Purpose, Job<Option<std::path::PathBuf>>)>,

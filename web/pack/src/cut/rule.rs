@@ -21,6 +21,7 @@ const LATER: &[&str] = &[
     "tiny_skia_path",
     "ttf_parser",
     "zip",
+    "quick_xml",
     "png",
     "image",
     "gif",

@@ -1,9 +1,10 @@
-use std::collections::BTreeSet;
+use std::collections::{BTreeMap, BTreeSet};
 use std::fs;
 use std::io::{Cursor, Read as _};
 
 use roxmltree::{Document, Node};
 use tempfile::TempDir;
+use tilescope_lessons::Lesson;
 use zip::ZipArchive;
 
 use super::*;
@@ -19,13 +20,28 @@ fn built_page() -> TempDir {
         lessons: Vec::new(),
         tables: [("de".to_owned(), "Words\n    Wörter".to_owned())].into(),
     });
+    // The texts of the page of a package, as the packer puts them into one file.
+    let course = [
+        "index.html",
+        "course.css",
+        "course.js",
+        "record.js",
+        "scorm.js",
+        "cmi5.js",
+    ];
+    let texts = course.map(|name| {
+        let file = Path::new(concat!(env!("CARGO_MANIFEST_DIR"), "/../../web/course")).join(name);
+        (name, fs::read_to_string(file).unwrap())
+    });
+    let course = serde_json::to_string(&BTreeMap::from(texts)).unwrap();
     // What the first document leads to, and what a package has no use for.
     for (name, text) in [
         (
             "index.html",
-            "<script src=\"main-0123456789ab.js\"></script><div id=\"site\"><img src=\"hero-0123456789ab.svg\"></div>\
+            "<meta content=\"course-0123456789ab.json\"><script src=\"main-0123456789ab.js\"></script><div id=\"site\"><img src=\"hero-0123456789ab.svg\"></div>\
              <template id=\"program\">Program</template>",
         ),
+        ("course-0123456789ab.json", &course),
         ("main-0123456789ab.js", SCRIPT),
         ("main-0123456789ab.js.br", "compressed"),
         ("lessons-0123456789ab.json", &lessons),

@@ -2,9 +2,13 @@
 
 use std::sync::Arc;
 
+use tilescope_classroom::room::NewFile;
+use tilescope_lessons::package::{Package, PackageOrder};
 use tilescope_session::words::{counted, ended, sentence};
 
-use crate::files::{Done, FileCommand, FileOutcome, Filing, LAST_SESSION};
+use crate::files::{
+    Done, FileCommand, FileOutcome, Filing, LAST_SESSION, NamedBytes, Packaging, packaging,
+};
 use crate::layout::Panel;
 use crate::rules::UndoPart;
 use crate::state::effects::{Context, Effect};
@@ -51,6 +55,54 @@ impl FileState {
         if let Some(outcome) = filing.and_then(|filing| filing.job.poll()) {
             self.filed(outcome, runs, context);
         }
+
+        let packaging = self.packaging.as_ref();
+        if let Some(outcome) = packaging.and_then(|packaging| packaging.job.poll()) {
+            self.packaged(outcome, context);
+        }
+    }
+
+    /// Starts to make the package of a lesson. One that is being made already is given up.
+    pub(in crate::state) fn start_packaging(&mut self, order: PackageOrder, context: &mut Context) {
+        // A fault of the lesson is said before any file is read.
+        let package = match Package::read(&order) {
+            Ok(package) => package,
+            Err(fault) => return context.tell_error(no_package(&fault.to_string())),
+        };
+        let questions = counted(package.questions(), "question", "questions");
+        let system = order.system.name();
+        context.tell(format!("The package for {system} is being made."));
+
+        self.packaging = Some(Packaging {
+            stem: format!("{}-{}", order.lesson.name, order.system.file_name()),
+            content: format!("The package has {questions}, for {system}."),
+            job: packaging::start(order, &context.wake),
+        });
+    }
+
+    /// Saves the package that was made, as other new files are, or says why there is none.
+    fn packaged(
+        &mut self,
+        outcome: Result<Result<NamedBytes, String>, String>,
+        context: &mut Context,
+    ) {
+        let Some(packaging) = self.packaging.take() else {
+            return;
+        };
+        match outcome.and_then(|made| made) {
+            Ok(file) => {
+                // Natively the notice with the path comes in its place.
+                context.tell(packaging.content);
+                let file = NewFile {
+                    stem: packaging.stem,
+                    extension: "zip",
+                    path: None,
+                    bytes: file.bytes,
+                };
+                self.save_new(file, context);
+            }
+            Err(why) => context.tell_error(no_package(&why)),
+        }
     }
 
     /// Waits for the file that is being read or written.
@@ -59,6 +111,10 @@ impl FileState {
         if let Some(filing) = &self.filing {
             let outcome = filing.job.wait();
             self.filed(outcome, runs, context);
+        }
+        if let Some(packaging) = &self.packaging {
+            let outcome = packaging.job.wait();
+            self.packaged(outcome, context);
         }
     }
 
@@ -187,6 +243,11 @@ impl FileState {
         runs.first.session_path = Some(path);
         self.scenes_are_saved(&runs.first);
     }
+}
+
+/// Returns the notice that there is no package.
+fn no_package(why: &str) -> String {
+    ended(&format!("There is no package: {why}"))
 }
 
 /// Names the files that were not opened.

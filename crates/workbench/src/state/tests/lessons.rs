@@ -12,6 +12,7 @@ use crate::files::{Delivery, FileCommand, NamedBytes, Purpose};
 use crate::layout::Panel;
 use crate::scenes::SceneCommand;
 use glam::DVec2;
+use tilescope_lessons::package::CourseSystem;
 use tilescope_lessons::results::Results;
 use tilescope_lessons::shipped::{Loaded, TEMPLATE, to_json};
 use tilescope_lessons::{Answer, Control, DraftCommand, MarkKind};
@@ -776,6 +777,34 @@ fn answers_are_put_together_on_the_canvas_and_from_the_list() {
     state.apply(Command::View(Which::First, click));
     state.apply(inspect);
     assert!(has_inspector(&state));
+}
+
+#[test]
+fn a_package_that_cannot_be_made_says_why() {
+    /// Asks for a package, and returns the notice.
+    fn said(state: &mut State) -> String {
+        lesson(state, LessonCommand::Package(CourseSystem::Scorm12));
+        let notice = state.messages.notice.as_ref();
+        notice.expect("it says so").text.clone()
+    }
+    let mut state = settled();
+    assert_eq!(said(&mut state), "Open a lesson first.");
+
+    // A lesson without a question has no score, which is said before the page is looked for.
+    let plain =
+        "---\ntitle: T\nobjective: O\n---\n# S\n```run\nradius: 0.1\nleaf: 6\n```\nWords.\n";
+    let read = LessonCommand::Read("plain".to_owned(), plain.to_owned());
+    lesson(&mut state, read);
+    let text = said(&mut state);
+    assert!(text.contains("the lesson has no question"), "{text}");
+
+    // Tests run where there is no built page.
+    lesson(&mut state, LessonCommand::Open("gaps".to_owned()));
+    let text = said(&mut state);
+    assert!(
+        text.contains("web/dist") && text.contains("web/build"),
+        "{text}"
+    );
 }
 
 #[test]

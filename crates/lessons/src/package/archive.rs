@@ -1,20 +1,19 @@
-//! ZIP archives of packages. The same files always give the same bytes.
+//! ZIP archives of packages. The same files always give the same bytes, natively and in a browser.
 
 use std::collections::BTreeMap;
 use std::io::{Cursor, Write as _};
 
-use anyhow::Result;
 use zip::write::SimpleFileOptions;
 use zip::{CompressionMethod, DateTime, ZipWriter};
 
-use crate::paths::InFile;
+use super::PackageError;
 
 /// Returns an archive of files, by their paths with slashes, in the order of the paths.
 ///
 /// # Errors
 ///
 /// A file that is too large for an archive.
-pub fn packed(files: &BTreeMap<String, Vec<u8>>) -> Result<Vec<u8>> {
+pub fn archive_of(files: &BTreeMap<String, Vec<u8>>) -> Result<Vec<u8>, PackageError> {
     // Compressed, as course systems limit uploads, and as the program's module is then a third as large. Date and permissions
     // are fixed, so that the same files give the same bytes.
     let options = SimpleFileOptions::default()
@@ -24,9 +23,15 @@ pub fn packed(files: &BTreeMap<String, Vec<u8>>) -> Result<Vec<u8>> {
 
     let mut archive = ZipWriter::new(Cursor::new(Vec::new()));
     for (path, bytes) in files {
-        let started = archive.start_file(path.as_str(), options);
-        started.in_file(path.as_ref())?;
-        archive.write_all(bytes).in_file(path.as_ref())?;
+        let fault =
+            |error: zip::result::ZipError| PackageError::Archive(format!("{path}: {error}"));
+        archive.start_file(path.as_str(), options).map_err(fault)?;
+        archive
+            .write_all(bytes)
+            .map_err(|error| fault(error.into()))?;
     }
-    Ok(archive.finish()?.into_inner())
+
+    let finished = archive.finish();
+    let written = finished.map_err(|error| PackageError::Archive(error.to_string()))?;
+    Ok(written.into_inner())
 }

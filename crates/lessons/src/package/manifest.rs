@@ -1,13 +1,15 @@
 //! Manifests of packages: what a course system reads first. SCORM lists all files, cmi5 names the page alone. Begin with [`of`].
 
-use anyhow::Result;
+use std::io;
+
 use quick_xml::Writer;
 use quick_xml::events::{BytesDecl, BytesEnd, BytesStart, BytesText, Event};
 
-use super::System;
+use super::CourseSystem;
 
 /// What a course system shows of a package, and how it counts.
-pub struct Description<'a> {
+#[derive(Clone, Debug)]
+pub struct Description {
     /// Its name among the packages of a course: letters, digits, hyphens, underscores and dots.
     pub id: String,
     /// The title of the lesson.
@@ -15,7 +17,7 @@ pub struct Description<'a> {
     /// What a learner can do afterwards.
     pub objective: String,
     /// The language of both.
-    pub language: &'a str,
+    pub language: String,
     /// The share of the score from which on the lesson counts as passed, if there is one.
     pub mastery: Option<f64>,
 }
@@ -26,14 +28,14 @@ pub struct Description<'a> {
 ///
 /// None that can occur: it is written into memory.
 pub fn of(
-    system: System,
-    package: &Description<'_>,
+    system: CourseSystem,
+    package: &Description,
     files: &[&str],
-) -> Result<(&'static str, Vec<u8>)> {
+) -> io::Result<(&'static str, Vec<u8>)> {
     let (name, root) = match system {
-        System::Scorm12 => ("imsmanifest.xml", scorm_12(package, files)),
-        System::Scorm2004 => ("imsmanifest.xml", scorm_2004(package, files)),
-        System::Cmi5 => ("cmi5.xml", cmi5(package)),
+        CourseSystem::Scorm12 => ("imsmanifest.xml", scorm_12(package, files)),
+        CourseSystem::Scorm2004 => ("imsmanifest.xml", scorm_2004(package, files)),
+        CourseSystem::Cmi5 => ("cmi5.xml", cmi5(package)),
     };
 
     // Indented, since lecturers look into it when a system refuses a package.
@@ -86,13 +88,13 @@ impl Element {
     }
 
     /// Writes the element with its attributes, text and children.
-    fn write(&self, writer: &mut Writer<Vec<u8>>) -> Result<()> {
+    fn write(&self, writer: &mut Writer<Vec<u8>>) -> io::Result<()> {
         // Quotes and signs of markup in values and texts are escaped by the writer.
         let attributes = self.attributes.iter();
         let pairs = attributes.map(|(name, value)| (*name, value.as_str()));
         let start = BytesStart::new(self.name).with_attributes(pairs);
         if self.children.is_empty() && self.text.is_empty() {
-            return Ok(writer.write_event(Event::Empty(start))?);
+            return writer.write_event(Event::Empty(start));
         }
 
         writer.write_event(Event::Start(start))?;
@@ -102,7 +104,7 @@ impl Element {
         for child in &self.children {
             child.write(writer)?;
         }
-        Ok(writer.write_event(Event::End(BytesEnd::new(self.name)))?)
+        writer.write_event(Event::End(BytesEnd::new(self.name)))
     }
 }
 
@@ -128,7 +130,7 @@ fn resources(kind: &'static str, files: &[&str]) -> Element {
 
 /// Returns the manifest of SCORM 1.2. It names no score to pass with: systems would count a lesson as failed from the first wrong
 /// answer on, and the page says itself whether it is passed, once all is done.
-fn scorm_12(package: &Description<'_>, files: &[&str]) -> Element {
+fn scorm_12(package: &Description, files: &[&str]) -> Element {
     let item = element(
         "item",
         &[("identifier", "lesson"), ("identifierref", "page")],
@@ -155,7 +157,7 @@ fn scorm_12(package: &Description<'_>, files: &[&str]) -> Element {
 
 /// Returns the manifest of SCORM 2004, fourth edition. Its sequencing says no more than that the page itself reports
 /// completion and success.
-fn scorm_2004(package: &Description<'_>, files: &[&str]) -> Element {
+fn scorm_2004(package: &Description, files: &[&str]) -> Element {
     let by_page = [
         ("completionSetByContent", "true"),
         ("objectiveSetByContent", "true"),
@@ -193,10 +195,10 @@ fn scorm_2004(package: &Description<'_>, files: &[&str]) -> Element {
 }
 
 /// Returns the course of cmi5, with the lesson as its only unit.
-fn cmi5(package: &Description<'_>) -> Element {
+fn cmi5(package: &Description) -> Element {
     let in_language = |name: &'static str, text: &str| {
         let mut said = saying("langstring", text);
-        said.attributes.push(("lang", package.language.to_owned()));
+        said.attributes.push(("lang", package.language.clone()));
         element(name, &[]).holding([said])
     };
     // The course and its one unit have the same texts, and cmi5 asks for both.
