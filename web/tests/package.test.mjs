@@ -9,7 +9,7 @@ import { after, before, test } from "node:test";
 import { fileURLToPath } from "node:url";
 import { makeRecord } from "../course/record.js";
 import { DIST, PATIENCE_MS, ask, folder, native, slowTest, state, typing, unpacked, until } from "./harness.mjs";
-import { contextOf, started } from "./shared.mjs";
+import { contextOf, opened } from "./shared.mjs";
 
 /** A lesson of two questions, one right answer each, whose runs are small. */
 const LESSON = `---
@@ -247,8 +247,8 @@ async function packaged(page, kind) {
 }
 
 test("the page makes the packages that the command makes, byte for byte", async (t) => {
-  const { page } = await started(t, "?engine=cpu#lesson=gaps");
-  await state(page, (told) => told.lesson?.name === "gaps");
+  const { page } = await opened(t, "?engine=cpu#lesson=gaps");
+  await state(page, (told) => told.lesson?.lesson === "gaps");
   const at = await folder(t);
   const command = async (...options) => {
     const out = path.join(at, "out.zip");

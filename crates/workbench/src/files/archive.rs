@@ -61,8 +61,8 @@ pub fn packed(mut files: Vec<NamedBytes>) -> Result<NamedBytes, PackError> {
     Ok(NamedBytes { name, bytes })
 }
 
-/// Returns the files of an archive made by [`packed`]. Fails with a sentence if it is not an archive, is compressed, which a page
-/// cannot read, or contains more than the limits allow.
+/// Returns the files of an archive made by [`packed`], or of another one, which may be compressed. Fails with a sentence if it is not
+/// an archive, or contains more than the limits allow.
 pub fn unpacked(file: &NamedBytes) -> Result<Vec<NamedBytes>, String> {
     let name = &file.name;
     let failed = |why: &dyn std::fmt::Display| format!("{name} cannot be unpacked: {why}");
