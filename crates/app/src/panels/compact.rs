@@ -27,8 +27,10 @@ const BAR: f32 = 50.0;
 const CANVAS: f32 = 0.5;
 /// Width of the side column of a landscape window.
 const BESIDE: f32 = 366.0;
-/// Minimum height of the canvas in a portrait window.
+/// Minimum height of the canvas in a portrait window, and its share of the height of so low a window that this would be more:
+/// at 320 by 256 points, a desktop's window magnified four times, controls and stages then end above the edge.
 const MIN_CANVAS_HEIGHT: f32 = 120.0;
+const MIN_CANVAS_SHARE: f32 = 0.3;
 /// Minimum height of an open panel; its contents scroll.
 const MIN_DRAWER_HEIGHT: f32 = 96.0;
 /// Below this height the sentence has one line.
@@ -55,9 +57,16 @@ fn needed_height(ctx: &Context, room: Rect, state: &State) -> f32 {
     let canvas = match state.window().drawer.arrangement {
         // Beside the column the canvas needs no height of its own.
         Arrangement::Landscape => 0.0,
-        _ => MIN_CANVAS_HEIGHT,
+        _ => min_canvas_height(ctx),
     };
     bar + canvas + controls(ctx, room, state) + tabs_height(state) + drawer
+}
+
+/// Returns the minimum height of the canvas in a portrait window. It is that of the window also where its contents, which
+/// scroll, are higher.
+fn min_canvas_height(ctx: &Context) -> f32 {
+    let share = MIN_CANVAS_SHARE * ctx.content_rect().height();
+    MIN_CANVAS_HEIGHT.min(share.round())
 }
 
 /// Returns the height of the row of tabs. The tour needs its room: one thing at a time.
@@ -106,9 +115,11 @@ impl PartRects {
                     needed.min(rest - half)
                 }
                 (None, _) => 0.0,
-                (Some(_), true) => rest - MIN_CANVAS_HEIGHT,
+                (Some(_), true) => rest - min_canvas_height(ctx),
                 (Some(_), false) => {
-                    rest - half.min(rest - MIN_DRAWER_HEIGHT).max(MIN_CANVAS_HEIGHT)
+                    rest - half
+                        .min(rest - MIN_DRAWER_HEIGHT)
+                        .max(min_canvas_height(ctx))
                 }
             };
             // In so low a room that nothing is left for a panel, the canvas gives up none of its height.

@@ -152,6 +152,65 @@ fn the_canvas_has_half_of_the_window() {
 }
 
 #[test]
+fn all_of_a_desktops_window_magnified_four_times_can_be_scrolled_to() {
+    // 400% of 1280 by 1024.
+    let size = [320.0, 256.0];
+    let window = Rect::from_min_size(pos2(0.0, 0.0), Vec2::from(size)).expand(0.5);
+    let mut harness = opened_at(size);
+    harness.run();
+    let is_within =
+        |harness: &Harness<'_, App>, id: &str| window.contains_rect(node(harness, id).rect());
+
+    // From the start on there are controls, stages and some of the canvas.
+    for id in [
+        "menu",
+        "time-toggle-play",
+        "moment",
+        "stage.tile",
+        "stage.finish",
+    ] {
+        let rect = node(&harness, id).rect();
+        assert!(window.contains_rect(rect), "{id}: {rect:?}");
+    }
+    assert!(canvas(&harness).height() > 70.0);
+
+    // The control: the row of panels is below the edge. It comes into view with the focus, and by the wheel.
+    assert!(!is_within(&harness, "tab.parameters"));
+    for (tab, _, part) in TABS {
+        for id in [tab, "menu", tab] {
+            node(&harness, id).focus();
+            harness.run();
+            assert!(is_within(&harness, id), "{id}");
+        }
+        click(&mut harness, tab);
+        scroll(&mut harness, -600.0);
+        node(&harness, part).scroll_to_me();
+        harness.run();
+        let rect = node(&harness, part).rect();
+        assert!(window.contains_rect(rect), "{part}: {rect:?}");
+        assert_eq!(outside(&harness, size[0]), Vec::<String>::new(), "{tab}");
+        assert!(is_within(&harness, "drawer.close"));
+        click(&mut harness, "drawer.close");
+    }
+    scroll(&mut harness, 600.0);
+    assert!(is_within(&harness, "menu"));
+}
+
+/// Turns the wheel over the sentence, which is no part of the canvas.
+fn scroll(harness: &mut Harness<'_, App>, by: f32) {
+    let at = node(harness, "status").rect().center();
+    harness.hover_at(at);
+    harness.event(egui::Event::MouseWheel {
+        unit: egui::MouseWheelUnit::Point,
+        delta: vec2(0.0, by),
+        phase: egui::TouchPhase::Move,
+        source: egui::MouseWheelSource::Wheel,
+        modifiers: egui::Modifiers::NONE,
+    });
+    harness.run();
+}
+
+#[test]
 fn the_size_of_the_window_decides_at_once_and_tiles_stay() {
     let mut harness = opened_at([1440.0, 900.0]);
     harness
