@@ -30,6 +30,8 @@ import { announceNew } from "./{{asset:sheets.js}}";
  * @property {number[]} [place] left, top, width and height in pixels, from the parent's corner
  * @property {number} [active]
  * @property {number[]} [children]
+ * @property {number[]} [size] the rows and columns of a table
+ * @property {number} [index] of a row or cell, from 1
  */
 
 /**
@@ -53,13 +55,16 @@ const TAGS = {
 const OWN = ["button", "area", "label", "heading", "checkbox", "radio", "range", "number", "text"];
 
 /** Roles whose name is their text. */
-const NAMED_BY_TEXT = ["button", "link", "menuitem", "menuitemcheckbox", "option", "heading"];
+const NAMED_BY_TEXT = ["button", "link", "menuitem", "menuitemcheckbox", "option", "heading", "cell", "gridcell", "columnheader", "rowheader"];
 
 /** Roles that never have the focus. */
-const STILL = ["label", "heading", "img", "group", "menu", "listbox", "dialog", "tooltip", "progressbar"];
+const STILL = [
+  "label", "heading", "img", "group", "menu", "listbox", "dialog", "tooltip", "progressbar", "table", "grid", "row", "cell", "gridcell", "columnheader",
+  "rowheader",
+];
 
 /** Elements that Enter and Space press. */
-const PRESSED = "button, a, [role=option], input[type=checkbox], input[type=radio]";
+const PRESSED = "button, a, [role=option], [role=row], input[type=checkbox], input[type=radio]";
 
 /** Elements in which text is typed. */
 const TYPED = "textarea, input[type=text], input[type=number]";
@@ -277,7 +282,9 @@ export function mirror(root, program) {
   root.addEventListener("click", (event) => {
     // The program says later whether a box is checked.
     event.preventDefault();
-    const number = numberOf(event.target);
+    // A row of a table is pressed by any of its cells.
+    const pressed = event.target instanceof Element ? (event.target.closest("[role=row]") ?? event.target) : event.target;
+    const number = numberOf(pressed);
     if (number && event.target instanceof HTMLElement && event.target.getAttribute("aria-disabled") !== "true") {
       ask(number, "click");
     }
@@ -343,7 +350,7 @@ function step(key, target) {
 }
 
 /** Returns the attributes that show a description. @param {Described} of @returns {Record<string, string | undefined>} */
-function attributes({ role, name, labels, description, value, hint, number, least, most, on, expanded, opens, disabled, fixed, focusable, active }) {
+function attributes({ role, name, labels, description, value, hint, number, least, most, on, expanded, opens, disabled, fixed, focusable, active, size, index }) {
   const isNumber = number !== undefined && ["range", "number", "progressbar"].includes(role);
   const isInput = role === "range" || role === "number";
   const text = (/** @type {unknown} */ value) => (value === undefined ? undefined : String(value));
@@ -358,7 +365,11 @@ function attributes({ role, name, labels, description, value, hint, number, leas
     "aria-expanded": text(expanded),
     "aria-haspopup": opens || undefined,
     "aria-checked": role === "menuitemcheckbox" ? on || "false" : undefined,
-    "aria-selected": role === "option" ? on || "false" : undefined,
+    "aria-selected": role === "option" ? on || "false" : role === "row" ? on || undefined : undefined,
+    "aria-rowcount": text(size?.[0]),
+    "aria-colcount": text(size?.[1]),
+    "aria-rowindex": role === "row" ? text(index) : undefined,
+    "aria-colindex": role === "row" ? undefined : text(index),
     "aria-pressed": role === "button" ? on || undefined : undefined,
     "aria-activedescendant": active && `t${active}`,
     "aria-valuetext": isNumber ? value : undefined,

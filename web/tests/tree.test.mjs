@@ -12,6 +12,19 @@ async function focused(page, name) {
   await page.waitForFunction((name) => new RegExp(name).test(document.activeElement?.getAttribute("aria-label") ?? document.activeElement?.textContent ?? ""), name.source);
 }
 
+/** Presses an entry of the list of all actions. @param {import("playwright-core").Page} page @param {string} name */
+async function act(page, name) {
+  await page.focus("#canvas");
+  await page.keyboard.press("Control+k");
+  const list = controls(page).getByRole("dialog");
+  await list.waitFor();
+  await page.keyboard.type(name);
+  // The list follows what is typed, a moment later.
+  await until("the action", async () => (await list.getByRole("button").first().textContent()).startsWith(name));
+  await page.keyboard.press("Enter");
+  await until("the end of the list", async () => (await list.getByRole("textbox", { name: "Find an action" }).count()) === 0);
+}
+
 /** Counts changes of the elements from now on. @param {import("playwright-core").Page} page */
 function count(page) {
   return page.evaluate(() => {
@@ -205,6 +218,75 @@ test("samples, gaps and blocks are explored and selected by a list", async (t) =
   await state(page, (told) => told.ready && told.lesson?.question);
   await until("no list", async () => (await list.count()) === 0);
   await ask(page, { do: "lesson", act: "leave" });
+});
+
+test("a comparison is read as tables of heads, rows and cells, and a choice of buttons as a group", async (t) => {
+  const { page } = await started(t, "?engine=cpu#v=1&radius=0.03");
+  const tree = controls(page);
+  await act(page, "Compare with the next seed");
+  const parameters = tree.getByRole("table", { name: "What differs between A and B" });
+  const seed = parameters.getByRole("row").filter({ has: page.getByRole("rowheader", { name: "seed", exact: true }) });
+  await until("both seeds", async () => (await seed.getByRole("cell").allTextContents()).join() === "A 1,B 2");
+
+  await act(page, "Show analysis");
+  const numbers = tree.getByRole("table", { name: "Numbers of the sets" });
+  const heads = numbers.getByRole("columnheader");
+  await until("the heads", async () => (await heads.allTextContents()).slice(0, 4).join() === "number,A,B,B \u2212 A");
+  const samples = numbers.getByRole("row").filter({ has: page.getByRole("rowheader", { name: "Samples", exact: true }) });
+  const cells = samples.getByRole("cell");
+  const number = (text) => Number(text.replaceAll(",", "").replace("\u2212", "-"));
+  const [a, b, more] = await until("numbers", async () => {
+    const found = (await cells.allTextContents()).map(number);
+    return found.length >= 3 && found.slice(0, 3).every(Number.isFinite) && found;
+  });
+  assert.equal(more, b - a);
+  assert.equal((await state(page)).samples, a);
+  // The table says how many rows and columns it has, and each row and cell where it is.
+  const columns = await heads.count();
+  assert.equal(await numbers.getAttribute("aria-colcount"), String(columns));
+  assert.equal(await samples.getAttribute("aria-rowindex"), "2");
+  assert.deepEqual(await cells.evaluateAll((all) => all.map((one) => one.ariaColIndex)), [...Array(columns - 1).keys()].map((index) => String(index + 2)));
+
+  await tree.getByRole("group", { name: "Layers", exact: true }).getByRole("checkbox", { name: "Blocks" }).waitFor();
+  await act(page, "Export samples");
+  const kinds = tree.getByRole("dialog", { name: "Export" }).getByRole("group", { name: "Kind of file" });
+  await kinds.getByRole("button", { pressed: true }).waitFor();
+  assert.ok((await kinds.getByRole("button").count()) > 2);
+  assert.deepEqual(await nameless(page), []);
+  assert.deepEqual(await findings(page), []);
+
+  // Negative control: a row outside a table is found.
+  await page.evaluate(() => document.getElementById("tree").append(document.querySelector("#tree [role=row]").cloneNode(true)));
+  assert.match(String(await findings(page)), /aria-required-parent/);
+});
+
+test("at 400% all of the window comes into view by scrolling", async (t) => {
+  const clip = { x: 20, y: 60, width: 280, height: 60 };
+  const { page } = await started(t, "?engine=cpu#v=1&radius=0.03", { settings: { viewport: { width: 320, height: 256 }, deviceScaleFactor: 1 }, clip });
+  const tree = controls(page);
+  const isWithin = async (element) => {
+    const { x, y, width, height } = await element.boundingBox();
+    return x >= -1 && y >= -1 && x + width <= 321 && y + height <= 257;
+  };
+  const stage = tree.getByRole("button", { name: /^Finish/ });
+  await until("the names of the stages, from the start on", () => isWithin(stage));
+
+  // The control: the row of panels is below the edge at first.
+  const panels = ["Parameters", "Layers", "Playback", "Inspector", "Pseudocode", "Statistics", "Verification", "Legend"];
+  const tab = (name) => tree.getByRole("button", { name, exact: true });
+  assert.equal(await isWithin(tab("Parameters")), false);
+  for (const name of panels) {
+    await tab(name).focus();
+    await until(`the tab ${name}`, () => isWithin(tab(name)));
+  }
+
+  // What a panel shows is scrolled to as well.
+  await tab("Parameters").press("Enter");
+  for (const [role, name] of [["textbox", "Seed"], ["button", "Run"], ["button", "Close the panel"]]) {
+    const control = tree.getByRole(role, { name, exact: true });
+    await control.focus();
+    await until(name, () => isWithin(control));
+  }
 });
 
 test("elements lie over their pictures, where the pointer finds what is drawn", async (t) => {

@@ -14,5 +14,6 @@ pub mod focus;
 pub mod language;
 pub mod presses;
 pub mod spoken;
+pub mod table;
 pub mod theme;
 pub mod widgets;

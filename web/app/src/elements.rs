@@ -57,6 +57,12 @@ pub struct Element {
     active: Option<u32>,
     #[serde(skip_serializing_if = "Vec::is_empty")]
     children: Vec<u32>,
+    /// The numbers of rows and columns of a table, those that are not drawn included.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    size: Option<[usize; 2]>,
+    /// The index of a row in its table, or that of a cell in its row, from 1 as in ARIA.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    index: Option<usize>,
 }
 
 #[expect(clippy::trivially_copy_pass_by_ref, reason = "serde passes references")]
@@ -105,7 +111,7 @@ struct Place {
     /// The corner from which their places count, in points of the window.
     x: f64,
     y: f64,
-    /// The list or menu that they stand in, if they do.
+    /// The list, menu or table that they stand in, if they do.
     list: &'static str,
 }
 
@@ -242,6 +248,8 @@ impl Walk<'_> {
             }),
             active: node.active_descendant().as_ref().and_then(number_of),
             children: Vec::new(),
+            size: node.row_count().zip(node.column_count()).map(Into::into),
+            index: (node.row_index().or(node.column_index())).map(|index| index + 1),
         }
     }
 }
@@ -251,7 +259,9 @@ fn within(node: &Node, role: &'static str, place: Place) -> Place {
     let corner = node.bounds().map(|bounds| (bounds.x0, bounds.y0));
     let (x, y) = corner.unwrap_or((place.x, place.y));
     let list = match role {
-        "menu" | "listbox" => role,
+        "menu" | "listbox" | "table" | "grid" => role,
+        // A row has the cells of its table.
+        "row" => place.list,
         _ => "",
     };
     Place { x, y, list }
@@ -259,7 +269,10 @@ fn within(node: &Node, role: &'static str, place: Place) -> Place {
 
 /// Returns whether other elements stand within those of a role.
 fn holds_others(role: &str) -> bool {
-    matches!(role, "menu" | "listbox" | "dialog" | "group" | "tooltip")
+    matches!(
+        role,
+        "menu" | "listbox" | "dialog" | "group" | "tooltip" | "table" | "grid" | "row"
+    )
 }
 
 /// Returns the role of a node within a list or menu, by the names that `tree.js` has for roles; empty for what groups
@@ -268,6 +281,13 @@ fn role(node: &Node, list: &str) -> &'static str {
     let is_named = node.label().is_some() || !node.labelled_by().is_empty();
 
     match node.role() {
+        Role::Row if matches!(list, "table" | "grid") => "row",
+        Role::Cell | Role::GridCell if list == "grid" => "gridcell",
+        Role::Cell | Role::GridCell => "cell",
+        Role::ColumnHeader => "columnheader",
+        Role::RowHeader => "rowheader",
+        Role::Table => "table",
+        Role::Grid => "grid",
         Role::Button
         | Role::DefaultButton
         | Role::DisclosureTriangle
@@ -278,7 +298,7 @@ fn role(node: &Node, list: &str) -> &'static str {
             ("menu", None) => "menuitem",
             ("menu", Some(_)) => "menuitemcheckbox",
             ("listbox", _) => "option",
-            // Rows are pressed, and they have no table around them.
+            // Rows outside a table are pressed.
             _ => "button",
         },
         Role::CheckBox if list == "menu" => "menuitemcheckbox",

@@ -2,18 +2,27 @@
 //! which they diverge.
 //! Sizes are in screen points, and chosen, not measured, where no reason stands beside them.
 
-use egui::{Button, ProgressBar, RichText, Ui};
+use egui::{
+    Button, ProgressBar, Rangef, RichText, Role, Sense, TextStyle, Ui, WidgetInfo, pos2, vec2,
+};
 use tilescope_debugger::{Divergence, Recording};
 use tilescope_drawing::palette::Palette;
 use tilescope_session::words::{grouped, stage_name};
+use tilescope_ui::language::Worded;
+use tilescope_ui::table::{SpokenCell, spoken_row, table};
 use tilescope_ui::widgets::{Kebab, Known, heading, primary_button, row};
 
 use super::content::{Content, Room};
+use crate::ENABLED;
 use tilescope_workbench::command::{Command, Which};
 use tilescope_workbench::compare::{
     CompareCommand, ComparePreset, Comparison, contrast_of, difference,
 };
 use tilescope_workbench::state::{RunView, State};
+
+/// The height of a line of values, and the room between two of them.
+const LINE: f32 = 24.0;
+const APART: f32 = 14.0;
 
 /// The context of the panel of the comparison.
 pub struct CompareContext<'a> {
@@ -71,13 +80,16 @@ pub fn show(ui: &mut Ui, context: &CompareContext<'_>, commands: &mut Vec<Comman
             if !remark.is_empty() {
                 ui.label(RichText::new(remark).color(palette.muted));
             }
-            for (name, in_a, in_b) in differing.unwrap_or_default() {
-                row(ui, &name, &format!("A {in_a}   B {in_b}"), palette);
-            }
-
+            let mut rows = differing.unwrap_or_default();
             let [of_a, of_b] = [a, b].map(|session| grouped(session.summary.count));
-            let counts = format!("A {of_a}   B {of_b}");
-            row(ui, "samples", &counts, palette);
+            rows.push(("samples".to_owned(), of_a, of_b));
+
+            let title = ui.words("What differs between A and B");
+            table(ui, &title, [rows.len(), 3], Role::Table, |ui| {
+                for (index, (name, in_a, in_b)) in rows.iter().enumerate() {
+                    compared(ui, index, name, [in_a, in_b], palette);
+                }
+            });
 
             parting(ui, context, side, comparison, &mut own);
             now(ui, context, side, comparison, &mut own);
@@ -92,6 +104,55 @@ pub fn show(ui: &mut Ui, context: &CompareContext<'_>, commands: &mut Vec<Comman
 
     presets(ui, context, &mut own);
     commands.extend(own.into_iter().map(Command::Compare));
+}
+
+/// Shows what both runs have of one thing: its name on the left, the values of A and B on the right, or below where there is
+/// no room for them.
+fn compared(ui: &mut Ui, index: usize, name: &str, values: [&str; 2], palette: &Palette) {
+    let name = ui.words(name);
+    let texts = ["A", "B"].into_iter().zip(values);
+    let texts: Vec<String> = texts
+        .map(|(run, value)| format!("{run} {}", ui.words(value)))
+        .collect();
+
+    let lay = |text: &str, style: TextStyle, color| {
+        let font = style.resolve(ui.style());
+        ui.painter().layout_no_wrap(text.to_owned(), font, color)
+    };
+    let label = lay(&name, TextStyle::Body, palette.muted);
+    let shown = texts.iter();
+    let shown: Vec<_> = shown
+        .map(|text| lay(text, TextStyle::Monospace, palette.text))
+        .collect();
+    let wide: f32 = shown.iter().map(|galley| galley.size().x + APART).sum();
+
+    let fits = label.size().x + wide <= ui.available_width();
+    let lines = if fits { 1.0 } else { 2.0 };
+    let size = vec2(ui.available_width(), lines * LINE);
+    let (rect, response) = ui.allocate_exact_size(size, Sense::hover());
+    let told = format!("{name}: {}", texts.join(", "));
+    response.widget_info(|| WidgetInfo::labeled(Role::Row, ENABLED, &told));
+
+    // A text stands in the middle of its line, and the values in the last one.
+    let top = |line: f32, height: f32| rect.top() + line * LINE + (LINE - height) / 2.0;
+    let across = Rangef::new(rect.left(), rect.left() + label.size().x);
+    let mut cells = vec![SpokenCell::new(Role::RowHeader, name, across)];
+    let at = pos2(rect.left(), top(0.0, label.size().y));
+    ui.painter().galley(at, label, palette.muted);
+
+    let mut x = rect.right() - wide + APART;
+    for (text, galley) in texts.into_iter().zip(shown) {
+        let size = galley.size();
+        let at = pos2(x, top(lines - 1.0, size.y));
+        ui.painter().galley(at, galley, palette.text);
+        cells.push(SpokenCell::new(
+            Role::Cell,
+            text,
+            Rangef::new(x, x + size.x),
+        ));
+        x += size.x + APART;
+    }
+    spoken_row(ui, &response, index, cells);
 }
 
 /// Shows the buttons of run B, and how far it is sampled.

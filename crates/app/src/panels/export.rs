@@ -8,7 +8,7 @@ use tilescope_drawing::palette::Palette;
 use tilescope_formats::{Format, Precision};
 use tilescope_session::words::{grouped, sentence};
 use tilescope_ui::language::Worded;
-use tilescope_ui::widgets::{Kebab, Known, primary_button};
+use tilescope_ui::widgets::{Kebab, Known, name_group, primary_button};
 
 use super::common::progress;
 use super::sheet::{above_middle, entered, escaped, just_opened, scrolled, select_all};
@@ -107,7 +107,7 @@ impl Sheet<'_> {
 
     /// Shows the buttons for the kind of export.
     fn kinds(&mut self, ui: &mut Ui) {
-        ui.horizontal_wrapped(|ui| {
+        let shown = ui.horizontal_wrapped(|ui| {
             ui.spacing_mut().item_spacing.x = 4.0;
             for kind in ExportKind::ALL {
                 let refusal = (self.source.kind_refusal(kind)).map(|refusal| refusal.to_string());
@@ -122,6 +122,7 @@ impl Sheet<'_> {
                 }
             }
         });
+        name_group(&shown.response, "Kind of file");
     }
 
     /// Returns a description of the export of the chosen kind, in words.
@@ -236,7 +237,7 @@ impl Sheet<'_> {
     /// Shows the formats; a click changes the extension of the file.
     fn formats(&mut self, ui: &mut Ui) {
         let chosen = tilescope_workbench::export::extension(&self.form.file());
-        ui.horizontal_wrapped(|ui| {
+        let shown = ui.horizontal_wrapped(|ui| {
             ui.spacing_mut().item_spacing = vec2(3.0, 3.0);
             for extension in self.form.kind.extensions() {
                 let is_chosen = chosen.as_deref() == Some(extension);
@@ -251,6 +252,7 @@ impl Sheet<'_> {
                 }
             }
         });
+        name_group(&shown.response, "Format");
     }
 
     /// Returns the folder of the file in a sentence; nothing where a browser chooses it.
@@ -382,16 +384,18 @@ impl Sheet<'_> {
 
     /// Shows a label and the fields beside it.
     fn named(&mut self, ui: &mut Ui, name: &str, add: impl FnOnce(&mut Self, &mut Ui, egui::Id)) {
-        ui.horizontal_wrapped(|ui| {
+        let title = ui.words(name);
+        let shown = ui.horizontal_wrapped(|ui| {
             ui.set_min_height(28.0);
             let size = vec2(NAME_WIDTH, 20.0);
             let layout = egui::Layout::left_to_right(egui::Align::Center);
             let label = ui.allocate_ui_with_layout(size, layout, |ui| {
                 ui.set_min_width(NAME_WIDTH);
-                ui.label(ui.words(name)).id
+                ui.label(&title).id
             });
             add(self, ui, label.inner);
         });
+        name_group(&shown.response, &title);
     }
 
     /// Shows the field of a number, in the colour of faults if the text in it is no number that can be used. `label` is

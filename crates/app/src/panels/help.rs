@@ -6,7 +6,7 @@ use tilescope_drawing::palette::Palette;
 use tilescope_session::glossary::terms;
 use tilescope_session::layers::Layer;
 use tilescope_ui::theme::semibold;
-use tilescope_ui::widgets::{Kebab, Known, figure, heading};
+use tilescope_ui::widgets::{Kebab, Known, figure, heading, name_group};
 
 use super::sheet;
 use crate::actions::{Action, Menu, actions, shortcut_text};
@@ -49,13 +49,16 @@ pub fn show(ui: &Ui, state: &State, commands: &mut Vec<Command>) {
 
         let mut is_closed = false;
         ui.horizontal(|ui| {
-            for other in HelpPage::ALL {
-                let tab = ui.selectable_label(other == page, other.name());
-                tab.known_as(format_args!("help.{}", Kebab(other)));
-                if tab.clicked() {
-                    commands.push(Command::Window(WindowCommand::Help(other)));
+            let tabs = ui.horizontal(|ui| {
+                for other in HelpPage::ALL {
+                    let tab = ui.selectable_label(other == page, other.name());
+                    tab.known_as(format_args!("help.{}", Kebab(other)));
+                    if tab.clicked() {
+                        commands.push(Command::Window(WindowCommand::Help(other)));
+                    }
                 }
-            }
+            });
+            name_group(&tabs.response, "Pages");
             ui.with_layout(Layout::right_to_left(Align::Center), |ui| {
                 let close = ui.button("Close");
                 is_closed = close.known_as("help.close").clicked();

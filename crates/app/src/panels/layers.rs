@@ -5,7 +5,7 @@ use tilescope_classroom::room::HIDDEN_LAYER;
 use tilescope_session::layers::Layer;
 use tilescope_session::verification::Verdict;
 use tilescope_ui::language::Worded;
-use tilescope_ui::widgets::{Kebab, Known, chip, explain};
+use tilescope_ui::widgets::{Kebab, Known, chip, explain, name_group};
 
 use super::content::{Content, Room};
 use super::context::PanelContext;
@@ -18,7 +18,7 @@ pub const CONTENT: Content = Content::of_run(Room::Whole, show);
 
 /// Shows a chip for each layer of this kind of session.
 pub fn show(ui: &mut Ui, context: &PanelContext<'_>, commands: &mut Vec<Command>) {
-    ui.horizontal_wrapped(|ui| {
+    let row = ui.horizontal_wrapped(|ui| {
         ui.spacing_mut().item_spacing = vec2(5.0, 6.0);
         let appearance = context.appearance;
         let shown = appearance.layers(context.run.current_stage());
@@ -56,6 +56,7 @@ pub fn show(ui: &mut Ui, context: &PanelContext<'_>, commands: &mut Vec<Command>
             ui.label(text).known_as("no-empty-circles");
         }
     });
+    name_group(&row.response, &ui.words("Layers"));
 }
 
 /// Returns whether the empty circles are asked for where there are none to draw: at the end of a maximal run.

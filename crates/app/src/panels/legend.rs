@@ -6,7 +6,7 @@ use tilescope_drawing::palette::Palette;
 use tilescope_session::Session;
 use tilescope_session::glossary;
 use tilescope_session::layers::{Colouring, Layer, SessionKind};
-use tilescope_ui::widgets::{Kebab, Known, explain, heading, symbol};
+use tilescope_ui::widgets::{Kebab, Known, explain, heading, name_group, symbol};
 
 use super::content::{Content, Room};
 use super::context::PanelContext;
@@ -154,7 +154,7 @@ fn colouring(
     // A colouring that this kind of session lacks would be drawn as another one, and is not offered.
     let offered = (choices.into_iter()).filter(|(colouring, ..)| colouring.of(kind) == *colouring);
 
-    ui.horizontal_wrapped(|ui| {
+    let shown = ui.horizontal_wrapped(|ui| {
         ui.label(RichText::new("Colour").color(palette.muted));
         for (colouring, name, explanation) in offered {
             let is_chosen = context.appearance.colouring.of(kind) == colouring;
@@ -165,6 +165,7 @@ fn colouring(
             }
         }
     });
+    name_group(&shown.response, "Colour");
 }
 
 /// The number of bands that draw the tiled part of the ramp.

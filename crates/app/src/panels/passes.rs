@@ -13,7 +13,7 @@ use egui::{
 use tilescope_drawing::palette::Palette;
 use tilescope_session::words::{counted, grouped, stage_name};
 use tilescope_ui::theme::semibold;
-use tilescope_ui::widgets::{Icon, Kebab, Known, icon_button};
+use tilescope_ui::widgets::{Icon, Kebab, Known, icon_button, name_group};
 
 use self::list::{color, mark};
 use super::content::{Content, Room};
@@ -268,7 +268,7 @@ impl PassesPanel<'_> {
     /// Shows the choice of a buffer.
     fn buffers(&mut self, ui: &mut Ui, visit: &Visit) {
         let (passes, palette) = (self.passes, self.palette);
-        ui.horizontal_wrapped(|ui| {
+        let shown = ui.horizontal_wrapped(|ui| {
             ui.spacing_mut().item_spacing.x = 6.0;
             for (index, table) in visit.buffers.iter().enumerate() {
                 let access = access_text(table.access);
@@ -304,6 +304,7 @@ impl PassesPanel<'_> {
                 }
             }
         });
+        name_group(&shown.response, "Buffers of the pass");
     }
 
     /// Shows the choice of side and rows.
@@ -316,11 +317,14 @@ impl PassesPanel<'_> {
         }
 
         ui.horizontal(|ui| {
-            for side in PassSide::ALL {
-                let button = ui.selectable_label(shown.side() == side, side.name());
-                let id = format_args!("side.{}", Kebab(side));
-                button.issues(id, PassCommand::Side(side), self.commands);
-            }
+            let sides = ui.horizontal(|ui| {
+                for side in PassSide::ALL {
+                    let button = ui.selectable_label(shown.side() == side, side.name());
+                    let id = format_args!("side.{}", Kebab(side));
+                    button.issues(id, PassCommand::Side(side), self.commands);
+                }
+            });
+            name_group(&sides.response, "Side of the pass");
 
             ui.add_space(10.0);
             let label = ui.label(RichText::new("Filter").color(palette.muted));

@@ -1,7 +1,7 @@
 //! The table of stages: the numbers of samples, conflicts and gaps after each. A click on a row goes there. Sizes are
 //! in screen points, and chosen, not measured, where no reason stands beside them.
 
-use egui::{CursorIcon, FontId, Role, Sense, Ui, WidgetInfo, vec2};
+use egui::{CursorIcon, FontId, Rangef, Role, Sense, Ui, WidgetInfo, vec2};
 use tilescope_core::Stage;
 use tilescope_drawing::palette::Palette;
 use tilescope_session::combination::Combination;
@@ -11,6 +11,7 @@ use tilescope_session::nested::NestedLevels;
 use tilescope_session::sentence::{name_in, stage_sentence};
 use tilescope_session::session::Session;
 use tilescope_session::words::{grouped, share};
+use tilescope_ui::table::{SpokenCell, spoken_row, table};
 use tilescope_ui::theme::row_height;
 use tilescope_ui::widgets::{Kebab, Known, heading, row as name_and_value};
 
@@ -36,33 +37,17 @@ pub fn show(ui: &mut Ui, context: &PanelContext<'_>, commands: &mut Vec<Command>
 
     ui.spacing_mut().item_spacing.y = 1.0;
     if let Some(nested) = &session.nested {
-        return levels(ui, context, session, nested, commands);
+        let size = [nested.claims.len() + 1, 3];
+        return table(ui, heads, size, Role::Grid, |ui| {
+            levels(ui, context, session, nested, commands);
+        });
     }
 
-    // The row of heads is never current. Without a key it cannot be clicked.
-    let is_current = false;
-    row(ui, ["", "change", "samples"], is_current, palette, None);
-    for (index, &stage) in session.stages.iter().enumerate() {
-        let texts = [
-            name_in(session, stage),
-            change(session, stage),
-            // Blocks are cut before there are samples.
-            if stage == Stage::Blocks {
-                "\u{2013}".to_owned()
-            } else {
-                grouped(session.count_after(index))
-            },
-        ];
-        let texts = texts.each_ref().map(String::as_str);
-        let key = Kebab(stage).to_string();
-        let shown = row(ui, texts, index == context.run.stage, palette, Some(&key));
-        if shown
-            .on_hover_text(stage_sentence(session, stage))
-            .clicked()
-        {
-            commands.push(Command::Time(TimeCommand::ShowStage(index)));
-        }
-    }
+    // The heads are a row.
+    let size = [session.stages.len() + 1, 3];
+    table(ui, heads, size, Role::Grid, |ui| {
+        stages(ui, context, session, commands);
+    });
 
     if !session.has_stages() {
         let most = grouped(MAX_STAGED as usize);
@@ -77,6 +62,42 @@ pub fn show(ui: &mut Ui, context: &PanelContext<'_>, commands: &mut Vec<Command>
     }
 }
 
+/// Shows the rows of the stages.
+fn stages(ui: &mut Ui, context: &PanelContext<'_>, session: &Session, commands: &mut Vec<Command>) {
+    let palette = context.palette;
+    head(ui, "change", palette);
+    for (index, &stage) in session.stages.iter().enumerate() {
+        let texts = [
+            name_in(session, stage),
+            change(session, stage),
+            // Blocks are cut before there are samples.
+            if stage == Stage::Blocks {
+                "\u{2013}".to_owned()
+            } else {
+                grouped(session.count_after(index))
+            },
+        ];
+        let texts = texts.each_ref().map(String::as_str);
+        let key = Kebab(stage).to_string();
+        let is_current = index == context.run.stage;
+        // The heads are the first row.
+        let shown = row(ui, index + 1, texts, is_current, palette, Some(&key));
+        if shown
+            .on_hover_text(stage_sentence(session, stage))
+            .clicked()
+        {
+            commands.push(Command::Time(TimeCommand::ShowStage(index)));
+        }
+    }
+}
+
+/// Shows the row of the heads, of which the middle one is given.
+fn head(ui: &mut Ui, middle: &str, palette: &Palette) {
+    // It is never current. Without a key it cannot be clicked.
+    let is_current = false;
+    row(ui, 0, ["", middle, "samples"], is_current, palette, None);
+}
+
 /// Shows the levels: their radii, and how many samples there are to the end of each.
 fn levels(
     ui: &mut Ui,
@@ -86,9 +107,7 @@ fn levels(
     commands: &mut Vec<Command>,
 ) {
     let palette = context.palette;
-    // The row of heads is never current. Without a key it cannot be clicked.
-    let is_current = false;
-    row(ui, ["", "radius", "samples"], is_current, palette, None);
+    head(ui, "radius", palette);
 
     // Nested levels are always shown as a prefix, of at least one sample.
     let count = context.run.prefix().unwrap_or(1);
@@ -103,7 +122,8 @@ fn levels(
         // The level of the last sample that is shown is the current one.
         let is_current = level == nested.level_of(count - 1);
         let key = format!("level-{level}");
-        let shown = row(ui, texts, is_current, palette, Some(&key));
+        // The heads are the first row.
+        let shown = row(ui, level + 1, texts, is_current, palette, Some(&key));
 
         // A level is maximal if its samples cover the domain within the distance that they keep. The last level may be cut short.
         let about = if claim.covering == Some(claim.distance) {
@@ -177,9 +197,10 @@ fn change(session: &Session, stage: Stage) -> String {
     }
 }
 
-/// Shows a row. Rows of stages and levels, which have a key, can be clicked; the row of heads has none.
+/// Shows the row of an index. Rows of stages and levels, which have a key, can be clicked; the row of heads has none.
 fn row(
     ui: &mut Ui,
+    index: usize,
     texts: [&str; 3],
     is_current: bool,
     palette: &Palette,
@@ -206,10 +227,29 @@ fn row(
     );
 
     if let Some(key) = key {
-        let label = format!("Row {}", texts[0]);
-        response.widget_info(|| WidgetInfo::selected(Role::Button, ENABLED, is_current, &label));
+        let label = texts.map(str::trim).join(" ");
+        let label = label.trim();
+        response.widget_info(|| WidgetInfo::selected(Role::Row, ENABLED, is_current, label));
         response.known_as(format_args!("row.{key}"));
     }
+    let (first, rest) = match key {
+        Some(_) => (Role::RowHeader, Role::Cell),
+        None => (Role::ColumnHeader, Role::ColumnHeader),
+    };
+    // Each third of the row holds the text of its column or its end.
+    let third = rect.width() / 3.0;
+    let cells = texts.into_iter().enumerate().map(|(column, text)| {
+        let left = rect.left() + column as f32 * third;
+        // The names have no head on the screen.
+        let text = if text.is_empty() && key.is_none() {
+            "stage"
+        } else {
+            text
+        };
+        let role = if column == 0 { first } else { rest };
+        SpokenCell::new(role, text, Rangef::new(left, left + third))
+    });
+    spoken_row(ui, &response, index, cells);
 
     let painter = ui.painter();
     if is_current {

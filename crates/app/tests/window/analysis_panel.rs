@@ -2,8 +2,9 @@
 
 use std::path::PathBuf;
 
-use egui::Key;
+use egui::{Key, Role};
 use egui_kittest::Harness;
+use egui_kittest::kittest::{NodeT, Queryable};
 use serde_json::json;
 use tilescope_app::App;
 use tilescope_core::{Boundary, Parameter};
@@ -52,6 +53,51 @@ fn says(harness: &Harness<'_, App>, id: &str, facts: &[&str]) {
     for fact in facts {
         assert!(shown.contains(fact), "{id} does not say {fact}: {shown}");
     }
+}
+
+/// Returns the roles and names of the cells of a row.
+fn cells(harness: &Harness<'_, App>, row: &str) -> Vec<(Role, String)> {
+    let row = node(harness, row);
+    let cells = row.accesskit_node().children();
+    cells
+        .flat_map(|cell| match cell.label() {
+            Some(label) => vec![(cell.role(), label)],
+            // The cells stand in a container without a name.
+            None => (cell.children())
+                .map(|cell| (cell.role(), cell.label().unwrap_or_default()))
+                .collect(),
+        })
+        .collect()
+}
+
+#[test]
+fn the_numbers_are_a_table_with_heads_rows_and_cells() {
+    let mut harness = analysing();
+    let tables: Vec<_> = harness
+        .query_all_by(|node| node.role() == Role::Table)
+        .map(|table| table.accesskit_node().label())
+        .collect();
+    assert_eq!(tables, [Some("Numbers of the sets".to_owned())]);
+    let heads = harness.query_all_by(|node| node.role() == Role::ColumnHeader);
+    let heads: Vec<_> = heads
+        .map(|head| head.accesskit_node().label().unwrap_or_default())
+        .collect();
+    assert_eq!(heads, ["number", "moment", "reference"]);
+
+    let of_samples = cells(&harness, SAMPLES);
+    assert_eq!(of_samples.len(), 3, "{of_samples:?}");
+    assert_eq!(of_samples[0], (Role::RowHeader, "Samples".to_owned()));
+    assert_eq!(of_samples[1].0, Role::Cell);
+    // What the row says as a whole has the same number.
+    assert!(text(&harness, SAMPLES).contains(&of_samples[1].1));
+
+    // A second run is two more columns.
+    let start = CompareCommand::Start(ComparePreset::NextSeed);
+    apply(&mut harness, Command::Compare(start));
+    settle(&mut harness);
+    let compared = cells(&harness, SAMPLES);
+    assert_eq!(compared.len(), 5, "{compared:?}");
+    assert_eq!(compared[..2], of_samples[..2]);
 }
 
 #[test]

@@ -3,7 +3,9 @@
 use std::sync::atomic::{AtomicBool, Ordering};
 use std::sync::{Arc, OnceLock, RwLock};
 
+use egui::Role;
 use egui_kittest::Harness;
+use egui_kittest::kittest::{NodeT, Queryable};
 use tilescope_app::show_passes;
 use tilescope_core::{Parameters, Stage};
 use tilescope_drawing::palette::Palette;
@@ -184,6 +186,40 @@ fn a_buffer_is_chosen_filtered_and_its_error_is_beside_the_box() {
     node(&harness, "side.before").click();
     harness.run();
     assert_eq!(harness.state().passes.shown().rows(), [0, 1]);
+}
+
+#[test]
+fn the_rows_of_a_buffer_are_those_of_a_table() {
+    let mut harness = tiled();
+    node(&harness, "buffer.origins").click();
+    harness.step();
+    settle(&mut harness);
+
+    let grid = harness
+        .query_all_by(|node| node.role() == Role::Grid)
+        .map(|grid| {
+            let grid = grid.accesskit_node();
+            (grid.label(), grid.data().row_count())
+        })
+        .collect::<Vec<_>>();
+    // Rows that are not drawn count too, and so do the heads.
+    let all = harness.state().passes.shown().rows().len() + 1;
+    assert_eq!(grid, [(Some("Rows of the buffer".to_owned()), Some(all))]);
+    let of = |role: Role| {
+        harness
+            .query_all_by(move |node| node.role() == role)
+            .count()
+    };
+    let (rows, columns) = (of(Role::Row), of(Role::ColumnHeader));
+    assert!(rows > 3 && rows < all && columns > 2);
+    assert_eq!(of(Role::RowHeader), rows - 1);
+    assert_eq!(of(Role::Cell), (rows - 1) * (columns - 1));
+
+    // The choices are groups of their names.
+    for name in ["Buffers of the pass", "Side of the pass"] {
+        let named = harness.query_all_by(move |node| node.label().as_deref() == Some(name));
+        assert_eq!(named.count(), 1, "{name}");
+    }
 }
 
 #[test]

@@ -1,9 +1,13 @@
 //! The table of numbers of the analysis, with a column for each set.
 //! Sizes are in screen points, and chosen, not measured, where no reason stands beside them.
 
-use egui::{Align2, Color32, FontId, Role, Sense, Ui, WidgetInfo, pos2, vec2};
+use egui::{
+    Align2, Color32, FontId, Rangef, Rect, Response, Role, Sense, Ui, WidgetInfo, pos2, vec2,
+};
 use tilescope_analysis::measures::{CATALOGUE, MeasuredSet, Part, SetNumber};
 use tilescope_session::words::{conflicts_in, counted, grouped, sentence};
+use tilescope_ui::language::Worded;
+use tilescope_ui::table::{SpokenCell, spoken_row, table};
 use tilescope_ui::widgets::Known;
 
 use super::{RunMeasures, Sets};
@@ -74,21 +78,28 @@ pub fn show(ui: &mut Ui, sets: &Sets<'_>) {
     let is_outdated = false;
     // `row` takes a row without a name for that of the heads.
     let of_heads = heads.iter().map(|head| ((*head).to_owned(), is_outdated));
-    row(
-        ui,
-        sets,
-        ("", ""),
-        &heads,
-        &of_heads.collect::<Vec<_>>(),
-        "",
-    );
+    let of_heads: Vec<(String, bool)> = of_heads.collect();
+
+    let named = CATALOGUE.iter().filter(|number| number.short.is_some());
+    // The heads are a row, and the names a column.
+    let size = [named.count() + 1, columns.len() + 1];
+    let name = ui.words("Numbers of the sets");
+    table(ui, &name, size, Role::Table, |ui| {
+        row(ui, sets, 0, ("", ""), &heads, &of_heads, "");
+        numbers(ui, sets, &columns, &heads);
+    });
+}
+
+/// Shows the rows of numbers below the heads.
+fn numbers(ui: &mut Ui, sets: &Sets<'_>, columns: &[Column], heads: &[&str]) {
+    let is_outdated = false;
 
     // The file keeps its own unit. It is judged by this run's r, whose length in that unit is `sets.unit`.
     let file = (sets.reference_file).map(|file| file.measured.with_radius(sets.unit));
-    for number in CATALOGUE {
-        let Some(name) = number.short else {
-            continue;
-        };
+    let named = CATALOGUE
+        .iter()
+        .filter_map(|number| Some((number, number.short?)));
+    for (index, (number, name)) in named.enumerate() {
         let texts = columns.iter().map(|column| match column {
             Column::Moment => now(number, &sets.first),
             Column::Second => sets.second.map_or_else(unknown, |run| now(number, &run)),
@@ -112,7 +123,9 @@ pub fn show(ui: &mut Ui, sets: &Sets<'_>) {
             Some(reason) if is_of_verdict(number) => format!("{} {reason}", number.meaning),
             _ => number.meaning.to_owned(),
         };
-        row(ui, sets, (number.key, name), &heads, &texts, &explanation);
+        // The heads are the first row.
+        let key = (number.key, name);
+        row(ui, sets, index + 1, key, heads, &texts, &explanation);
     }
 }
 
@@ -213,11 +226,12 @@ pub fn counts(set: &MeasuredSet) -> String {
     }
 }
 
-/// Shows a row: its key and name, a text for each column with whether it is outdated, and an explanation of the number.
-/// A row without a name is that of the heads.
+/// Shows the row of an index: its key and name, a text for each column with whether it is outdated, and an explanation of the
+/// number. A row without a name is that of the heads.
 fn row(
     ui: &mut Ui,
     sets: &Sets<'_>,
+    index: usize,
     (key, name): (&str, &str),
     heads: &[&str],
     texts: &[(String, bool)],
@@ -236,8 +250,11 @@ fn row(
             }
         });
         let description = format!("{name}: {}", each.collect::<Vec<_>>().join(", "));
-        response.widget_info(|| WidgetInfo::labeled(Role::Label, ENABLED, &description));
+        response.widget_info(|| WidgetInfo::labeled(Role::Row, ENABLED, &description));
         response.known_as(format_args!("analysis.number-{key}"));
+    }
+    speak(ui, &response, index, name, texts);
+    if !is_head {
         response.on_hover_text(explanation);
     }
 
@@ -259,8 +276,35 @@ fn row(
         } else {
             FontId::monospace(12.3)
         };
-        // The last column ends at the right edge.
-        let x = rect.right() - COLUMN * (texts.len() - 1 - column) as f32;
+        let x = end_of(rect, column, texts.len());
         painter.text(pos2(x, at.y), Align2::RIGHT_CENTER, text, font, color);
     }
+}
+
+/// Returns where a column of so many ends: the last one at the right edge.
+fn end_of(rect: Rect, column: usize, columns: usize) -> f32 {
+    rect.right() - COLUMN * (columns - 1 - column) as f32
+}
+
+/// Makes a row that is drawn one of the table for screen readers. That of the heads has no name.
+fn speak(ui: &mut Ui, row: &Response, index: usize, name: &str, texts: &[(String, bool)]) {
+    let rect = row.rect;
+    let is_head = name.is_empty();
+    let (first, role) = if is_head {
+        (Role::ColumnHeader, Role::ColumnHeader)
+    } else {
+        (Role::RowHeader, Role::Cell)
+    };
+    // The names have no head on the screen.
+    let title = if is_head { "number" } else { name };
+    let names = Rangef::new(rect.left(), rect.left() + NAME);
+
+    let mut cells = vec![SpokenCell::new(first, ui.words(title), names)];
+    cells.extend(texts.iter().enumerate().map(|(column, (text, faded))| {
+        let end = end_of(rect, column, texts.len());
+        let old = if *faded { " (of a moment before)" } else { "" };
+        let text = ui.words(format!("{text}{old}"));
+        SpokenCell::new(role, text, Rangef::new(end - COLUMN, end))
+    }));
+    spoken_row(ui, row, index, cells);
 }

@@ -10,7 +10,7 @@ use tilescope_drawing::palette::Palette;
 use tilescope_lessons::{Control, DraftCommand, Item, Mark, Row, RowWord};
 use tilescope_ui::language::Worded;
 use tilescope_ui::theme::semibold;
-use tilescope_ui::widgets::Known;
+use tilescope_ui::widgets::{Known, name_group};
 use tilescope_workbench::command::Command;
 
 use super::{curves, issue, text};
@@ -185,11 +185,14 @@ impl Answers<'_> {
         if let Some(name) = &row.name {
             ui.label(name);
         }
-        ui.horizontal_wrapped(|ui| {
+        let words = ui.horizontal_wrapped(|ui| {
             for word in &row.words {
                 self.word(ui, word, commands);
             }
         });
+        if let Some(name) = &row.name {
+            name_group(&words.response, name);
+        }
     }
 
     fn word(&self, ui: &mut Ui, word: &RowWord, commands: &mut Vec<Command>) {

@@ -2,10 +2,11 @@
 //! the accent colour. Sizes are in screen points, and chosen, not measured, where no reason stands beside them.
 
 use egui::{
-    Align2, FontId, Pos2, Rect, Response, Role, ScrollArea, Sense, Stroke, StrokeKind, TextStyle,
-    Ui, Vec2, WidgetInfo, vec2,
+    Align2, FontId, Pos2, Rangef, Rect, Response, Role, ScrollArea, Sense, Stroke, StrokeKind,
+    TextStyle, Ui, Vec2, WidgetInfo, vec2,
 };
 use tilescope_drawing::palette::Palette;
+use tilescope_ui::table::{SpokenCell, spoken_row, table as spoken};
 use tilescope_ui::widgets::Known;
 
 use crate::ENABLED;
@@ -29,12 +30,31 @@ pub(super) fn show(
 ) {
     // A buffer of one row has a line for each of its fields instead.
     if table.total == 1 {
-        fields(ui, table, palette);
-        return;
+        let size = [table.columns.len() + 1, 3];
+        return spoken(ui, "Fields of the buffer", size, Role::Table, |ui| {
+            fields(ui, table, palette);
+        });
     }
 
+    // The heads are a row too, and the numbers of the rows a column.
+    let size = [shown.rows().len() + 1, table.columns.len() + 1];
+    spoken(ui, "Rows of the buffer", size, Role::Grid, |ui| {
+        rows(ui, table, shown, palette, commands);
+    });
+}
+
+/// Shows the heads, and below them the rows, which scroll.
+fn rows(
+    ui: &mut Ui,
+    table: &BufferTable,
+    shown: &ShownBuffer,
+    palette: &Palette,
+    commands: &mut Vec<PassCommand>,
+) {
     let columns = ColumnEnds::of(ui, table, shown);
-    let (head, _) = ui.allocate_exact_size(vec2(ui.available_width(), ROW), Sense::hover());
+    let (head, of_heads) = ui.allocate_exact_size(vec2(ui.available_width(), ROW), Sense::hover());
+    let names = std::iter::once("row").chain(table.columns.iter().map(String::as_str));
+    speak(ui, &of_heads, 0, Role::ColumnHeader, &columns, names);
     ui.spacing_mut().item_spacing.y = 0.0;
     let area = ScrollArea::both().auto_shrink([false, false]);
     let rows = shown.rows();
@@ -43,9 +63,17 @@ pub(super) fn show(
     let output = area.show_rows(ui, ROW, rows.len(), |ui, range| {
         // A row can be clicked over the whole width of the panel.
         let width = columns.width.max(ui.available_width());
-        for &number in &rows[range] {
+        for at in range {
+            let number = rows[at];
             let size = vec2(width, ROW);
             let response = row(ui, table, number, shown, &columns, size, palette);
+            let cells = (0..table.columns.len()).map(|column| {
+                // A cell is read as it is drawn, on the side that is shown.
+                table.cell(shown.side(), number as usize, column)
+            });
+            let texts = std::iter::once(number.to_string()).chain(cells);
+            // The heads are the first row.
+            speak(ui, &response, at + 1, Role::RowHeader, &columns, texts);
             if response.hovered() {
                 pointed = Some(number);
             }
@@ -101,6 +129,30 @@ impl ColumnEnds {
     }
 }
 
+/// Makes a row that is drawn one of the table for screen readers. Its first cell is of the role `first`, and others are heads
+/// of columns if that is one.
+fn speak<T: Into<String>>(
+    ui: &mut Ui,
+    row: &Response,
+    index: usize,
+    first: Role,
+    columns: &ColumnEnds,
+    texts: impl Iterator<Item = T>,
+) {
+    let rest = match first {
+        Role::ColumnHeader => Role::ColumnHeader,
+        _ => Role::Cell,
+    };
+    let left = row.rect.left();
+    let ends = &columns.ends;
+    let cells = texts.zip(ends).enumerate().map(|(column, (text, &end))| {
+        let begin = column.checked_sub(1).map_or(0.0, |before| ends[before]);
+        let role = if column == 0 { first } else { rest };
+        SpokenCell::new(role, text, Rangef::new(left + begin, left + end))
+    });
+    spoken_row(ui, row, index, cells);
+}
+
 /// Laying out text needs a colour; this one is never drawn.
 const fn any_color() -> egui::Color32 {
     egui::Color32::TRANSPARENT
@@ -141,7 +193,8 @@ fn row(
     let is_picked = shown.picked() == Some(number);
     let number = number as usize;
     let is_changed = table.is_changed(number);
-    response.widget_info(|| WidgetInfo::labeled(Role::Row, ENABLED, label(table, number)));
+    response
+        .widget_info(|| WidgetInfo::selected(Role::Row, ENABLED, is_picked, label(table, number)));
     response.known_as(format_args!("row-{number}"));
 
     if is_changed {
@@ -207,7 +260,9 @@ fn label(table: &BufferTable, number: usize) -> String {
 
 /// Shows a buffer of one row: a line for each column, with both sides.
 fn fields(ui: &mut Ui, table: &BufferTable, palette: &Palette) {
-    let (rect, _) = ui.allocate_exact_size(vec2(ui.available_width(), ROW), Sense::hover());
+    let (rect, of_heads) = ui.allocate_exact_size(vec2(ui.available_width(), ROW), Sense::hover());
+    let sides = [PassSide::Before, PassSide::After].map(PassSide::name);
+    speak_field(ui, &of_heads, 0, ["field", sides[0], sides[1]]);
     let painter = ui.painter();
     // The heads stand at the same places as the texts of `field`.
     let ends = field_ends(rect);
@@ -231,6 +286,23 @@ fn fields(ui: &mut Ui, table: &BufferTable, palette: &Palette) {
     });
 }
 
+/// Makes a line one of the table for screen readers: a name and two values, or the heads of these in the first line.
+fn speak_field(ui: &mut Ui, line: &Response, index: usize, texts: [&str; 3]) {
+    let left = line.rect.left();
+    let ends = field_ends(line.rect);
+    let from = [0.0, ends[0] / 2.0, ends[0]];
+    let to = [ends[0] / 2.0, ends[0], ends[1]];
+    let roles = match index {
+        0 => [Role::ColumnHeader; 3],
+        _ => [Role::RowHeader, Role::Cell, Role::Cell],
+    };
+    let cells = [0, 1, 2].map(|column| {
+        let across = Rangef::new(left + from[column], left + to[column]);
+        SpokenCell::new(roles[column], texts[column], across)
+    });
+    spoken_row(ui, line, index, cells);
+}
+
 /// Returns where the values of both sides end.
 fn field_ends(rect: Rect) -> [f32; 2] {
     [260.0_f32, 390.0].map(|end| end.min(rect.width() - 20.0))
@@ -244,6 +316,8 @@ fn field(ui: &mut Ui, table: &BufferTable, column: usize, palette: &Palette) {
     response.widget_info(|| WidgetInfo::labeled(Role::Row, ENABLED, &label));
     let [before, after] =
         [PassSide::Before, PassSide::After].map(|side| table.cell(side, 0, column));
+    // The heads are the first row.
+    speak_field(ui, &response, column + 1, [name.as_str(), &before, &after]);
 
     // Where the pass changed the value, the line is marked, and the new value has the accent colour.
     let mut color_after = palette.text;
