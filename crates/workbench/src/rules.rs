@@ -253,28 +253,30 @@ const fn scene(command: &SceneCommand) -> Rules {
 
 /// Returns the rules of a command of lessons.
 const fn lesson(command: &LessonCommand) -> Rules {
+    use LessonCommand as L;
+
     // Numbers in these commands are indices into a list that the lesson shows; a number beyond its end changes nothing.
     match command {
-        LessonCommand::ToggleList
-        | LessonCommand::Open(_)
-        | LessonCommand::Read(..)
-        | LessonCommand::Leave
-        | LessonCommand::Step(_)
-        | LessonCommand::Go(_)
-        | LessonCommand::Draft(_)
-        | LessonCommand::Answer
-        | LessonCommand::Hint
-        | LessonCommand::GiveUp
-        | LessonCommand::Practise(_)
-        | LessonCommand::Sure(_)
-        | LessonCommand::Language(_)
-        | LessonCommand::File(_)
-        | LessonCommand::SaveResults(_)
-        | LessonCommand::ClearResults
-        | LessonCommand::KeepResults
-        | LessonCommand::Name(_)
-        | LessonCommand::Package(_)
-        | LessonCommand::CopyPackaging => VIEW,
+        L::ToggleList
+        | L::Open(_)
+        | L::Read(..)
+        | L::Leave
+        | L::Step(_)
+        | L::Go(_)
+        | L::Draft(_)
+        | L::Answer
+        | L::Hint
+        | L::GiveUp
+        | L::Practise(_)
+        | L::Sure(_)
+        | L::Language(_)
+        | L::File(_)
+        | L::SaveResults(_)
+        | L::ClearResults
+        | L::KeepResults
+        | L::Name(_)
+        | L::Package(_)
+        | L::CopyPackaging => VIEW,
     }
 }
 

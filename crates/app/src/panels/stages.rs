@@ -66,6 +66,7 @@ pub fn show(ui: &mut Ui, context: &PanelContext<'_>, commands: &mut Vec<Command>
 fn stages(ui: &mut Ui, context: &PanelContext<'_>, session: &Session, commands: &mut Vec<Command>) {
     let palette = context.palette;
     head(ui, "change", palette);
+
     for (index, &stage) in session.stages.iter().enumerate() {
         let texts = [
             name_in(session, stage),
