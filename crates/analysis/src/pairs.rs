@@ -274,6 +274,7 @@ impl<'a> Scan<'a> {
         }
 
         let (near_columns, near_rows) = (self.near(column, 0), self.near(row, 1));
+        // Only the shift along x matters, by which stretches are sorted: `compare` finds the offset along y anew.
         for &(other_row, _) in near_rows.iter().flatten() {
             for &(other_column, shift) in near_columns.iter().flatten() {
                 // A pair of cells is compared from the cell of lower index alone.

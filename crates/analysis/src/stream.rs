@@ -210,7 +210,7 @@ impl StreamVerifier {
             let first = self.intake.count;
             // Samples are checked before they are given to a judge, so that findings are of good samples alone. No
             // index is beyond 32 bits from here on.
-            self.intake.take(piece, &self.search)?;
+            self.intake.check_all(piece, &self.search)?;
 
             if let Some(bands) = &mut self.bands {
                 for (&point, id) in piece.iter().zip(first as u32..) {
@@ -327,9 +327,9 @@ struct Intake {
 
 impl Intake {
     /// Checks samples and counts them.
-    fn take(&mut self, points: &[[f64; 2]], search: &StreamSearch) -> Result<(), VerifyError> {
-        // Most pieces lie within a row, where their order does not matter, and are checked as a whole. A number that is
-        // none compares with nothing here; `all_are_in` finds it.
+    fn check_all(&mut self, points: &[[f64; 2]], search: &StreamSearch) -> Result<(), VerifyError> {
+        // Most pieces are lower than the lag that a stream may have: then no sample is late, whatever their order, and they
+        // are checked as a whole. A NaN leaves `low` and `high` as they are; `all_are_in` finds it.
         let (mut low, mut high) = (f64::INFINITY, self.highest);
         for point in points {
             let y = search.domain.scale_point(*point).y;
@@ -337,12 +337,12 @@ impl Intake {
             high = if y > high { y } else { high };
         }
 
-        let in_a_row = low >= search.complete(high);
+        let none_is_late = low >= search.complete(high);
         let fits = self.count + points.len() <= Grid::MAX_SAMPLES;
-        if !(in_a_row && fits && all_are_in(points, search.region)) {
+        if !(none_is_late && fits && all_are_in(points, search.region)) {
             // One by one, the samples before the first at fault are counted, and the error names that one.
             let mut each = points.iter();
-            return each.try_for_each(|&point| self.take_one(point, search));
+            return each.try_for_each(|&point| self.check_one(point, search));
         }
 
         self.highest = high;
@@ -352,7 +352,7 @@ impl Intake {
 
     /// Checks the next sample and counts it. Fails if it is not in the region, comes too late for its row, or is one
     /// too many.
-    fn take_one(&mut self, point: [f64; 2], search: &StreamSearch) -> Result<(), VerifyError> {
+    fn check_one(&mut self, point: [f64; 2], search: &StreamSearch) -> Result<(), VerifyError> {
         let index = self.count;
         check_point(index, point, search.region)?;
 

@@ -151,12 +151,13 @@ impl<'a> PairSearch<'a> {
         let own = grid.run_range(row, &(column..column + 1));
         let samples = |run: &Range<usize>| &grid.entries()[run.clone()];
 
-        let partners = |run: Range<usize>, once: bool| {
-            // A tight cluster has the square of its samples in pairs, which need not be looked at one by one.
+        let count_pairs = |run: Range<usize>, once: bool| {
+            // A tight cluster has the square of its samples in pairs, which need not be looked at one by one. The cell itself
+            // never comes as a run that is met once: it is among the arms below.
             if once && self.is_one_bin([samples(&own), samples(&run)]) {
                 found.counts[0] += own.len() as u64 * run.len() as u64;
             } else if own != run {
-                self.each(&own, found, |k, found| {
+                self.for_each_sample(&own, found, |k, found| {
                     self.pairs(k, run.clone(), once, found);
                 });
             } else if self.is_one_bin([samples(&own); 2]) {
@@ -164,27 +165,27 @@ impl<'a> PairSearch<'a> {
             } else {
                 // Within a cell each sample is compared with those after it, so that each pair is met once.
                 let each_once = true;
-                self.each(&own, found, |k, found| {
+                self.for_each_sample(&own, found, |k, found| {
                     self.pairs(k, k + 1..own.end, each_once, found);
                 });
             }
         };
 
         self.neighbors
-            .partners([column, row], self.distance, partners);
+            .partners([column, row], self.distance, count_pairs);
     }
 
-    /// Calls `look` with the index of each sample of a cell, and with the sums to add its pairs to: on all threads where a
-    /// cluster fills the cell.
-    fn each(
+    /// Calls `add_pairs` with the index of each sample of a cell, and with the sums to add its pairs to: on all threads where
+    /// the cell has more than [`CROWD`] samples.
+    fn for_each_sample(
         &self,
         own: &Range<usize>,
         found: &mut PairSums,
-        look: impl Fn(usize, &mut PairSums) + Sync,
+        add_pairs: impl Fn(usize, &mut PairSums) + Sync,
     ) {
         if own.len() <= CROWD {
             for k in own.clone() {
-                look(k, found);
+                add_pairs(k, found);
             }
             return;
         }
@@ -193,7 +194,7 @@ impl<'a> PairSearch<'a> {
         let chunks = starts.map(|start| {
             let mut part = self.empty();
             for k in start..own.end.min(start + CROWD) {
-                look(k, &mut part);
+                add_pairs(k, &mut part);
             }
             part
         });

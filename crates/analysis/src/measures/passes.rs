@@ -55,8 +55,9 @@ impl TransformPlan {
         self.strips_along_y(&spread, transform, &Idle::default(), monitor)
     }
 
-    /// Spreads strips of the grid, and transforms each while it is in the caches. `transform` gets the index of a pair
-    /// of lines, and writes both at the rows of the window. `rooms` is empty at first; a test counts how many are made.
+    /// Spreads strips of the grid, and transforms each along y while it is in the caches. Returns the lines one after another,
+    /// each with its values at the rows of the window. `transform` gets the index of a pair of lines (grids have even sizes), and
+    /// writes both. `rooms` is empty at first; a test counts how many are made.
     fn strips_along_y<const C: usize>(
         &self,
         spread: &Spread<C>,

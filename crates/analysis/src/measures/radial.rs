@@ -313,32 +313,34 @@ impl ProfileSums<'_> {
     pub fn add_row(&mut self, row: usize, powers: &[f64]) {
         let columns = self.table.columns;
         let runs = &self.table.runs[self.table.starts[row]..self.table.starts[row + 1]];
-        // Columns beyond the last run are in no annulus. The first pair is set in any case.
+        // Columns beyond the last run are in no annulus, and their sums are not needed. Column 0, which has no opposite, is set
+        // below in any case: so one column is the least.
         let reached = runs.last().map_or(1, |run| run.end as usize);
 
         let (below, above) = powers.split_at(columns - 1);
         let pairs = &mut self.pairs[..reached];
-        let pair = |one: f64, other: f64| [one + other, one * one + other * other];
+        let sums_of = |one: f64, other: f64| [one + other, one * one + other * other];
         if row == 0 {
-            // Opposite frequencies of the row of zero are one pair, and zero is in no annulus.
+            // In the row of zero the columns below are the opposites of those above, whose powers count once. Zero is in no
+            // annulus.
             for (sums, one) in pairs.iter_mut().zip(above) {
-                *sums = pair(*one, 0.0);
+                *sums = sums_of(*one, 0.0);
             }
             pairs[0] = [0.0; 2];
         } else {
-            pairs[0] = pair(above[0], 0.0);
-            let powers = above[1..].iter().zip(below.iter().rev());
-            for (sums, (one, other)) in pairs[1..].iter_mut().zip(powers) {
-                *sums = pair(*one, *other);
+            pairs[0] = sums_of(above[0], 0.0);
+            let opposites = above[1..].iter().zip(below.iter().rev());
+            for (sums, (one, other)) in pairs[1..].iter_mut().zip(opposites) {
+                *sums = sums_of(*one, *other);
             }
         }
 
         // Sums of a run are kept out of memory: to write and read them for each column takes longer than the sum.
         for run in runs {
             let [mut sum, mut squares] = self.sums[run.annulus as usize];
-            for [pair, square] in &self.pairs[run.first as usize..run.end as usize] {
-                sum += pair;
-                squares += square;
+            for [pair_sum, pair_squares] in &self.pairs[run.first as usize..run.end as usize] {
+                sum += pair_sum;
+                squares += pair_squares;
             }
             self.sums[run.annulus as usize] = [sum, squares];
         }

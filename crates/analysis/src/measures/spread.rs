@@ -284,26 +284,25 @@ impl<const C: usize> Spread<C> {
         cells: &mut [f64],
     ) {
         for sample in samples {
-            let (line, start) = (sample.first[0] as usize, sample.first[1] as usize);
-            // Of the bands that reach these lines, the samples of the first and the last one may reach others as well,
-            // or only others.
-            let reached = line.max(lines.start)..(line + WIDTH).min(lines.end);
+            let (first_line, start) = (sample.first[0] as usize, sample.first[1] as usize);
+            // A sample of the first or the last band that reaches `lines` may also reach lines outside of them, or only such.
+            let reached = first_line.max(lines.start)..(first_line + WIDTH).min(lines.end);
             if reached.is_empty() {
                 continue;
             }
 
             let [along_x, along_y] = sample.ahead.map(|ahead| self.kernel.values(ahead));
-            let factors = &along_x[reached.start - line..reached.end - line];
+            let factors = &along_x[reached.start - first_line..reached.end - first_line];
 
             // Nothing wraps: values beyond the grid go into its margins.
-            let cells = &mut cells[(reached.start - lines.start) * C * stride..];
-            for (line, factor) in cells.chunks_exact_mut(C * stride).zip(factors) {
+            let reached_cells = &mut cells[(reached.start - lines.start) * C * stride..];
+            for (line, factor) in reached_cells.chunks_exact_mut(C * stride).zip(factors) {
                 for component in 0..C {
                     let weight = factor * sample.value[component];
-                    let cells = &mut line[component * stride + start..];
+                    let from_start = &mut line[component * stride + start..];
                     // The margin makes every line long enough.
-                    if let Some(cells) = cells.first_chunk_mut::<WIDTH>() {
-                        for (cell, value) in cells.iter_mut().zip(along_y) {
+                    if let Some(touched) = from_start.first_chunk_mut::<WIDTH>() {
+                        for (cell, value) in touched.iter_mut().zip(along_y) {
                             *cell += weight * value;
                         }
                     }

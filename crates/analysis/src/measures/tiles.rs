@@ -111,8 +111,8 @@ impl<'a> CellTile<'a> {
             if let Some(cells) = self.seen(&view)? {
                 return Ok(Some(cells));
             }
-            // A cell at a hole depends on samples farther away than the margin shows. The margin ends growing where the
-            // view would reach around the torus or, in a bounded region, is the whole of it.
+            // A cell at a hole depends on samples farther away than the margin shows. The loop ends at the latest where the view
+            // would reach around the torus, or is the whole of a bounded region.
             margin *= 2;
         }
     }

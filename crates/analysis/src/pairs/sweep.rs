@@ -75,7 +75,7 @@ impl Sweep<'_> {
             let x = self.samples[index].position[0];
             self.drop_behind(&mut first, index, |other| x - other);
             let around = false;
-            self.look(index, around);
+            self.add_pairs(index, around);
             self.behind.insert(self.key(index));
 
             if (index + 1) % CHUNK == 0 {
@@ -99,7 +99,7 @@ impl Sweep<'_> {
             }
 
             let around = true;
-            self.look(index, around);
+            self.add_pairs(index, around);
             // All samples are counted by now: the caller may only cancel here.
             if index % CHUNK == 0 {
                 monitor.advance(0)?;
@@ -135,9 +135,9 @@ impl Sweep<'_> {
         }
     }
 
-    /// Compares a sample with those behind the line: straight on, or `around` the torus along x. A pair counts where it is
-    /// closest along x.
-    fn look(&mut self, index: usize, around: bool) {
+    /// Records the pairs of a sample with those behind the line: straight on, or `around` the torus along x. A pair is
+    /// recorded the way that is shorter along x.
+    fn add_pairs(&mut self, index: usize, around: bool) {
         let entry = self.samples[index];
         let periods = self.grid.domain.periods();
         let reach = self.reach();
@@ -149,7 +149,7 @@ impl Sweep<'_> {
         };
 
         for ordinates in stretches(entry.position[1], reach * SLACK, periods[1]) {
-            // With all indices at both ends.
+            // The keys of all samples with these ordinates, whatever their index.
             let keys = (*ordinates.start(), 0)..=(*ordinates.end(), u32::MAX);
             for &(_, other) in self.behind.range(keys).take(most_partners) {
                 let partner = &self.samples[other as usize];

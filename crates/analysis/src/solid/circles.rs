@@ -66,7 +66,7 @@ impl CirclesFound {
 }
 
 /// Looks for places that no open ball of the limit covers. `None` stands for a set that this judge declines: two samples are
-/// in conflict, or so few samples in so large a region do not cover it anyway.
+/// in conflict, or none lies near another, or there are too few samples to cover so large a region.
 pub(super) fn search(
     question: &SolidQuestion<'_>,
     monitor: &Monitor<'_>,
@@ -78,6 +78,7 @@ pub(super) fn search(
         witnesses,
         ..
     } = question;
+    // As far as any place can lie from all samples where the cubes of the first judge show no gap, so that both agree.
     let limit = question.bound();
     let Some(neighbours) = Neighbours::new(points, region, 2.0 * limit) else {
         return Ok(None);
@@ -280,7 +281,7 @@ struct Circle {
 
 impl Circle {
     /// Returns the circle in which a plane cuts a sphere of radius `limit`. The plane is `distance` from the sphere's
-    /// center, at right angles to a direction of length 1.
+    /// center, less than the limit, at right angles to a direction of length 1.
     fn of_sphere(limit: f64, direction: [f64; 3], distance: f64) -> Self {
         // An axis far from the direction, so that the product is long: of a direction whose x is 0.6 or more, y is at
         // most 0.8.
@@ -378,6 +379,7 @@ impl Sphere<'_> {
         for other in self.near.iter().filter(|other| other.index > self.index) {
             let direction = other.offset.map(|value| value / other.distance);
             let circle = Circle::of_sphere(self.limit, direction, other.distance / 2.0);
+            // Images of one sample are balls of their own: by the offset only the other ball itself is left out.
             let thirds = self
                 .near
                 .iter()

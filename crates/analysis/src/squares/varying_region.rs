@@ -114,7 +114,7 @@ impl VaryingRegion {
         let factor = self.judge.covering_factor(&samples, control);
         match factor.map_err(|error| Self::fault(error, points))? {
             None => Ok(report),
-            // No place is farther than the factor that was measured.
+            // Within the factor measured every place is covered, so that there is no gap to report.
             Some(factor) => Ok(Report {
                 gaps: 0,
                 worst_gaps: Vec::new(),
@@ -170,7 +170,7 @@ impl VaryingRegion {
             gaps: found.uncovered,
             worst_gaps: places.collect(),
             min_distance,
-            // Squares tell whether a place is covered, not how far its nearest sample is.
+            // The search by squares finds whether a place is covered, not how far its nearest sample is.
             covering_radius: f64::INFINITY,
             // Only `verify_prefix` measures it.
             covering_factor: None,
