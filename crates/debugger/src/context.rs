@@ -119,7 +119,7 @@ impl Context {
                 });
             }
 
-            // All other events change samples or the tree of blocks, but not the context.
+            // All other events are about samples, cells or the tree of blocks, and leave the context as it is.
             _ => {}
         }
     }

@@ -58,7 +58,7 @@ pub enum Divergence {
     },
 }
 
-/// Returns the first event at which two recordings differ. If tests were left out of either tape, only events that are
+/// Returns the difference of the domains or else the first event at which two recordings differ. If tests were left out of either tape, only events that are
 /// never left out are compared.
 #[must_use]
 pub fn first_divergence(a: &Recording, b: &Recording) -> Divergence {

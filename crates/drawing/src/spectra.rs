@@ -12,7 +12,7 @@ pub const BLACK: f64 = 3.0;
 pub fn periodogram(spectrum: &Spectrum, title: String) -> ImageChart {
     let picture = &spectrum.picture;
     let [x, y] = spectrum.picture_reach;
-    // A cell that holds more than one frequency says so on the axis.
+    // Where cells hold more than one frequency, the vertical axis says so: the horizontal one names the shades.
     let each = match [picture.side, picture.row_side] {
         [1, 1] => String::new(),
         [along_x, along_y] => format!(" (means of {along_x} \u{d7} {along_y})"),

@@ -15,6 +15,7 @@ macro_rules! events {
         pub(super) fn pack(run_event: &RunEvent) -> Event {
             match *run_event {
                 $(RunEvent::$kind { $($word,)* $($flag)? } => {
+                    // Without a flag among the fields this is false.
                     let flag = false $(| $flag)?;
                     packed(EventKind::$kind, u8::from(flag), &[$($word as u32),*])
                 })*

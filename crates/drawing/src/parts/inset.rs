@@ -97,10 +97,10 @@ impl Inset {
             return None;
         }
 
-        let radii = size(scene.session.run().pattern.domain()).as_vec2();
+        let size_in_r = size(scene.session.run().pattern.domain()).as_vec2();
         let side = (SHARE * room).clamp(SIDES[0], SIDES[1]);
-        let scale = side / radii.max_element();
-        let extent = vec2(radii.x, radii.y) * scale;
+        let scale = side / size_in_r.max_element();
+        let extent = vec2(size_in_r.x, size_in_r.y) * scale;
 
         // The inset is not drawn over the block, which it would hide.
         let is_left = block.center().x > scene.rect.center().x;

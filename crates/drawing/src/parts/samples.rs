@@ -199,8 +199,8 @@ pub fn search(scene: &Scene<'_>, surface: &mut impl Surface) {
     let view = scene.rect.expand(12.0);
 
     if scene.has(Layer::Detectors) {
-        // The last of the radii is that of detectors. Runs with other spacings than r, of fields and nested levels,
-        // have none.
+        // The last of the radii is that of detectors. `scale` serves, and not `symbol_scale`: runs with other spacings than r,
+        // of fields and nested levels, have no detectors.
         let [.., radius] = radii_at(scale);
         // Where the scale is small, detectors lie so close that a strong colour would hide the samples.
         let color = (scene.palette.detector).gamma_multiply((scale / 6.0).clamp(0.5, 1.0));
@@ -235,6 +235,7 @@ fn candidates<'a>(
         debugger.is_none_or(|debugger| {
             let cursor = debugger.state().cursor();
             let recording = debugger.recording();
+            // The event that accepted the candidate, if it is before the cursor.
             recording.gap(candidate.sites, cursor).is_some()
         })
     };

@@ -145,7 +145,7 @@ fn last_event(scene: &Scene<'_>, surface: &mut impl Surface) {
         RunEvent::Keep { sample, .. } | RunEvent::Tiled { sample, .. } => {
             (None, Some((sample, palette.accent)))
         }
-        // Other events change no sample.
+        // Other events neither compare two samples nor change one.
         _ => (None, None),
     };
 
