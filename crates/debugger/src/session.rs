@@ -262,7 +262,7 @@ impl Session {
     }
 
     /// Computes the session's run again, with its events. If the pattern comes from a file, `pattern_loader` reads it;
-    /// its digest must be the saved one.
+    /// its digest must be the saved one. A session in a field or a shape is refused: [`Self::record_in`] computes its run.
     pub fn record(
         &self,
         pattern_loader: &mut dyn FnMut(&PatternFile) -> Result<Pattern, String>,

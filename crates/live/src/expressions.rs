@@ -48,25 +48,25 @@ fn follow(recording: &Recording) -> NumberAt {
     let mut moment = LiveMoment::new(Arc::new(Course::of_recording(recording)));
     Box::new(move |key, cursor, steps| {
         // Expressions name only numbers of the list above, so that there is one.
-        let Some(number) = number(key) else {
+        let Some(found) = number(key) else {
             return Ok(NumberValue::Undefined);
         };
 
         // A watch is evaluated in every frame of a run that plays. The cost of a spectrum depends on how many samples there are at
         // once, which are fewer than the run ever has.
         let most = moment.course().most_samples();
-        if is_of_spectrum(number) && most > MAX_SAMPLES_OF_SPECTRUM {
+        if is_of_spectrum(found) && most > MAX_SAMPLES_OF_SPECTRUM {
             return Err(format!(
                 "the run has up to {most} samples at once; it can be watched in runs of at most {MAX_SAMPLES_OF_SPECTRUM}: take a larger radius"
             ));
         }
 
-        let moved = moment.seek(cursor, wanted_for(&[number]), steps);
+        let moved = moment.seek(cursor, wanted_for(&[found]), steps);
         if !moved.map_err(|error| error.to_string())?.arrived {
             return Ok(NumberValue::Pending);
         }
 
-        let value = number.of(&moment.measured());
+        let value = found.of(&moment.measured());
         Ok(value.map_or(NumberValue::Undefined, NumberValue::Known))
     })
 }

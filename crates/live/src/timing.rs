@@ -68,10 +68,11 @@ impl Motion {
                 (0..=FRAMES).map(at).collect()
             }
             Self::Step => {
+                // The steps begin in the middle of the run's changes: chosen, not measured.
                 let later = &changes[changes.len() / 2..];
                 // A cursor counts the events that have happened, the change among them.
                 let after = later.iter().map(|change| change.event as usize + 1);
-                // The first cursor is where the steps begin.
+                // The first cursor is the one that is not timed.
                 after.take(STEPS + 1).collect()
             }
             Self::Jump => {

@@ -168,7 +168,8 @@ impl Passes {
             PassCommand::PickRow(row) => self.shown.pick(row),
             PassCommand::PointRow(row) => self.shown.point(row),
             PassCommand::OnCanvas(is_on_canvas) => self.is_on_canvas = is_on_canvas,
-            // The rest of this command is the workbench's: the canvas, its camera, the clock.
+            // The pointer has left the rows for the button of this command. The rest of it is the workbench's: the canvas,
+            // its camera, the clock.
             PassCommand::ShowCanvas => self.shown.point(None),
             PassCommand::Cancel => self.cancel(),
             PassCommand::Again => self.survey(),

@@ -58,7 +58,7 @@ impl<'a> Files<'a> {
         let slot = self.slot(&path);
         // Pieces are made in parallel. The first one that needs a file reads it, and the others wait for that.
         let set = match slot.get_or_init(|| read(around, &path, monitor)) {
-            Ok(file) => set(file, given).map_err(|why| failed(&path, &why)),
+            Ok(file) => set_of_file(file, given).map_err(|why| failed(&path, &why)),
             Err(Unread::Failed(why)) => Err(failed(&path, why)),
             // A cancelled work names its stage. Files are read before the first one, which is named instead.
             Err(Unread::Stopped) => Err(CombinationError::Sample(SampleError::Cancelled {
@@ -141,7 +141,8 @@ fn from_disk(around: &Incoming, path: &Path, monitor: &Monitor) -> Result<Incomi
     Err(Unread::Failed(why.to_owned()))
 }
 
-fn set(file: &SetFile, given: &GivenDomain) -> Result<Set, String> {
+/// Returns the set in a file: its domain is the one `given` or, where that leaves something open, the certificate's.
+fn set_of_file(file: &SetFile, given: &GivenDomain) -> Result<Set, String> {
     let stated = given.over(file.certificate.as_ref().map(Into::into));
     let known = stated.ok_or("the set has no certificate; give its \"radius\"")?;
     known.set(&file.points).map_err(|error| error.to_string())

@@ -21,7 +21,7 @@ pub enum MakeError {
     /// Its field of radii or its shape is refused; the reason in words.
     #[error("{0}")]
     Ground(String),
-    /// It failed, or was cancelled, in a worker; the error arrives as text.
+    /// It failed, or was cancelled, and the error is there as text alone: it comes from a worker, or was made from a message.
     #[error("{message}")]
     InWorker {
         /// The stage in which it was cancelled, if it was.
