@@ -7,7 +7,7 @@ use wasm_bindgen_cli_support::Bindgen;
 use crate::cut::{self, Weights, rule};
 use crate::names;
 
-/// The stem of both files' names, without hashes.
+/// The stem of the names of the script and of the first module, without hashes.
 const NAME: &str = "tilescope";
 
 /// The files of the program.

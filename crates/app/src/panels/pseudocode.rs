@@ -148,8 +148,8 @@ pub fn show(ui: &mut Ui, context: &PanelContext<'_>, commands: &mut Vec<Command>
         return;
     };
     let now = Now::of(context, debugger);
-    let id = ui.scope_id().with("seen");
-    let seen: Option<Seen> = ui.data(|data| data.get_temp(id));
+    let seen_id = ui.scope_id().with("seen");
+    let seen: Option<Seen> = ui.data(|data| data.get_temp(seen_id));
     let has_moved = seen.as_ref().is_none_or(|seen| seen.now != now);
 
     let mut area = ScrollArea::vertical().auto_shrink([false, false]);
@@ -187,10 +187,10 @@ pub fn show(ui: &mut Ui, context: &PanelContext<'_>, commands: &mut Vec<Command>
         // The line was not laid out before, or the panel has another width. Its place is known from this frame on: the
         // next one scrolls to it, since the moment that is stored for it differs from every moment with a line.
         let unseen = Now::default();
-        remember(ui, id, unseen, placed);
+        remember(ui, seen_id, unseen, placed);
         ui.ctx().request_repaint();
     } else {
-        remember(ui, id, now, placed);
+        remember(ui, seen_id, now, placed);
     }
 }
 

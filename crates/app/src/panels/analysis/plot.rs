@@ -187,9 +187,10 @@ impl Plot<'_> {
         }
 
         // A difference needs a value of both runs near x.
-        if let [a, b, ..] = &self.curves[..]
+        if let [run_a, run_b, ..] = &self.curves[..]
             && self.is_compared
-            && let (Some([_, a]), Some([_, b])) = (nearest(&a.points, x), nearest(&b.points, x))
+            && let (Some([_, a]), Some([_, b])) =
+                (nearest(&run_a.points, x), nearest(&run_b.points, x))
         {
             rows.push(format!("{} {:>+8.3}  B \u{2212} A", self.y.sign, b - a));
         }
