@@ -17,9 +17,9 @@ pub fn density(recording: &Recording, range: Range<usize>, buckets: usize) -> Ve
     let mut all = Vec::with_capacity(buckets);
 
     // Each bucket is the difference of two counts from the start. The earlier one is the bucket before's later one.
-    let mut before = CountsUpTo::default().on_to(recording, start);
+    let mut before = CountsUpTo::default().advanced_to(recording, start);
     for k in 1..=buckets {
-        let after = before.on_to(recording, bound(k));
+        let after = before.advanced_to(recording, bound(k));
         all.push(after.counts.minus(before.counts));
         before = after;
     }
@@ -35,7 +35,7 @@ struct CountsUpTo {
 
 impl CountsUpTo {
     /// Returns the counts of the events before a later end.
-    fn on_to(self, recording: &Recording, end: usize) -> Self {
+    fn advanced_to(self, recording: &Recording, end: usize) -> Self {
         let key = end / STRIDE;
         // Counting goes on from the last stored count or from this one, whichever is nearer to the end.
         let mut known = match recording.tallies.get(key) {

@@ -284,10 +284,10 @@ impl Evaluator {
             .followed
             .get_or_init(|| Mutex::new((numbers.follow)(&self.recording)));
         // A panic in another evaluation does not keep this one from the numbers.
-        let mut followed = followed.lock().unwrap_or_else(PoisonError::into_inner);
+        let mut value_at = followed.lock().unwrap_or_else(PoisonError::into_inner);
 
         let name = number.name;
-        let value = followed(name, cursor, steps).map_err(|why| ExpressionError::Evaluation {
+        let value = value_at(name, cursor, steps).map_err(|why| ExpressionError::Evaluation {
             message: format!("the number \"{name}\": {why}"),
         })?;
 

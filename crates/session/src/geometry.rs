@@ -215,8 +215,8 @@ impl<T: Portable> Latest<T> {
         (*of == key).then_some(ready)
     }
 
-    /// Takes finished work, and starts `job` for a moment unless that is known or another one is at work. Called once per
-    /// frame, it ends with the last moment.
+    /// Takes finished work, and starts `job` for a moment unless that is known or another one is at work. A moment that is
+    /// passed over meanwhile is never computed: called once per frame, it always comes to the moment that stays.
     fn want(&mut self, key: Key, job: impl FnOnce() -> Option<Job<T>>) {
         self.poll();
         if self.of(key).is_some() || self.work.is_some() || self.failed == Some(key) {

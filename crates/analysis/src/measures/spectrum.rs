@@ -79,8 +79,8 @@ impl Spectrum {
         })
     }
 
-    /// Returns the shown parts from radial means and a picture of a set. Live measures have them so: their curves have
-    /// no bands.
+    /// Returns the shown parts from radial means and a picture of a set. Live measures make these two themselves, and their
+    /// curves have no bands.
     pub(crate) fn without_bands(
         profile: RadialProfile,
         picture: CoarsePower,

@@ -144,8 +144,8 @@ impl Pair<'_> {
             .iter()
             .zip(&self.b.tiles)
             .zip(&self.a.blocks.leaves);
-        let differs = pairs.find(|((x, y), _)| (x.start, x.symmetry) != (y.start, y.symmetry));
-        let ((x, y), block) = differs?;
+        let different = pairs.find(|((x, y), _)| (x.start, x.symmetry) != (y.start, y.symmetry));
+        let ((x, y), block) = different?;
 
         let text = |tile: &tilescope_core::stages::tile::Tile| {
             format!(

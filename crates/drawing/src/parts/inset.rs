@@ -42,7 +42,7 @@ pub fn draw(scene: &Scene<'_>, surface: &mut impl Surface) {
     ground(scene, surface, &inset);
 
     let color = scene.palette.block(block);
-    let last_copy = copied(scene, surface, &inset, tile, color);
+    let last_copy = draw_copied(scene, surface, &inset, tile, color);
     let extent = run.pattern.domain().rect().max;
     for piece in window(tile, leaf, [extent.x, extent.y]) {
         let [low, high] = piece.map(|[x, y]| inset.at(x, y));
@@ -143,7 +143,7 @@ fn ground(scene: &Scene<'_>, surface: &mut impl Surface, inset: &Inset) {
     );
 
     let positions = scene.session.run().pattern.samples();
-    // Of a larger pattern only the samples of the window are drawn, by `copied`.
+    // Of a larger pattern only the samples of the window are drawn, by `draw_copied`.
     if positions.len() <= MAX_DRAWN {
         let color = palette.sample.gamma_multiply(0.4);
         for point in positions {
@@ -154,7 +154,7 @@ fn ground(scene: &Scene<'_>, surface: &mut impl Surface, inset: &Inset) {
 }
 
 /// Draws the samples of the pattern whose copies are in the block by now, and returns the last copy and where it comes from.
-fn copied(
+fn draw_copied(
     scene: &Scene<'_>,
     surface: &mut impl Surface,
     inset: &Inset,
