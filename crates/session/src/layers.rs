@@ -177,7 +177,7 @@ impl Layer {
                 return "active cell: darts fall there";
             }
             (Self::Candidates, SessionKind::Exact) => return "dart that will arrive",
-            (Self::Inserted, SessionKind::Exact) => return "sample here alone",
+            (Self::Inserted, SessionKind::Exact) => return "sample that the pattern lacks",
             (Self::Disks, SessionKind::Varying) => return "disk of the sample's own radius",
             (Self::Eliminated, SessionKind::Varying) => return "dart that became no sample",
 

@@ -19,7 +19,7 @@ pub(crate) struct ArrivedSample {
     pub(crate) place: Point,
     /// The index of its tile.
     pub(crate) tile: u32,
-    /// Its index in the pattern; from [`FIRST_INSERTED`] on, that among the darts that are samples here alone.
+    /// Its index in the pattern; from [`FIRST_INSERTED`] on, that among the darts that are samples here and not in the pattern.
     number: u32,
     /// Whether an earlier sample covers it, so that it is none.
     pub(crate) is_lost: bool,
@@ -34,7 +34,7 @@ impl ArrivedSample {
         self.number < FIRST_INSERTED && !self.is_lost
     }
 
-    /// Returns its index in the pattern; none of a dart that is a sample here alone.
+    /// Returns its index in the pattern; none of a dart that is a sample here and not in the pattern.
     pub(crate) const fn pattern(&self) -> Option<u32> {
         if self.number < FIRST_INSERTED {
             Some(self.number)
@@ -51,7 +51,7 @@ pub(crate) struct PresentSamples<'a> {
     /// How far each tile is moved from where the domain has it to where the ground has it.
     moves: Vec<IVec2>,
     samples: Vec<ArrivedSample>,
-    /// The darts that are samples here alone.
+    /// The darts that are samples here and not in the pattern.
     inserted: Vec<PlacedDart>,
     /// The ids of those that are not lost.
     cells: NumberCells,
@@ -167,7 +167,7 @@ impl<'a> PresentSamples<'a> {
         })
     }
 
-    /// Adds a dart that is a sample here alone, and returns its id.
+    /// Adds a dart that is a sample here and not in the pattern, and returns its id.
     pub(crate) fn insert(&mut self, dart: PlacedDart, tile: u32) -> u32 {
         let number = FIRST_INSERTED + self.inserted.len() as u32;
         self.inserted.push(dart);

@@ -40,7 +40,7 @@ impl Words<'_> {
                 verdict,
             } => self.arrival(point, ranked, verdict)?,
             RunEvent::Insert { sample, .. } => format!(
-                "{} is a sample here alone: in the pattern its dart was refused",
+                "{} is a sample that the pattern lacks: there its dart was refused",
                 self.sample(sample)
             ),
 

@@ -234,7 +234,7 @@ fn false_claims_are_found() {
     assert!(found > 500, "{found}");
 }
 
-/// The chain of causes of a sample that is there here alone leads through its dart to what is missing, and to its block.
+/// The chain of causes of a sample that the pattern lacks leads through its dart to what is missing, and to its block.
 #[test]
 fn causes_lead_from_a_dart_to_what_it_outlived() {
     let recording = record(&variants()[6], DEFAULT_BUDGET);

@@ -102,7 +102,7 @@ impl SeamTiling<'_> {
         }
     }
 
-    /// Returns the iteration in which a dart that is a sample here alone counts as inserted.
+    /// Returns the iteration in which a dart that is a sample here and not in the pattern counts as inserted.
     fn iteration(&self, sample: &ListedSample) -> u32 {
         iteration_of(self.inserted[(sample.number - FIRST_INSERTED) as usize].arrival)
     }
