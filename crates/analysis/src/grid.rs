@@ -57,7 +57,8 @@ impl Grid {
     /// Samples that 32-bit indices can name.
     pub const MAX_SAMPLES: usize = u32::MAX as usize;
 
-    /// Sorts the samples into cells whose sides are at least `side` where the region is so large.
+    /// Sorts the samples, of which there must be one at least, into cells whose sides are at least `side` where the region is
+    /// so large.
     ///
     /// There are at most about as many cells as samples, whatever the side.
     pub fn new(points: &[[f64; 2]], domain: Domain, side: f64) -> Self {
@@ -120,7 +121,7 @@ impl Grid {
         }
 
         let mut entries = vec![Entry::default(); starts[starts.len() - 1] as usize];
-        // `starts[c]` serves as the cursor of cell c, and in the end is the start of cell c + 1.
+        // Here `starts[c]` is where the next sample of cell c goes.
         for (index, &key) in keys.iter().enumerate().filter(|(_, key)| **key != NOT_HELD) {
             let cursor = &mut starts[key as usize];
             entries[*cursor as usize] = entry(index);

@@ -282,7 +282,8 @@ impl Tile {
     }
 
     /// Scans the pairs of all rows: marks the bins that they cover, lists the samples whose circles stay open, and calls `pair`
-    /// for pairs that may be in conflict or the closest. `squares` is the number of the table's squares in a unit of area.
+    /// for pairs that may be in conflict or the closest. `squares_per_area` is how many of the table's squares make a unit of
+    /// area.
     #[expect(
         clippy::inline_always,
         reason = "it must become a part of what dispatch! compiles for the processor"
@@ -294,12 +295,13 @@ impl Tile {
         scan: &mut Scan,
         pair: impl Fn([usize; 2], &mut Found),
         reach: [usize; 2],
-        squares: f64,
+        squares_per_area: f64,
         found: &mut Found,
     ) {
         let table = Table::get();
         let (xs, ys, masks) = (&scan.x[..], &scan.y[..], &mut scan.masks[..]);
-        let mut nearby = in_squares_at_most(found.nearby, squares);
+        // The squared distance up to which a pair is a conflict or may be the closest.
+        let mut nearby = in_squares_at_most(found.nearby, squares_per_area);
         let (mut runs, mut unmarked) = (Vec::new(), Unmarked::default());
 
         // Rows above the tile's own are left out: their pairs with its samples were met from below.
@@ -317,22 +319,23 @@ impl Tile {
                     runs[0].start = index + 1;
                     let lanes = |value: f32| f32x8::splat(simd, value);
                     let (x, y) = (lanes(xs[index]), lanes(ys[index]));
-                    // A conflict counts in the tile that owns its first sample: elsewhere none is near, as no square is below 0.
+                    // A conflict counts in the tile that owns its first sample. In other tiles no pair is near, as no squared
+                    // distance is below 0.
                     let near = if is_own { lanes(nearby) } else { lanes(-1.0) };
 
                     for run in &runs {
                         for start in run.clone().step_by(LANES) {
                             let dx = f32x8::from_slice(simd, &xs[start..start + LANES]) - x;
                             let dy = f32x8::from_slice(simd, &ys[start..start + LANES]) - y;
-                            let square = dx * dx + dy * dy;
+                            let distance_square = dx * dx + dy * dy;
 
                             // Lanes beyond the run hold samples of other cells or zeros.
                             let count = (run.end - start).min(LANES);
                             let within = (1_u64 << count) - 1;
-                            let hits = square.simd_lt(lanes(WIDEST)).to_bitmask() & within;
-                            let close = square.simd_le(near).to_bitmask() & within;
-                            let offsets = squares_of(simd, dx, dy).into();
-                            unmarked.add(index, start, offsets, hits);
+                            let hits = distance_square.simd_lt(lanes(WIDEST)).to_bitmask() & within;
+                            let close = distance_square.simd_le(near).to_bitmask() & within;
+                            let squares = squares_of(simd, dx, dy).into();
+                            unmarked.add(index, start, squares, hits);
                             if unmarked.is_full() {
                                 unmarked.mark(table, masks);
                             }
@@ -342,7 +345,7 @@ impl Tile {
                                     pair([index, start + lane], found);
                                 }
                                 // A closer pair lowers the distance up to which pairs matter.
-                                nearby = in_squares_at_most(found.nearby, squares);
+                                nearby = in_squares_at_most(found.nearby, squares_per_area);
                             }
                         }
                     }
@@ -375,7 +378,7 @@ impl Tile {
         let above = row + 1..(row + reach[1] + 1).min(height);
 
         runs.clear();
-        // The start 0 stands for none: the run begins after the sample that is compared.
+        // The start 0 is a placeholder: the caller begins this run after the sample that is compared.
         runs.push(0..same_row);
         runs.extend(above.map(|row| self.cell(columns.clone(), row)));
     }
@@ -409,10 +412,10 @@ impl Tile {
     }
 }
 
-/// Returns a squared length, rounded up, in units of the table's squares, of which `squares` make a unit of area. Rounding
-/// moves an offset along both axes.
-fn in_squares_at_most(square: f64, squares: f64) -> f32 {
-    let farthest = (square * squares).sqrt() + 2.0 * UNCERTAIN;
+/// Returns a squared length, rounded up, in units of the table's squares, of which `squares_per_area` make a unit of area.
+/// Rounding moves an offset along both axes.
+fn in_squares_at_most(length_square: f64, squares_per_area: f64) -> f32 {
+    let farthest = (length_square * squares_per_area).sqrt() + 2.0 * UNCERTAIN;
     (farthest * farthest).min(f64::from(f32::MAX)) as f32
 }
 

@@ -80,6 +80,7 @@ impl Survey {
             }
 
             self.side_reach = self.side_reach.max(crossing.distance);
+            // A place beyond a corner of the region counts for no side, however close.
             if on_border && (0.0..=extent[side.along()]).contains(&at) {
                 let circle = Gap {
                     center: side.place(at, level),

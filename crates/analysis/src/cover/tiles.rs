@@ -202,7 +202,7 @@ impl Span {
         let most = extent * (0.5 + 2f64.powi(-20));
         let halo = if periodic { halo.min(most) } else { halo };
 
-        // Far beyond any cell, so that the number fits an integer.
+        // A halo may be wider than any integer can say: 10^15 is beyond every cell, and the cast keeps it.
         let cell_at = |value: f64| (value / extent * cells as f64).clamp(-1e15, 1e15);
         let first = (cell_at(low - halo) - Grid::ROUNDING).floor() as i64;
         let last = (cell_at(high + halo) + Grid::ROUNDING).floor() as i64;

@@ -217,7 +217,8 @@ impl PlaceGrid {
             } else {
                 before & !bit
             };
-            // The block above has one bit for all of them: it changes only with the first one or the last one.
+            // The layer above has one bit for this whole block: it changes only when the first part of the block is occupied
+            // or the last one is left.
             if (before == 0) == (*mask == 0) {
                 break;
             }

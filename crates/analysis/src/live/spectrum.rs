@@ -159,8 +159,8 @@ impl LiveSpectrum {
         (at, at.map(|x| self.taper.weight_along(x)))
     }
 
-    /// Replaces all samples, by changes or by a transform, whichever takes fewer steps, and returns these steps. By
-    /// changes the powers have the same bits as ever; by a transform they are right to
+    /// Replaces all samples, by changes or by a transform, whichever takes fewer steps, and returns these steps. Powers by
+    /// changes depend on the samples alone, bit for bit; those by a transform are right to
     /// [`crate::measures::NUFFT_ERROR`].
     pub fn rebuild(&mut self, samples: &[LiveSample]) -> u64 {
         let by_changes = self.cost_of_change() * samples.len() as u64;

@@ -171,11 +171,11 @@ impl WaveSums {
 
         let blocks = thin.along_x.len();
         for row in 0..rows {
+            // This row has the changes that wait, so that none wait in the thinned sums.
             let whole = self.row(row * stride);
             for column in 0..columns {
                 let from = column * stride;
                 let sums = &mut thin.sums[row * blocks + column / LANES];
-                // A stride of the frequencies is kept: sums of others are left out.
                 for (sum, kept) in sums.iter_mut().zip(&whole[from / LANES]) {
                     sum[column % LANES] = kept[from % LANES];
                 }
@@ -274,11 +274,17 @@ fn add_rows<S: Simd>(
     along_y: &[[[f32; 2]; BATCH]],
     waiting: usize,
 ) {
-    for (tile, waves) in along_x.chunks(TILE).enumerate() {
+    for (tile, waves_of_tile) in along_x.chunks(TILE).enumerate() {
         let rows = sums.chunks_exact_mut(along_x.len()).zip(along_y);
-        for (sums, along_y) in rows {
-            for (sums, waves) in sums[tile * TILE..].iter_mut().zip(waves) {
-                add_block(simd, sums, &waves[..waiting], &along_y[..waiting]);
+        for (row_sums, row_waves) in rows {
+            let blocks = row_sums[tile * TILE..].iter_mut();
+            for (block_sums, block_waves) in blocks.zip(waves_of_tile) {
+                add_block(
+                    simd,
+                    block_sums,
+                    &block_waves[..waiting],
+                    &row_waves[..waiting],
+                );
             }
         }
     }
@@ -294,8 +300,8 @@ fn add_block<S: Simd>(simd: S, sums: &mut ProductSums, along_x: &[WavePair], alo
     let rounding = f32x8::splat(simd, ROUNDING);
     // The bits of ROUNDING come with every product, and are taken off beforehand. The sum of at most `BATCH` products
     // of 22 bits fits into 32.
-    let none = (ROUNDING.to_bits() as i32).wrapping_mul(-(along_x.len() as i32));
-    let mut units = [i32x8::splat(simd, none); 4];
+    let minus_roundings = (ROUNDING.to_bits() as i32).wrapping_mul(-(along_x.len() as i32));
+    let mut units = [i32x8::splat(simd, minus_roundings); 4];
 
     for (x, y) in along_x.iter().zip(along_y) {
         let [x_cos, x_sin] = [&x[0], &x[1]].map(|lanes| f32x8::from_slice(simd, lanes));
