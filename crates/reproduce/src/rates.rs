@@ -214,8 +214,8 @@ fn row(rounds: &[&[EngineTime]], key: &Key<'_>, baseline: Key<'_>) -> Option<Eng
         .collect();
 
     // Both rates are of one round, so that what disturbs the round disturbs both.
-    let ratio = |baseline: Key<'_>| {
-        let in_round = |round| Some(find(round, *key)?.rate() / find(round, baseline)?.rate());
+    let ratio_to = |other: Key<'_>| {
+        let in_round = |round| Some(find(round, *key)?.rate() / find(round, other)?.rate());
         Summary::of(rounds.iter().filter_map(in_round))
     };
 
@@ -239,8 +239,8 @@ fn row(rounds: &[&[EngineTime]], key: &Key<'_>, baseline: Key<'_>) -> Option<Eng
         count: median_of(|one| one.report.count as f64)?,
         rate: summary_of(EngineTime::rate)?,
         verify_rate: median_of(|one| one.report.count as f64 / one.verify_seconds)?,
-        ratio: ratio(baseline)?,
-        thread_ratio: ratio(one_thread)
+        ratio: ratio_to(baseline)?,
+        thread_ratio: ratio_to(one_thread)
             .filter(|_| is_compared)
             .map(|ratio| ratio.quartiles[1]),
         density: median_of(|one| one.report.density)?,

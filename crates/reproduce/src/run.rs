@@ -63,7 +63,7 @@ pub fn plan(experiments: &[Experiment], settings: &Settings, out: Option<&Path>)
         Planned {
             experiment,
             units,
-            // A run of many leaves more batches of density than these settings have.
+            // A run with the setting `many` leaves more batches of density than these settings may have.
             kept: kept.len().min(units),
             seconds: kept.iter().sum(),
         }

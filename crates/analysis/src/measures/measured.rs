@@ -217,7 +217,7 @@ impl MeasuredSet {
         };
 
         match PairCorrelation::in_units_of(points, region, radius, control) {
-            // The set is too dense for a bin of r to be within range.
+            // No bin of a fortieth of the radius can be counted: a caller's radius may be too long or too short for the set.
             Err(MeasureError::OutOfRange { .. }) => {
                 PairCorrelation::to_look_at(points, region, control)
             }

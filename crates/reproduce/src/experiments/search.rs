@@ -143,7 +143,7 @@ fn claims(found: &[GapStatistics]) -> Vec<Claim> {
 fn judged(id: &str, sets: &[&GapCounts]) -> Claim {
     let holes: usize = sets.iter().map(|one| one.holes).sum();
     let samples: usize = sets.iter().map(|one| one.count).sum();
-    // The verifier's count and that of the tessellation both have to be zero.
+    // `holes` is the tessellation's count of gaps, and `centers` the verifier's. Both have to be zero.
     let holds = sets.iter().all(|one| one.holes == 0 && one.centers == 0);
 
     let ends = poisson_interval(holes, MISSED).map(|gaps| a_million(gaps, samples));

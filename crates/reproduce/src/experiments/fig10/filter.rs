@@ -27,7 +27,7 @@ pub struct Filtered {
 }
 
 /// Returns the weighted means of a function at samples, in pixel coordinates, about the centres of `side` x `side` pixels;
-/// zero where there is none.
+/// zero where no sample is in reach of a centre.
 pub fn gaussian(
     samples: &[[f64; 2]],
     function: impl Fn([f64; 2]) -> f64 + Sync,

@@ -99,7 +99,7 @@ pub fn run(plan: TimingPlan, study: &Study<'_>) -> Result<Vec<StageRound>> {
                 ..*base
             };
 
-            // The base parameters, which the printed ones have but for the radius, have this leaf size.
+            // The printed parameters and the base ones, which the GPUs take, have this leaf size.
             let pattern = pattern(&fitting(ONE_LEAF), control)?;
             let (times, _) = verified(&printed, &pattern, control)?;
             timed.push(times);

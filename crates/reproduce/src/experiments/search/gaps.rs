@@ -142,7 +142,8 @@ impl GapCounts {
             let witness = Witness::of(gap, set, samples);
             self.out_of_sight += usize::from(witness.out_of_sight(set.radius));
 
-            // The verifier lists the largest circles first: the first one in a hole is the largest of the hole.
+            // The verifier lists the largest circles first: the first one in a hole is the largest of the hole. All centres
+            // outside of holes count as one hole here.
             if self.worst.len() < KEPT && !seen.contains(&hole) {
                 seen.push(hole);
                 self.worst.push(witness);
@@ -250,7 +251,7 @@ pub fn bars(found: &[GapStatistics]) -> Result<Picture> {
     bar_picture("search/gaps", &json!({}), groups)
 }
 
-/// Returns the sums of a row of a table over sets.
+/// Returns the sums of a row of a table over sets, of which there is one at least.
 fn sums(sets: &[&GapStatistics]) -> Value {
     let total =
         |count: fn(&GapCounts) -> usize| sets.iter().map(|one| count(&one.two)).sum::<usize>();
