@@ -125,7 +125,7 @@ pub fn check(
         outcome = judged(&asked)?;
     }
     let found = outcome.map_err(|error| match error {
-        // Named as Python's argument, which the formats do not have.
+        // The message names the argument of this function. That of the formats cannot.
         CheckError::NoRadius => {
             Failure::Value("the set has no certificate; give radius".to_owned())
         }
