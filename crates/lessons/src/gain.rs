@@ -70,12 +70,12 @@ impl Gains {
             .filter(|(_, pairs)| !pairs.is_empty())
             .collect();
         Self {
-            class: class(&asked, &pairs),
+            class: gains_of_class(&asked, &pairs),
             learners: pairs
                 .iter()
-                .map(|(name, pairs)| of_one(name, asked.len(), pairs))
+                .map(|(name, pairs)| gain_of_learner(name, asked.len(), pairs))
                 .collect(),
-            votes: votes(&merged.votes),
+            votes: gains_of_votes(&merged.votes),
         }
     }
 
@@ -191,7 +191,7 @@ fn normalized([before, after]: [f64; 2]) -> Option<f64> {
 }
 
 /// Returns the gain of one learner, of whom the given number of questions were asked.
-fn of_one(name: &str, asked: usize, pairs: &Pairs) -> Gain {
+fn gain_of_learner(name: &str, asked: usize, pairs: &Pairs) -> Gain {
     let scores: Vec<[f64; 2]> = pairs.values().copied().collect();
     let [before, after] = mean(&scores);
     // A learner who lacks an answer has means over fewer questions than the class, so that the gains could not be
@@ -210,7 +210,7 @@ fn of_one(name: &str, asked: usize, pairs: &Pairs) -> Gain {
 }
 
 /// Returns the gains of a class: over all concepts that were asked, then by concept.
-fn class(asked: &BTreeSet<Concept>, pairs: &[(&str, Pairs)]) -> Vec<Gain> {
+fn gains_of_class(asked: &BTreeSet<Concept>, pairs: &[(&str, Pairs)]) -> Vec<Gain> {
     // Over all concepts only the learners with every answer count, as means over different questions cannot be compared.
     let complete = pairs.iter().filter(|(_, pairs)| pairs.len() == asked.len());
     let means = complete.map(|(_, pairs)| mean(&pairs.values().copied().collect::<Vec<_>>()));
@@ -270,7 +270,7 @@ fn interval(scores: &[[f64; 2]]) -> Option<[f64; 2]> {
 
 /// Returns the gains of votes: over all concepts that were voted on in both forms, then by concept. Each vote on a
 /// concept has the same weight, as the number of learners who took part in it may be unknown.
-fn votes(votes: &[ClassVote]) -> Vec<Gain> {
+fn gains_of_votes(votes: &[ClassVote]) -> Vec<Gain> {
     let shares_of = |concept: Concept, form: TestForm| {
         let is_of = move |vote: &&ClassVote| vote.concept == concept && vote.form == form;
         let cast = votes.iter().filter(is_of);

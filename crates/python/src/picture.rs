@@ -47,7 +47,7 @@ pub fn draw(
     let (varying, radius) = (set.varying(), set.known_radius());
     let greatest = varying.as_ref().map(|varying| varying.radius.greatest());
     let reach = greatest.or(radius).unwrap_or_default();
-    let in_window = near(points, &region, reach, window);
+    let in_window = reaching_into(points, &region, reach, window);
 
     let points = in_window.as_deref().unwrap_or(points);
     // There are radii of single samples only if the radius varies: a set that covers a shape may have one radius.
@@ -142,7 +142,7 @@ fn window_within(window: Option<&Bound<'_, PyAny>>, region: &Region) -> PyResult
 
 /// Returns the samples whose disks, or copies of them, reach into a window: of a large set, few. `None` without a
 /// window, when all are drawn.
-fn near(
+fn reaching_into(
     points: &[[f64; 2]],
     region: &Region,
     radius: f64,

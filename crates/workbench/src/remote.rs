@@ -193,7 +193,9 @@ pub fn read(text: &str) -> Result<Request, RequestError> {
         "step" => step(&fields),
         "seek" => seek(&fields),
         "view" => view(&fields),
-        "play" => Ok(Request::Play(fields.get("speed").map(speed).transpose()?)),
+        "play" => Ok(Request::Play(
+            fields.get("speed").map(read_speed).transpose()?,
+        )),
         "pause" => Ok(Request::Pause),
         "lesson" => lesson(&fields).map(Request::Lesson),
         "answer" => answer(&fields).map(Request::Lesson),
@@ -236,7 +238,7 @@ fn refuse_unknown(
     }
 }
 
-fn speed(value: &Value) -> Result<f32, RequestError> {
+fn read_speed(value: &Value) -> Result<f32, RequestError> {
     let read = value.as_f64().map(|speed| speed as f32);
     let (slowest, fastest) = (SPEEDS[0], SPEEDS[SPEEDS.len() - 1]);
     read.filter(|speed| (slowest..=fastest).contains(speed))
@@ -250,7 +252,7 @@ fn load(fields: &Map<String, Value>) -> Result<Request, RequestError> {
             Some(link) => Ok(Request::Link(link.to_owned())),
             None => Err(wrong("link", value, "a text")),
         },
-        (None, Some(value)) => Ok(Request::Parameters(Box::new(parameters(value)?))),
+        (None, Some(value)) => Ok(Request::Parameters(Box::new(read_parameters(value)?))),
         _ => Err(RequestError::OneOf {
             action: "load",
             fields: "\"link\" and \"parameters\"",
@@ -284,11 +286,11 @@ fn seek(fields: &Map<String, Value>) -> Result<Request, RequestError> {
     // With two of these fields, it would not be clear which moment is meant.
     match ["event", "stage", "part", "next", "previous"].map(|field| fields.get(field)) {
         [None, None, None, Some(value), None] => {
-            let target = target("next", value)?;
+            let target = read_target("next", value)?;
             Ok(Request::SeekTarget(target, Direction::Forwards))
         }
         [None, None, None, None, Some(value)] => {
-            let target = target("previous", value)?;
+            let target = read_target("previous", value)?;
             Ok(Request::SeekTarget(target, Direction::Backwards))
         }
 
@@ -411,7 +413,7 @@ fn answer(fields: &Map<String, Value>) -> Result<LessonRequest, RequestError> {
     Ok(LessonRequest::Command(command))
 }
 
-fn target(field: &str, value: &Value) -> Result<Target, RequestError> {
+fn read_target(field: &str, value: &Value) -> Result<Target, RequestError> {
     let named = |(name, _): &&(&str, Target)| value.as_str() == Some(*name);
     let found = TARGETS.iter().find(named).map(|(_, target)| *target);
     found.ok_or_else(|| {
@@ -423,11 +425,11 @@ fn target(field: &str, value: &Value) -> Result<Target, RequestError> {
 /// Reads a request to change the view.
 fn view(fields: &Map<String, Value>) -> Result<Request, RequestError> {
     // `None` if the request has no camera, and `Some(None)` for the whole domain.
-    let camera = fields.get("camera").map(camera).transpose()?;
+    let camera = fields.get("camera").map(read_camera).transpose()?;
     let wanted = Wanted {
         whole: camera == Some(None),
         camera: camera.flatten(),
-        layers: fields.get("layers").map(layers).transpose()?,
+        layers: fields.get("layers").map(read_layers).transpose()?,
         colouring: choice(fields, "colouring", &COLOURINGS)?,
         look: choice(fields, "look", &Look::ALL)?,
     };
@@ -456,7 +458,7 @@ fn choice<T: Serialize + Copy>(
 }
 
 /// Reads a camera; `None` within for the camera that shows the whole domain.
-fn camera(value: &Value) -> Result<Option<Camera>, RequestError> {
+fn read_camera(value: &Value) -> Result<Option<Camera>, RequestError> {
     if value.as_str() == Some(WHOLE) {
         return Ok(None);
     }
@@ -474,7 +476,7 @@ fn camera(value: &Value) -> Result<Option<Camera>, RequestError> {
 pub const WHOLE: &str = "whole";
 
 /// Reads the names of layers; `None` within for the layers of the stage.
-fn layers(value: &Value) -> Result<Option<Layers>, RequestError> {
+fn read_layers(value: &Value) -> Result<Option<Layers>, RequestError> {
     if value.as_str() == Some(AUTOMATIC) {
         return Ok(None);
     }
@@ -507,7 +509,7 @@ fn layers(value: &Value) -> Result<Option<Layers>, RequestError> {
 
 /// Returns the default session's parameters changed by those given. Unlike a link's, invalid ones are refused, not
 /// corrected.
-fn parameters(value: &Value) -> Result<Parameters, RequestError> {
+fn read_parameters(value: &Value) -> Result<Parameters, RequestError> {
     let Some(given) = value.as_object() else {
         return Err(wrong("parameters", value, "an object"));
     };

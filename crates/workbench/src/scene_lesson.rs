@@ -69,9 +69,9 @@ pub(crate) fn lesson_of(
         let _ = write!(text, "\n# {title}\n\n```run\n");
         // A step begins with the run of the step before it, so that only the first one needs to name it.
         if index == 0 {
-            run(&mut text, parameters);
+            write_run(&mut text, parameters);
         }
-        moment(&mut text, scene);
+        write_moment(&mut text, scene);
         text.push_str("```\n");
 
         for paragraph in paragraphs(&rest) {
@@ -130,7 +130,7 @@ fn paragraphs(text: &str) -> Vec<String> {
 }
 
 /// Writes the parameters of a run.
-fn run(text: &mut String, parameters: &Parameters) {
+fn write_run(text: &mut String, parameters: &Parameters) {
     for parameter in tilescope_lessons::parameters() {
         let value = match parameter.chosen(parameters) {
             Some(option) => option.name.to_owned(),
@@ -141,7 +141,7 @@ fn run(text: &mut String, parameters: &Parameters) {
 }
 
 /// Writes the moment, the layers and the camera of a scene.
-fn moment(text: &mut String, scene: &SavedScene) {
+fn write_moment(text: &mut String, scene: &SavedScene) {
     let ended_stage = &scene.ends;
     let moment = match (ended_stage, &scene.anchor) {
         // The pattern is made before the first event. A scene with neither a stage nor an anchor is at the start of its

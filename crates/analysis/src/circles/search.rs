@@ -106,7 +106,7 @@ impl<'a> Search<'a> {
         self.farthest().min(self.question.limit)
     }
 
-    fn reaches(&self, farthest: f64) {
+    fn note_farthest(&self, farthest: f64) {
         // Bits of numbers that are not negative sort as they do.
         self.farthest
             .fetch_max(farthest.to_bits(), Ordering::Relaxed);
@@ -135,7 +135,7 @@ impl<'a> Search<'a> {
         tiles
             .par_iter()
             .map_init(Scratch::default, |scratch, rectangle| {
-                let found = self.tile(scratch, rectangle);
+                let found = self.judge_tile(scratch, rectangle);
                 let count: usize = scratch.tile.own().map(|run| run.len()).sum();
                 monitor.advance(count as u64)?;
                 Ok(found)
@@ -161,7 +161,7 @@ impl<'a> Search<'a> {
                     .cutter
                     .cut(self.samples, &scratch.tile, index, reach, limit);
                 // A cell that is larger than its known surroundings reaches the limit at least.
-                self.reaches(cell.map_or(limit, |cell| cell.farthest));
+                self.note_farthest(cell.map_or(limit, |cell| cell.farthest));
                 self.least = self.rho();
                 seen += 1;
 
@@ -209,7 +209,7 @@ impl<'a> Search<'a> {
     /// The arcs of a circle that others and the outside of the region cover: the direction of the middle of each, and the cosine
     /// of its half.
     pub fn covering_arcs(&self, scratch: &mut Scratch, index: usize) -> Vec<(DVec2, f64)> {
-        self.arcs(&scratch.tile, index, &mut scratch.arcs);
+        self.list_arcs(&scratch.tile, index, &mut scratch.arcs);
         let arcs = scratch
             .arcs
             .iter()
@@ -219,7 +219,7 @@ impl<'a> Search<'a> {
     }
 
     /// Returns the findings on a tile. Cells are cut out only for the circles that neither the scan nor the arcs prove covered.
-    fn tile(&self, scratch: &mut Scratch, rectangle: &Rectangle) -> Result<Found, Declined> {
+    fn judge_tile(&self, scratch: &mut Scratch, rectangle: &Rectangle) -> Result<Found, Declined> {
         let mut found = Found::new(self.question.witnesses);
         self.scan(scratch, rectangle, &mut found)?;
 
@@ -231,7 +231,7 @@ impl<'a> Search<'a> {
             }
             match cutter.cut(self.samples, tile, index, reach, limit) {
                 Some(cell) => {
-                    self.reaches(cell.farthest);
+                    self.note_farthest(cell.farthest);
                     found.gaps.add(cell);
                 }
                 // The sample's cell reaches beyond the grid cells around it, into a hole: it is cut out later, with more
@@ -244,7 +244,7 @@ impl<'a> Search<'a> {
 
     /// Whether the ends of arcs prove a sample's circle covered.
     fn arcs_prove(&self, tile: &Tile, index: usize, arcs: &mut Vec<Arc>) -> bool {
-        let rho = self.arcs(tile, index, arcs);
+        let rho = self.list_arcs(tile, index, arcs);
         let extent = self.question.domain.extent.max_element() / rho;
         // Far above the errors of directions, and of offsets across a seam; see the head of `circles`.
         let margin = 2f64.powi(-40) + 2f64.powi(-49) * extent;
@@ -255,7 +255,7 @@ impl<'a> Search<'a> {
 
     /// Lists the arcs that may cover a sample's circle: those of the disks near it and of the sides of the region.
     /// Returns the circle's radius.
-    fn arcs(&self, tile: &Tile, index: usize, arcs: &mut Vec<Arc>) -> f64 {
+    fn list_arcs(&self, tile: &Tile, index: usize, arcs: &mut Vec<Arc>) -> f64 {
         let domain = &self.question.domain;
         let rho = self.rho();
         let per_rho = 1.0 / rho;
@@ -375,7 +375,7 @@ impl<'a> Search<'a> {
 
             match cutter.cut(self.samples, tile, index, halo, self.question.limit) {
                 Some(cell) => {
-                    self.reaches(cell.farthest);
+                    self.note_farthest(cell.farthest);
                     gaps.add(cell);
                 }
                 None => rest.push(sample),

@@ -77,7 +77,7 @@ impl CircleBands {
     ) -> Result<(), VerifyError> {
         self.open.add(points, first);
         if self.open.len() >= self.sort_at {
-            let cells = cells(question)?;
+            let cells = cells_of(question)?;
             // At first `complete` is below 0. Sparse sets are refused where their rows are judged.
             let _ = self.sort(&cells, cells.row(complete.max(0.0)));
         }
@@ -138,11 +138,11 @@ impl CircleBands {
         complete: f64,
         monitor: &Monitor<'_>,
     ) -> Result<(), VerifyError> {
-        let cells = cells(question)?;
+        let cells = cells_of(question)?;
         // Samples may still come in this row and the rows above it. At first `complete` is below 0.
         let open_row = cells.row(complete.max(0.0));
         // The row below it is left for later, too, as its circles reach into the open one.
-        let rows = self.closed.max(first(&cells))..open_row.saturating_sub(1);
+        let rows = self.closed.max(first_in_turn(&cells))..open_row.saturating_sub(1);
         if rows.len() < MIN_ROWS {
             return Ok(());
         }
@@ -238,7 +238,7 @@ impl CircleBands {
         count: usize,
         monitor: &Monitor<'_>,
     ) -> Result<Found, VerifyError> {
-        let cells = cells(question)?;
+        let cells = cells_of(question)?;
         let all = cells.counts[1];
         let refuse = |declined| refused(declined, question, count);
         self.sort(&cells, all).map_err(refuse)?;
@@ -260,12 +260,12 @@ impl CircleBands {
         self.judge(
             question,
             &samples,
-            self.closed.max(first(&cells))..all,
+            self.closed.max(first_in_turn(&cells))..all,
             monitor,
         )?;
         if cells.domain.periodic {
             // The first rows of a torus come last: only now the rows below them, across the seam, are held.
-            self.judge(question, &samples, 0..first(&cells), monitor)?;
+            self.judge(question, &samples, 0..first_in_turn(&cells), monitor)?;
         }
         let all_are_ready = |_: usize| true;
         self.holes(question, &samples, all_are_ready, monitor)?;
@@ -276,13 +276,13 @@ impl CircleBands {
     }
 }
 
-fn cells(question: &Question) -> Result<Cells, VerifyError> {
+fn cells_of(question: &Question) -> Result<Cells, VerifyError> {
     let cells = Cells::new(question.domain, question.limit);
     cells.map_err(|declined| refused(declined, question, 0))
 }
 
 /// The first row that need not wait for the end: those of a torus below it see the last rows or the open first one.
-fn first(cells: &Cells) -> usize {
+fn first_in_turn(cells: &Cells) -> usize {
     if cells.domain.periodic {
         1 + cells.reach[1]
     } else {
@@ -293,7 +293,7 @@ fn first(cells: &Cells) -> usize {
 /// Rows kept from the start of a torus: those of circles judged at the end, which are the first ones and, beside a
 /// hole, those up to row `KEPT`; and `KEPT` rows above these, which their cells may need.
 fn seam_rows(cells: &Cells) -> usize {
-    (first(cells) + KEPT).max(KEPT + 1) + KEPT
+    (first_in_turn(cells) + KEPT).max(KEPT + 1) + KEPT
 }
 
 /// Returns the error for a stream that the judge declines. Neither the smallest distance nor the place of the hole is

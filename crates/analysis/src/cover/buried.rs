@@ -78,9 +78,9 @@ fn eroded(grid: &Grid, kept: &[bool], axis: usize, reach: usize) -> Vec<bool> {
     let columns = grid.cells[0];
     // Cells are numbered row by row, so that the next one along x is one number on, and along y a row of numbers.
     let (cells, stride) = (grid.cells[axis], [1, columns][axis]);
-    let mut eroded = kept.to_vec();
+    let mut left = kept.to_vec();
 
-    for (index, keep) in eroded.iter_mut().enumerate() {
+    for (index, keep) in left.iter_mut().enumerate() {
         let at = [index % columns, index / columns][axis];
         let line = index - at * stride;
 
@@ -93,7 +93,7 @@ fn eroded(grid: &Grid, kept: &[bool], axis: usize, reach: usize) -> Vec<bool> {
         let (middle, wide) = (at as i64, reach as i64);
         *keep = *keep && (middle - wide..=middle + wide).all(holds);
     }
-    eroded
+    left
 }
 
 #[cfg(test)]

@@ -403,9 +403,9 @@ impl LiveCover {
         // far. Each other vertex is certain once no sample is nearer to it than the cell's own.
         cell.trust(0.5 * self.grid.certain_with_copies(REACH));
         while let Some(index) = self.cell.uncertain() {
-            let (more, nearer) = self.nearer(place, index);
+            let (more, cutting) = self.nearer(place, index);
             steps += more;
-            match nearer {
+            match cutting {
                 Some((offset, other)) => {
                     self.cell.clip(offset, other, is_certain);
                 }

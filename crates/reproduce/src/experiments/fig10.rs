@@ -36,8 +36,9 @@ pub fn units(settings: &Settings) -> usize {
 pub fn run(study: &Study<'_>) -> Result<Outcome> {
     let settings = study.settings;
     let each = Sampler::ALL.into_iter();
-    let results: Vec<SamplerResults> =
-        each.map(|one| results(one, study)).collect::<Result<_>>()?;
+    let results: Vec<SamplerResults> = each
+        .map(|one| results_of(one, study))
+        .collect::<Result<_>>()?;
 
     // The sets behind the results are not kept: those of the pictures are made anew.
     let control = study.control("the pictures");
@@ -63,7 +64,7 @@ pub fn run(study: &Study<'_>) -> Result<Outcome> {
 }
 
 /// Carries out everything for one sampler.
-fn results(sampler: Sampler, study: &Study<'_>) -> Result<SamplerResults> {
+fn results_of(sampler: Sampler, study: &Study<'_>) -> Result<SamplerResults> {
     let settings = study.settings;
     let (name, key) = (sampler.name(), sampler.key());
     let what = format!("spectrum, {name}");

@@ -18,18 +18,18 @@ use super::timing::TimingPlan;
 use rows::LeafTimes;
 use stages::StageRound;
 
-fn plan(settings: &Settings) -> TimingPlan {
+fn plan_of(settings: &Settings) -> TimingPlan {
     let (samples, rounds) = settings.pick((1_000_000, 5), (50_000, 2));
     TimingPlan { samples, rounds }
 }
 
 pub fn units(settings: &Settings) -> usize {
-    plan(settings).rounds as usize
+    plan_of(settings).rounds as usize
 }
 
 /// Times the stages of the engines, and judges which of them takes longest.
 pub fn run(study: &Study<'_>) -> Result<Outcome> {
-    let plan = plan(study.settings);
+    let plan = plan_of(study.settings);
     let rounds: Vec<StageRound> = stages::run(plan, study)?;
     let rows = rows::rows(&rounds);
     let passes = rows::passes(&rounds);

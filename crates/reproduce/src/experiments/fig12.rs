@@ -84,7 +84,7 @@ pub fn run(study: &Study<'_>) -> Result<Outcome> {
     }
     let control = study.control("the picture");
     // Sets are not kept, so that the one of the picture is made anew.
-    let domain = domain(DRAWN)?;
+    let domain = square_domain(DRAWN)?;
     let glued = glue(domain, seed, &control)?;
     Ok(Outcome {
         claims: claims(&found),
@@ -94,7 +94,7 @@ pub fn run(study: &Study<'_>) -> Result<Outcome> {
     })
 }
 
-fn domain(side: f64) -> Result<Domain> {
+fn square_domain(side: f64) -> Result<Domain> {
     Ok(Domain::from_size([side; 2], 1.0, Boundary::Periodic)?)
 }
 
@@ -119,7 +119,7 @@ fn glue(domain: Domain, seed: u64, control: &Control<'_>) -> Result<Glued> {
 
 /// Makes a domain of this side at once and by gluing nine sets, and returns the times and losses.
 fn measure(side: f64, seed: u64, control: &Control<'_>) -> Result<LayoutResult> {
-    let domain = domain(side)?;
+    let domain = square_domain(side)?;
     control.go_on()?;
 
     // The speed-up is that over one thread: a pool of one keeps the sampler from using more.

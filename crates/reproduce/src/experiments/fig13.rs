@@ -25,7 +25,7 @@ use rates::RateRound;
 use spectra::MethodSpectra;
 
 /// The paper's radii, of the unit square, and sets of each.
-fn groups(settings: &Settings) -> Vec<SetGroup> {
+fn groups_of(settings: &Settings) -> Vec<SetGroup> {
     let radii: &[f64] = settings.pick(&[0.01, 0.005, 0.0025], &[0.01, 0.005]);
     let (sets, seed) = (settings.pick(10, 3), settings.seed);
     let group = |&radius| SetGroup { radius, sets, seed };
@@ -34,7 +34,7 @@ fn groups(settings: &Settings) -> Vec<SetGroup> {
 
 /// Returns the methods that are measured for a radius. The control, copies side by side, is measured for the last and
 /// smallest radius alone (`is_last_radius`), since what it shows does not depend on the radius.
-fn methods(is_last_radius: bool) -> Vec<Method> {
+fn methods_of(is_last_radius: bool) -> Vec<Method> {
     // Two groups of reference sets, which differ by chance alone: how much they differ is the measure of chance.
     let mut methods = vec![Method::Reference, Method::Again];
     for leaf in LEAVES {
@@ -61,26 +61,26 @@ fn methods(is_last_radius: bool) -> Vec<Method> {
 
 /// Returns each radius with each method that is measured for it.
 fn spectra_units(settings: &Settings) -> Vec<(SetGroup, Method)> {
-    let groups = groups(settings);
+    let groups = groups_of(settings);
     let numbered = (1..).zip(&groups);
     let with_methods = |(number, group): (usize, &SetGroup)| {
         let is_last_radius = number == groups.len();
         let group = *group;
-        let methods = methods(is_last_radius).into_iter();
+        let methods = methods_of(is_last_radius).into_iter();
         methods.map(move |method| (group, method))
     };
     numbered.flat_map(with_methods).collect()
 }
 
 /// Returns how the engines are timed: how many samples a set has, and in how many rounds each of them makes one.
-fn plan(settings: &Settings) -> TimingPlan {
+fn plan_of(settings: &Settings) -> TimingPlan {
     let (samples, rounds) = settings.pick((2_000_000, 10), (50_000, 2));
     TimingPlan { samples, rounds }
 }
 
 /// Returns in how many units of work [`run`] measures.
 pub fn units(settings: &Settings) -> usize {
-    spectra_units(settings).len() + plan(settings).rounds as usize
+    spectra_units(settings).len() + plan_of(settings).rounds as usize
 }
 
 /// Measures the spectra of all methods, times all engines, and compares the methods with the reference sampler.
@@ -96,7 +96,7 @@ pub fn run(study: &Study<'_>) -> Result<Outcome> {
         })?);
     }
 
-    let plan = plan(study.settings);
+    let plan = plan_of(study.settings);
     let rounds = rates::run(plan, study)?;
     let timed: Vec<_> = rounds.iter().map(|round| round.timed.as_slice()).collect();
     // Without a named baseline the first engine of a round is the baseline, which is the reference sampler.
@@ -135,7 +135,7 @@ fn spectra_pictures(study: &Study<'_>, found: &[MethodSpectra]) -> Result<Vec<Pi
         shown::spectra(name, title, &columns, &sets)
     };
 
-    let groups = groups(study.settings);
+    let groups = groups_of(study.settings);
     let each = groups.iter().map(|group| {
         picture(
             *group,

@@ -320,7 +320,7 @@ pub fn to_json(state: &State) -> Value {
     let Classroom { lessons, talks } = state.classroom();
 
     json!({
-        "seed": seed(parameters.seed),
+        "seed": seed_json(parameters.seed),
         "parameters": with_seeds(&parameters),
         "ready": session.is_some() && state.runs().first.sampling.is_none(),
         "samples": session.map_or(0, |session| session.summary.count),
@@ -353,7 +353,7 @@ fn refused<T>(why: impl Into<String>) -> Result<T, RequestError> {
 }
 
 /// Returns a seed as JSON: as text if a number would be rounded.
-fn seed(seed: u64) -> Value {
+fn seed_json(seed: u64) -> Value {
     if seed <= MAX_EXACT {
         json!(seed)
     } else {
@@ -364,7 +364,7 @@ fn seed(seed: u64) -> Value {
 /// Returns parameters as JSON, with both seeds as numbers or texts that JavaScript reads exactly.
 fn with_seeds(parameters: &Parameters) -> Value {
     let mut value = json!(parameters);
-    value["seed"] = seed(parameters.seed);
-    value["pattern"]["seed"] = seed(parameters.pattern.seed);
+    value["seed"] = seed_json(parameters.seed);
+    value["pattern"]["seed"] = seed_json(parameters.pattern.seed);
     value
 }

@@ -285,13 +285,13 @@ impl Runs {
             return;
         };
         // The run that the other one follows comes first, here the second.
-        let common = self.common().map(|[a, b]| [b, a]);
+        let common = self.common_cursors().map(|[a, b]| [b, a]);
         let to = corresponding(second, at, first, common);
         self.first.go_to(to);
     }
 
     /// Returns the cursors up to which the two runs are equal, if they are known.
-    fn common(&self) -> Option<[usize; 2]> {
+    fn common_cursors(&self) -> Option<[usize; 2]> {
         let (_, comparison) = self.second.as_ref()?;
         let [first, second] = self.compared()?;
         common(first, second, comparison.divergence(first, second))
@@ -314,7 +314,7 @@ impl Runs {
         let (Some(at), Some([first, second])) = (self.first.moment(), self.compared()) else {
             return;
         };
-        let to = corresponding(first, at, second, self.common());
+        let to = corresponding(first, at, second, self.common_cursors());
         if self.second_at() != Some(to)
             && let Some((side, _)) = &mut self.second
         {

@@ -96,7 +96,7 @@ fn comparison(all: &[SamplerResults], corners: &[Vec<[f64; 2]>]) -> Result<Pictu
         let dots = TileContent::Dots(places.clone());
         let note = format!("{} samples", places.len());
         samples.push(tile(Some(TILE), one.sampler.name(), note, dots));
-        spectra.push(spectrum(&one.spectrum, reach)?);
+        spectra.push(spectrum_tile(&one.spectrum, reach)?);
 
         let plate = plate_content(one, IMAGE, TILE)?;
         plates.push(tile(Some(TILE), "", plate_note(one, "fig10/errors"), plate));
@@ -168,7 +168,7 @@ fn horizon_content(one: &SamplerResults, side: f64) -> Result<(String, TileConte
 
 /// Returns the tile of a spectrum: no power is white, and [`BLACK`] and more are black. Its note states the edge if
 /// that is not the axis's, `shown`.
-fn spectrum(spectrum: &MeanSpectrum, shown: f64) -> Result<TileChart> {
+fn spectrum_tile(spectrum: &MeanSpectrum, shown: f64) -> Result<TileChart> {
     let mut note = if spectrum.low < NOTHING {
         format!("no power to \u{3bd} = {LOW}")
     } else {

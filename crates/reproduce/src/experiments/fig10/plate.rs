@@ -139,11 +139,14 @@ pub fn errors(
     let exact = plate.exact();
     let image = plate.render(&points);
     let pairs = image.values.iter().zip(&exact);
-    let errors: Vec<f64> = pairs.map(|(found, exact)| found - exact).collect();
+    let differences: Vec<f64> = pairs.map(|(found, exact)| found - exact).collect();
 
     let shades = || {
         let result = image.values.iter().map(|v| shade(*v)).collect();
-        [result, errors.iter().map(|v| error_shade(*v)).collect()]
+        [
+            result,
+            differences.iter().map(|v| error_shade(*v)).collect(),
+        ]
     };
 
     Ok(PlateErrors {
@@ -152,7 +155,7 @@ pub fn errors(
         empty: image.empty,
         // Shades are kept only of the set that is shown.
         shades: (index == 0).then(shades),
-        ..measured(plate, &exact, &errors)
+        ..measured(plate, &exact, &differences)
     })
 }
 

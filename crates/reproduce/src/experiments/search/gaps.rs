@@ -184,7 +184,7 @@ fn of(found: &[GapStatistics], leaf: f64, printed: bool) -> Vec<&GapStatistics> 
     found.iter().filter(fits).collect()
 }
 
-fn leaves(found: &[GapStatistics]) -> Vec<f64> {
+fn leaves_of(found: &[GapStatistics]) -> Vec<f64> {
     distinct(found.iter().map(|one| one.leaf))
 }
 
@@ -247,7 +247,7 @@ pub fn bars(found: &[GapStatistics]) -> Result<Picture> {
         }
     };
 
-    let groups = leaves(found).iter().map(group).collect();
+    let groups = leaves_of(found).iter().map(group).collect();
     bar_picture("search/gaps", &json!({}), groups)
 }
 
@@ -273,7 +273,7 @@ fn sums(sets: &[&GapStatistics]) -> Value {
 
 /// Returns the numbers of each leaf, over its sets.
 pub fn by_leaf(found: &[GapStatistics]) -> Table {
-    let leaves = leaves(found);
+    let leaves = leaves_of(found);
     let variants = [true, false].into_iter();
     let rows =
         variants.flat_map(|printed| leaves.iter().map(move |leaf| of(found, *leaf, printed)));

@@ -6,7 +6,7 @@ use tilescope_classroom::room::CanvasView;
 use tilescope_core::{RunEvent, Stage};
 use tilescope_drawing::camera::{Camera, Flight, MAX_SCALE, MIN_SCALE};
 use tilescope_session::selection::Selection;
-use tilescope_session::units::{self, radii};
+use tilescope_session::units;
 use tilescope_session::verification::{Witness, WitnessShape};
 
 use super::RunView;
@@ -375,7 +375,8 @@ impl RunView {
 
         let leaves = &session.run().blocks.leaves;
         // The upper ends do not count, so that a place on a border is in one block only.
-        let holds = |low: i32, high: i32, at: f64| radii(low) <= at && at < radii(high);
+        let holds =
+            |low: i32, high: i32, at: f64| units::radii(low) <= at && at < units::radii(high);
         let block = leaves.iter().find(|block| {
             let rect = &block.rect;
             holds(rect.min.x, rect.max.x, place.x) && holds(rect.min.y, rect.max.y, place.y)
@@ -384,7 +385,7 @@ impl RunView {
         if let Some(rect) = block.map(|block| block.rect) {
             self.pick(Selection::Place(place), context);
             let center = units::position(rect.min).midpoint(units::position(rect.max));
-            let size = radii((rect.max.x - rect.min.x).max(rect.max.y - rect.min.y));
+            let size = units::radii((rect.max.x - rect.min.x).max(rect.max.y - rect.min.y));
             // The factor leaves some room around the block.
             self.fly_to(center, 1.1 * size, context);
         }
