@@ -52,7 +52,7 @@ pub(crate) fn unseen(
     }
 
     let camera = scene.camera(&spec.camera)?;
-    let domain_size = size(scene);
+    let domain_size = size_of_domain(scene);
 
     Ok(CANVASES.iter().find_map(|&canvas| {
         let (center, scale) = match camera {
@@ -72,7 +72,7 @@ pub(crate) fn unseen(
 }
 
 /// Returns the size of the domain in r.
-fn size(scene: &Scene) -> [f64; 2] {
+fn size_of_domain(scene: &Scene) -> [f64; 2] {
     let domain = scene.recording().domain();
     [domain.width(), domain.height()].map(radii)
 }
@@ -159,7 +159,7 @@ fn named(gate: &Gate, question: &Question, scene: &Scene) -> Result<Vec<Named>, 
 
 /// Returns which thing is nearer to the domain's border than allowed, if one is.
 fn near_the_border(named: &[Named], scene: &Scene) -> Option<String> {
-    let size = size(scene);
+    let size = size_of_domain(scene);
     let room = |at: [f64; 2]| {
         let sides = [at[0], at[1], size[0] - at[0], size[1] - at[1]];
         sides.into_iter().fold(f64::INFINITY, f64::min)

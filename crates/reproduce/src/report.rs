@@ -52,7 +52,7 @@ enum Block {
 
 /// Writes `REPORT.md` and `report.html` of a folder.
 pub fn write(out: &Path) -> Result<()> {
-    let blocks = blocks(out);
+    let blocks = blocks_of(out);
     let page = html::page(&blocks, &out.join("figures"));
     write_whole(&out.join("REPORT.md"), markdown::page(&blocks).as_bytes())?;
     write_whole(&out.join("report.html"), page.as_bytes())?;
@@ -64,7 +64,7 @@ fn plain(text: &str) -> Span {
 }
 
 /// Returns the blocks of the report on the experiments whose results are in a folder.
-fn blocks(out: &Path) -> Vec<Block> {
+fn blocks_of(out: &Path) -> Vec<Block> {
     let mut blocks = vec![Block::Text(vec![plain(INTRODUCTION)])];
     let mut finished: Vec<Finished> = Vec::new();
 

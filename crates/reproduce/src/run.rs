@@ -52,9 +52,9 @@ impl Summary {
 /// Returns the units of work of each experiment, and how many of them are kept in the folder `out`. Makes nothing.
 #[must_use]
 pub fn plan(experiments: &[Experiment], settings: &Settings, out: Option<&Path>) -> Vec<Planned> {
-    let made_by = made_by(&Machine::this());
+    let made_by = build_and_machine(&Machine::this());
     let planned = |&experiment: &Experiment| {
-        let stamp = stamp(experiment, settings, &made_by);
+        let stamp = stamp_of(experiment, settings, &made_by);
         let kept = out
             .map(|out| Parts::kept(&folder(out, experiment), &stamp))
             .unwrap_or_default();
@@ -91,7 +91,7 @@ pub fn reproduce(
 ) -> Result<Summary> {
     let settings = &options.settings;
     let machine = Machine::this();
-    let made_by = made_by(&machine);
+    let made_by = build_and_machine(&machine);
 
     // With `fresh` the parts of earlier runs are deleted below, so that none of them count as kept.
     let kept = Some(options.out.as_path()).filter(|_| !options.fresh);
@@ -111,7 +111,7 @@ pub fn reproduce(
     {
         watch.begins(experiment);
 
-        let stamp = stamp(experiment, settings, &made_by);
+        let stamp = stamp_of(experiment, settings, &made_by);
         let parts = Parts::open(folder(&options.out, experiment), stamp, options.fresh)?;
         let study = Study::new(experiment, settings, done, parts, watch);
 
@@ -140,7 +140,7 @@ pub fn reproduce(
 
 /// Identifies this build and machine, since another one may give other numbers. A program whose file cannot be read is
 /// identified by its version and the machine.
-fn made_by(machine: &Machine) -> String {
+fn build_and_machine(machine: &Machine) -> String {
     let read = std::env::current_exe().and_then(fs::read);
     let digest = read.map_or_else(
         |_| String::new(),
@@ -150,7 +150,7 @@ fn made_by(machine: &Machine) -> String {
 }
 
 /// Returns the stamp that kept numbers must have to be used: program, machine and settings.
-fn stamp(experiment: Experiment, settings: &Settings, made_by: &str) -> String {
+fn stamp_of(experiment: Experiment, settings: &Settings, made_by: &str) -> String {
     let Settings { quick, seed, .. } = settings;
     // A batch of density does not depend on how many there are: a run of many goes on behind a whole one.
     let many = settings.many && experiment != Experiment::Density;

@@ -35,7 +35,7 @@ pub(super) const fn opposite(mask: Mask) -> Mask {
 /// Returns the stretches of open bins, each as the directions at its beginning and its end. For a stretch of half a turn or more
 /// both are NaN, so that no arc covers them.
 pub(super) fn open_stretches(mask: Mask) -> impl Iterator<Item = [DVec2; 2]> {
-    let directions = directions();
+    let directions = first_directions();
     // Bins are turned by `first_covered` so that a covered one comes first and no stretch is cut. If none is covered,
     // all are one stretch.
     let first_covered = if mask == 0 { 0 } else { mask.trailing_zeros() };
@@ -70,7 +70,7 @@ pub(super) fn open_stretches(mask: Mask) -> impl Iterator<Item = [DVec2; 2]> {
 }
 
 /// The first direction of each bin.
-fn directions() -> &'static [DVec2; BINS] {
+fn first_directions() -> &'static [DVec2; BINS] {
     static DIRECTIONS: OnceLock<[DVec2; BINS]> = OnceLock::new();
     DIRECTIONS.get_or_init(|| {
         std::array::from_fn(|bin| DVec2::from_angle(bin as f64 / BINS as f64 * TAU))
@@ -360,7 +360,7 @@ mod tests {
     #[test]
     fn open_stretches_are_those_without_a_bit() {
         let stretches = |mask: Mask| open_stretches(mask).collect::<Vec<_>>();
-        let direction = |bin: usize| directions()[bin];
+        let direction = |bin: usize| first_directions()[bin];
         assert!(stretches(FULL).is_empty());
         assert_eq!(stretches(FULL ^ 1 << 5), [[direction(5), direction(6)]]);
         // Across the first bin, and two more.
@@ -368,7 +368,7 @@ mod tests {
         let mask = open.iter().fold(FULL, |mask, bin| mask ^ 1 << bin);
         let expected = [[40, 41], [90, 92], [127, 2]].map(|ends| ends.map(direction));
         let mut found = stretches(mask);
-        found.sort_by_key(|[first, _]| directions().iter().position(|at| at == first));
+        found.sort_by_key(|[first, _]| first_directions().iter().position(|at| at == first));
         assert_eq!(found, expected);
         let whole = stretches(0);
         assert!(whole.len() == 1 && whole[0].iter().all(|end| end.is_nan()));

@@ -124,17 +124,17 @@ fn term(a: DVec2, b: DVec2) -> DVec2 {
     let (larger, smaller) = (a.max(b), a.min(b));
     DVec2::new(
         (1.0 - larger).element_product(),
-        (high(larger) + low(smaller)).element_product(),
+        (high_of(larger) + low_of(smaller)).element_product(),
     )
 }
 
 /// What the larger of two coordinates gives to a term of the centred form, `1 + |a - 1/2| / 2 + |b - 1/2| / 2 - |a - b| / 2`.
-fn high(a: DVec2) -> DVec2 {
+fn high_of(a: DVec2) -> DVec2 {
     1.0 + 0.5 * ((a - 0.5).abs() - a)
 }
 
 /// What the smaller one gives.
-fn low(a: DVec2) -> DVec2 {
+fn low_of(a: DVec2) -> DVec2 {
     0.5 * ((a - 0.5).abs() + a)
 }
 
@@ -235,7 +235,7 @@ struct LeftSums {
 impl LeftSums {
     /// Adds a sample, or takes it away again with a sign of -1.
     fn add(&mut self, a: DVec2, sign: f64) {
-        let (low, high) = (low(a), high(a));
+        let (low, high) = (low_of(a), high_of(a));
         self.count += sign;
         self.low += sign * low;
         self.low_low += sign * low.x * low.y;
@@ -246,7 +246,7 @@ impl LeftSums {
 
     /// The terms of a sample with these, which lie below it.
     fn terms_below(&self, b: DVec2) -> DVec2 {
-        let high = high(b);
+        let high = high_of(b);
         let of_low = high.y * self.low.x + self.low_low;
         DVec2::new(
             (1.0 - b.x) * (1.0 - b.y) * self.count,
@@ -256,7 +256,7 @@ impl LeftSums {
 
     /// The terms of a sample with these, which lie above it.
     fn terms_above(&self, b: DVec2) -> DVec2 {
-        let (low, high) = (low(b), high(b));
+        let (low, high) = (low_of(b), high_of(b));
         let of_low = self.low_high + low.y * self.low.x;
         DVec2::new(
             (1.0 - b.x) * self.star,

@@ -37,12 +37,12 @@ pub fn page(blocks: &[Block], figures: &Path) -> String {
                 writeln!(out, "<h2 id=\"{one}\">{}</h2>", escape(one.title()))
             }
             Block::Text(spans) => {
-                let text: String = spans.iter().map(span).collect();
+                let text: String = spans.iter().map(span_text).collect();
                 writeln!(out, "<p>{text}</p>")
             }
             Block::Facts(facts) => {
                 let fact = |(name, value): &(&str, Span)| {
-                    format!("<dt>{name}</dt><dd>{}</dd>", span(value))
+                    format!("<dt>{name}</dt><dd>{}</dd>", span_text(value))
                 };
                 let items: String = facts.iter().map(fact).collect();
                 writeln!(out, "<dl>{items}</dl>")
@@ -63,7 +63,7 @@ pub fn page(blocks: &[Block], figures: &Path) -> String {
 
                 let head = |head: &String| format!("<th{class}>{}</th>", escape(head));
                 let head_cells: String = heads.iter().map(head).collect();
-                let cell = |one: &Span| format!("<td{class}>{}</td>", span(one));
+                let cell = |one: &Span| format!("<td{class}>{}</td>", span_text(one));
                 let row = |row: &Vec<Span>| {
                     let cells: String = row.iter().map(cell).collect();
                     format!("<tr>{cells}</tr>\n")
@@ -89,7 +89,7 @@ pub fn page(blocks: &[Block], figures: &Path) -> String {
 }
 
 /// Returns a span of text in HTML.
-fn span(span: &Span) -> String {
+fn span_text(span: &Span) -> String {
     match span {
         Span::Plain(text) => escape(text),
         Span::Strong(text) => format!("<strong>{}</strong>", escape(text)),

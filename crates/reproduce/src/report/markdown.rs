@@ -13,11 +13,11 @@ pub fn page(blocks: &[Block]) -> String {
             // Claims link to the section by this id.
             Block::Section(one) => write!(out, "\n<a id=\"{one}\"></a>\n\n## {}\n", one.title()),
             Block::Text(spans) => {
-                let text: String = spans.iter().map(span).collect();
+                let text: String = spans.iter().map(span_text).collect();
                 write!(out, "\n{text}\n")
             }
             Block::Facts(facts) => {
-                let fact = |(name, value): &(&str, Span)| format!("{name}: {}", span(value));
+                let fact = |(name, value): &(&str, Span)| format!("{name}: {}", span_text(value));
                 let lines: Vec<String> = facts.iter().map(fact).collect();
                 // Two spaces at the end of a line break it in Markdown.
                 write!(out, "\n{}\n", lines.join("  \n"))
@@ -38,7 +38,7 @@ pub fn page(blocks: &[Block]) -> String {
                 let head_cells: Vec<String> = heads.iter().map(|head| cell(head)).collect();
                 let rule = "---|".repeat(heads.len());
                 let row = |row: &Vec<Span>| {
-                    let cells: Vec<String> = row.iter().map(|one| cell(&span(one))).collect();
+                    let cells: Vec<String> = row.iter().map(|one| cell(&span_text(one))).collect();
                     format!("| {} |\n", cells.join(" | "))
                 };
 
@@ -57,7 +57,7 @@ pub fn page(blocks: &[Block]) -> String {
     out
 }
 
-fn span(span: &Span) -> String {
+fn span_text(span: &Span) -> String {
     match span {
         Span::Plain(text) => text.clone(),
         Span::Strong(text) | Span::Verdict(_, text) => format!("**{text}**"),

@@ -33,7 +33,7 @@ pub fn gaussian(
     function: impl Fn([f64; 2]) -> f64 + Sync,
     side: usize,
 ) -> Filtered {
-    let bins = bins(samples, side);
+    let bins = in_bands(samples, side);
     // The bands have one height on any number of threads, and so every sum has one order.
     let bands: Vec<Filtered> = (0..side.div_ceil(BAND))
         .into_par_iter()
@@ -47,7 +47,7 @@ pub fn gaussian(
 }
 
 /// Returns the samples that can contribute, by bands of rows; the first and last band hold those outside, too.
-fn bins(samples: &[[f64; 2]], side: usize) -> Vec<Vec<[f64; 2]>> {
+fn in_bands(samples: &[[f64; 2]], side: usize) -> Vec<Vec<[f64; 2]>> {
     let bands = side.div_ceil(BAND);
     let mut bins = vec![Vec::new(); bands];
     let reached = -REACH..=side as f64 + REACH;

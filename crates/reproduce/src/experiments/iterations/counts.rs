@@ -104,9 +104,12 @@ pub fn by_set(found: &[IterationCounts]) -> Table {
 }
 
 /// Returns a group of bars for each case, in one colour.
-fn groups(cases: &[InsertionCase], bars: impl Fn(InsertionCase) -> Vec<Bar>) -> Vec<BarGroup> {
+fn groups_of(
+    cases: &[InsertionCase],
+    bars_of: impl Fn(InsertionCase) -> Vec<Bar>,
+) -> Vec<BarGroup> {
     let group = |(color, &case): (usize, &InsertionCase)| {
-        let bars = bars(case).into_iter().map(|bar| Bar { color, ..bar });
+        let bars = bars_of(case).into_iter().map(|bar| Bar { color, ..bar });
         BarGroup {
             heading: case.name(),
             bars: bars.collect(),
@@ -139,7 +142,7 @@ pub fn inserted(found: &[IterationCounts], cases: &[InsertionCase]) -> Result<Pi
         }
     };
 
-    let groups = groups(cases, |case| {
+    let groups = groups_of(cases, |case| {
         (0..iterations).map(|k| bar(case, k)).collect()
     });
     let largest = found.iter().map(|one| one.summary.count).max().unwrap_or(0);
@@ -178,6 +181,6 @@ pub fn needed(found: &[IterationCounts], cases: &[InsertionCase]) -> Result<Pict
 
     // All cases have bars for the same numbers of iterations, so that they can be compared.
     let range = least.unwrap_or(0)..=most_iterations(found);
-    let groups = groups(cases, |case| range.clone().map(|k| bar(case, k)).collect());
+    let groups = groups_of(cases, |case| range.clone().map(|k| bar(case, k)).collect());
     bar_picture("iterations/needed", &json!({}), groups)
 }

@@ -90,7 +90,7 @@ impl SeedCounts {
         };
 
         // Samples are ranked in the gaps that elimination leaves.
-        let survivors = survivors(&circumcentre);
+        let survivors = survivors_of(&circumcentre);
         let gaps = Gaps::of(&survivors, region(&domain), domain.radius())?;
 
         Ok(Self {
@@ -111,7 +111,7 @@ impl SeedCounts {
 }
 
 /// Returns the tiled samples that are in the result, in user units.
-fn survivors(run: &Run) -> Vec<[f64; 2]> {
+fn survivors_of(run: &Run) -> Vec<[f64; 2]> {
     let all = &run.samples;
     let samples = all.origins.iter().zip(&all.fates).zip(&all.points);
     let survived = samples.filter(|((origin, fate), _)| {
