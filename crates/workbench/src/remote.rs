@@ -457,7 +457,7 @@ fn choice<T: Serialize + Copy>(
     Ok(Some(found))
 }
 
-/// Reads a camera; `None` within for the camera that shows the whole domain.
+/// Reads a camera: `Ok(None)` is the one that shows the whole domain.
 fn read_camera(value: &Value) -> Result<Option<Camera>, RequestError> {
     if value.as_str() == Some(WHOLE) {
         return Ok(None);
@@ -475,7 +475,7 @@ fn read_camera(value: &Value) -> Result<Option<Camera>, RequestError> {
 /// The camera that shows the whole domain, however large the frame is.
 pub const WHOLE: &str = "whole";
 
-/// Reads the names of layers; `None` within for the layers of the stage.
+/// Reads the names of layers: `Ok(None)` is the layers that each stage has by itself.
 fn read_layers(value: &Value) -> Result<Option<Layers>, RequestError> {
     if value.as_str() == Some(AUTOMATIC) {
         return Ok(None);
@@ -513,7 +513,7 @@ fn read_parameters(value: &Value) -> Result<Parameters, RequestError> {
     let Some(given) = value.as_object() else {
         return Err(wrong("parameters", value, "an object"));
     };
-    // The reference sampler is no tiling, but people who know the command line ask for it.
+    // A method without steps to be shown, such as the reference sampler, is refused with a reason of its own.
     let method = given.get("method").and_then(Value::as_str);
     if let Some(why) = method.and_then(method_refusal) {
         let method = quoted(method.unwrap_or_default());

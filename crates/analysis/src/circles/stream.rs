@@ -149,6 +149,7 @@ impl CircleBands {
 
         self.sort(&cells, open_row)
             .map_err(|declined| refused(declined, question, self.len()))?;
+        // The rows are taken out and put back below, since `judge` borrows all of this while `samples` borrow the rows.
         let held = mem::replace(&mut self.rows, SortedRows::new(0));
         let samples = Samples::of_rows(cells, &held);
         self.judge(question, &samples, rows.clone(), monitor)?;
