@@ -39,7 +39,7 @@ struct PlaceGate {
     right: Text,
     /// Which places are right, if they are more than those: true for a place `x`, `y`.
     region: Option<Text>,
-    /// How far from a right place is right, in r.
+    /// How far from a right place is right, in r: 0.25 if the file does not say (chosen, not measured).
     within: f64,
     /// Further places of the numbered list.
     candidates: Vec<Text>,

@@ -25,7 +25,7 @@ pub(super) const ROW: KindRow = KindRow {
 struct TraceGate {
     /// The query of the events that are predicted.
     events: Text,
-    /// How many of them.
+    /// How many of them: 6 if the file does not say (chosen, not measured).
     steps: usize,
     /// The things that may happen, each with the expression that is true if it does.
     options: Vec<ChoiceOption>,
