@@ -232,7 +232,7 @@ fn sort_cells(starts: &[u32], entries: &mut [Entry]) {
         return;
     }
 
-    // Equal places are told apart by the index: an unstable sort then has one result.
+    // Samples at one place are in the order of their indices, so that even an unstable sort has one result.
     let order = |a: &Entry, b: &Entry| {
         (a.position.x.total_cmp(&b.position.x))
             .then_with(|| a.position.y.total_cmp(&b.position.y))

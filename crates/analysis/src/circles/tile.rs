@@ -255,7 +255,7 @@ impl Tile {
     /// Scans all pairs of neighbours once: marks in both circles the bins that the other disk of radius `rho` covers,
     /// and counts the conflicts of the tile's own samples.
     ///
-    /// A pair belongs to the tile of whichever sample comes first in the sequence of rows and columns, counted on across the
+    /// A pair belongs to the tile of the sample that comes first in the sequence of rows and columns, counted on across the
     /// seams, so it is counted in one tile.
     pub fn scan(&mut self, samples: &Samples<'_>, rho: f64, radius: f64, found: &mut Found) {
         let per_unit = PER_RADIUS / rho;

@@ -498,7 +498,7 @@ impl LivePairs {
 
         // The region is in radii, so that a radius, the unit of the bins, is 1.
         let unit = 1.0;
-        // The curve ends at this multiple of the largest minimum distance that so many samples can have.
+        // The curve ends at this multiple of the largest minimum distance that `count` samples can have.
         let (end_in_multiples, bins) = PairCorrelation::bins_in_units_of(count, region, unit)?;
         let domain = Domain::new(region)?;
         // The same end in the domain's unit, in which `PairCorrelation` counts.

@@ -282,9 +282,9 @@ impl LiveSpectrum {
         UNITS_OFF * (rounded / self.square_sum()).sqrt() / ONE
     }
 
-    /// Returns whether sums are off by so much that they must be renewed. They are where nearly all samples of a set
+    /// Returns whether sums are off by so much that they must be renewed. That is so where nearly all samples of a set
     /// were removed, and where a few samples all lie at the border of a bounded plane and weigh next to nothing.
-    /// Otherwise they never are: with a million times as many changes as samples the error is still below the limit.
+    /// Otherwise no renewal is ever needed: with a million times as many changes as samples the error is still below the limit.
     #[must_use]
     pub fn must_renew(&self) -> bool {
         5.0 * self.error() >= Self::MAX_ERROR

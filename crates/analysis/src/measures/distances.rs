@@ -93,7 +93,7 @@ impl NearestDistances {
             distances[entry.id as usize] = distance;
         }
 
-        // Without samples there is no summary, but so few were refused above.
+        // Without samples there is no summary, but sets below the limit were refused above.
         let limit = MIN_SAMPLES;
         let summary = Summary::of(distances.iter().copied());
         Ok(Self {

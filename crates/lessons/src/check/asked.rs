@@ -1,4 +1,4 @@
-//! Asks the question of a step in a run, and lets three learners answer it: one who knows everything, one who guesses, and
+//! Asks the question of a step in a run, and lets three learners answer it: one with the right answers, one who guesses, and
 //! one with the first known misconception. Begin with [`ask`].
 
 use std::sync::Arc;

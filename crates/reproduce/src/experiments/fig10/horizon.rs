@@ -15,7 +15,7 @@ const EYE: f64 = 8.0;
 const SKY: usize = 8;
 /// Within this many pixels below the horizon nothing is integrated, which leaves out at most [`LEFT_OUT`] of a pixel.
 const CUT: f64 = 1.0 / 32.0;
-/// The bound of that.
+/// The largest share of a pixel that [`CUT`] leaves out.
 pub const LEFT_OUT: f64 = CUT * CUT / (2.0 * EYE);
 /// Samples per pixel of the images that are shown.
 pub const SHOWN: usize = 4;
