@@ -57,8 +57,8 @@ impl Grid {
     /// Samples that 32-bit indices can name.
     pub const MAX_SAMPLES: usize = u32::MAX as usize;
 
-    /// Sorts the samples, of which there must be one at least, into cells whose sides are at least `side` where the region is
-    /// so large.
+    /// Sorts the samples, of which there must be one at least, into cells whose sides are at least `side` where the
+    /// region is so large.
     ///
     /// There are at most about as many cells as samples, whatever the side.
     pub fn new(points: &[[f64; 2]], domain: Domain, side: f64) -> Self {

@@ -113,8 +113,8 @@ impl<'a> Looks<'a> {
     /// Returns the looks of a subject's samples; `swatches` must have been updated for the same subject and palette.
     #[must_use]
     pub fn new(subject: &Subject<'a>, palette: &'a Palette, swatches: &'a Swatches) -> Self {
-        // Eliminated samples are dimmed once gaps are filled, and more where the result is shown. These shares and that of
-        // dropped samples were chosen, not measured.
+        // Eliminated samples are dimmed once gaps are filled, and more where the result is shown. These shares and that
+        // of dropped samples were chosen, not measured.
         let presence = match subject.shown.stage {
             Stage::Finish => 0.3,
             Stage::Iterate(_) => 0.6,

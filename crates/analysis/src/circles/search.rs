@@ -298,8 +298,8 @@ impl<'a> Search<'a> {
             }
         }
 
-        // A hole that the widest surroundings do not close has more samples on its rim than are worth a search here. A set
-        // with more gaps than `MAX_EXPOSED` has too many holes.
+        // A hole that the widest surroundings do not close has more samples on its rim than are worth a search here. A
+        // set with more gaps than `MAX_EXPOSED` has too many holes.
         Ok(if exposed.is_empty() && found.gaps.len() <= MAX_EXPOSED {
             Ok(found)
         } else {
@@ -316,8 +316,8 @@ impl<'a> Search<'a> {
         around: usize,
     ) -> Result<Vec<Sample>, Declined> {
         let cells = &self.samples.cells;
-        // Cells are twice as high as wide, so that twice as many columns reach as far. A radius above the period needs a
-        // wider reach, which may exceed a narrow halo.
+        // Cells are twice as high as wide, so that twice as many columns reach as far. A radius above the period needs
+        // a wider reach, which may exceed a narrow halo.
         let halo = [cells.reach[0].max(2 * around), cells.reach[1].max(around)];
 
         // Samples in one row, in the same block of `around` columns, share a tile.

@@ -66,8 +66,8 @@ impl CircleBands {
         }
     }
 
-    /// Adds samples, the first of which has the index `first`. No later sample lies below the ordinate `complete`, except in
-    /// the lowest row of a torus.
+    /// Adds samples, the first of which has the index `first`. No later sample lies below the ordinate `complete`,
+    /// except in the lowest row of a torus.
     pub fn add(
         &mut self,
         question: &Question,

@@ -255,8 +255,8 @@ impl Tile {
     /// Scans all pairs of neighbours once: marks in both circles the bins that the other disk of radius `rho` covers,
     /// and counts the conflicts of the tile's own samples.
     ///
-    /// A pair belongs to the tile of the sample that comes first in the sequence of rows and columns, counted on across the
-    /// seams, so it is counted in one tile.
+    /// A pair belongs to the tile of the sample that comes first in the sequence of rows and columns, counted on across
+    /// the seams, so it is counted in one tile.
     pub fn scan(&mut self, samples: &Samples<'_>, rho: f64, radius: f64, found: &mut Found) {
         let per_unit = PER_RADIUS / rho;
         // From the tile's corner, as 32 bits would round places of a large region too much.
@@ -282,8 +282,8 @@ impl Tile {
     }
 
     /// Scans the pairs of all rows: marks the bins that they cover, lists the samples whose circles stay open, and calls `pair`
-    /// for pairs that may be in conflict or the closest. `squares_per_area` is how many of the table's squares make a unit of
-    /// area.
+    /// for pairs that may be in conflict or the closest. `squares_per_area` is how many of the table's squares make a
+    /// unit of area.
     #[expect(
         clippy::inline_always,
         reason = "it must become a part of what dispatch! compiles for the processor"
@@ -319,8 +319,8 @@ impl Tile {
                     runs[0].start = index + 1;
                     let lanes = |value: f32| f32x8::splat(simd, value);
                     let (x, y) = (lanes(xs[index]), lanes(ys[index]));
-                    // A conflict counts in the tile that owns its first sample. In other tiles no pair is near, as no squared
-                    // distance is below 0.
+                    // A conflict counts in the tile that owns its first sample. In other tiles no pair is near, as no
+                    // squared distance is below 0.
                     let near = if is_own { lanes(nearby) } else { lanes(-1.0) };
 
                     for run in &runs {
@@ -412,8 +412,8 @@ impl Tile {
     }
 }
 
-/// Returns a squared length, rounded up, in units of the table's squares, of which `squares_per_area` make a unit of area.
-/// Rounding moves an offset along both axes.
+/// Returns a squared length, rounded up, in units of the table's squares, of which `squares_per_area` make a unit of
+/// area. Rounding moves an offset along both axes.
 fn in_squares_at_most(length_square: f64, squares_per_area: f64) -> f32 {
     let farthest = (length_square * squares_per_area).sqrt() + 2.0 * UNCERTAIN;
     (farthest * farthest).min(f64::from(f32::MAX)) as f32

@@ -172,8 +172,8 @@ impl LiveCover {
                 steps += self.clip_kept(other, offset.map(i64::from), slot);
             }
         } else {
-            // If the circle was not proven covered, `examine` left the sample's cell in `self.cell`. It names all neighbours,
-            // however far they are. As seen from them, the sample lies in the opposite direction.
+            // If the circle was not proven covered, `examine` left the sample's cell in `self.cell`. It names all
+            // neighbours, however far they are. As seen from them, the sample lies in the opposite direction.
             let cell = std::mem::take(&mut self.cell);
             for (other, [x, y]) in cell.vertices.iter().filter_map(Vertex::neighbour) {
                 steps += self.clip_kept(other, [-x, -y], slot);

@@ -217,8 +217,8 @@ impl PlaceGrid {
             } else {
                 before & !bit
             };
-            // The layer above has one bit for this whole block: it changes only when the first part of the block is occupied
-            // or the last one is left.
+            // The layer above has one bit for this whole block: it changes only when the first part of the block is
+            // occupied or the last one is left.
             if (before == 0) == (*mask == 0) {
                 break;
             }

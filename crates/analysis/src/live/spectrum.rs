@@ -159,8 +159,8 @@ impl LiveSpectrum {
         (at, at.map(|x| self.taper.weight_along(x)))
     }
 
-    /// Replaces all samples, by changes or by a transform, whichever takes fewer steps, and returns these steps. Powers by
-    /// changes depend on the samples alone, bit for bit; those by a transform are right to
+    /// Replaces all samples, by changes or by a transform, whichever takes fewer steps, and returns these steps. Powers
+    /// by changes depend on the samples alone, bit for bit; those by a transform are right to
     /// [`crate::measures::NUFFT_ERROR`].
     pub fn rebuild(&mut self, samples: &[LiveSample]) -> u64 {
         let by_changes = self.cost_of_change() * samples.len() as u64;
@@ -284,7 +284,8 @@ impl LiveSpectrum {
 
     /// Returns whether sums are off by so much that they must be renewed. That is so where nearly all samples of a set
     /// were removed, and where a few samples all lie at the border of a bounded plane and weigh next to nothing.
-    /// Otherwise no renewal is ever needed: with a million times as many changes as samples the error is still below the limit.
+    /// Otherwise no renewal is ever needed: with a million times as many changes as samples the error is still below
+    /// the limit.
     #[must_use]
     pub fn must_renew(&self) -> bool {
         5.0 * self.error() >= Self::MAX_ERROR

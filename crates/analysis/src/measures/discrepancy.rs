@@ -73,8 +73,8 @@ impl Discrepancy {
         // Rounding may leave a tiny negative number.
         let root = |square: f64| square.max(0.0).sqrt();
 
-        // The parts of the closed forms without samples are (1/3)^2 and (13/12)^2. The star form subtracts half of the mean
-        // single term, and the centred one twice that mean.
+        // The parts of the closed forms without samples are (1/3)^2 and (13/12)^2. The star form subtracts half of the
+        // mean single term, and the centred one twice that mean.
         Ok(Self {
             star: root(1.0 / 9.0 - 0.5 * mean_single.x + mean_pair.x),
             centered: root(169.0 / 144.0 - 2.0 * mean_single.y + mean_pair.y),

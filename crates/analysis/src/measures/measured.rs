@@ -217,7 +217,7 @@ impl MeasuredSet {
         };
 
         match PairCorrelation::in_units_of(points, region, radius, control) {
-            // No bin of a fortieth of the radius can be counted: a caller's radius may be too long or too short for the set.
+            // No bin of a fortieth of the radius can be counted: the radius that a caller gave does not suit the set.
             Err(MeasureError::OutOfRange { .. }) => {
                 PairCorrelation::to_look_at(points, region, control)
             }

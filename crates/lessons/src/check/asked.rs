@@ -1,5 +1,5 @@
-//! Asks the question of a step in a run, and lets three learners answer it: one with the right answers, one who guesses, and
-//! one with the first known misconception. Begin with [`ask`].
+//! Asks the question of a step in a run, and lets three learners answer it: one with the right answers, one who
+//! guesses, and one with the first known misconception. Begin with [`ask`].
 
 use std::sync::Arc;
 

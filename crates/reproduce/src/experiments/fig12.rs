@@ -300,8 +300,8 @@ fn scene(glued: &Glued, rects: &[Cells], window: Option<Rect>, caption: String) 
     scene
 }
 
-/// Side of a legend's mark, height of its line and size of its text, in points. Gaps between them and the width of a disk's
-/// outline were set by eye.
+/// Side of a legend's mark, height of its line and size of its text, in points. Gaps between them and the width of a
+/// disk's outline were set by eye.
 const MARK: f64 = 12.0;
 const LINE: f64 = 34.0;
 const TEXT: f64 = 14.0;

@@ -46,7 +46,8 @@ pub struct GpuRun {
 /// Rates of a GPU.
 #[derive(Clone, Debug)]
 pub struct GpuRates {
-    /// The parallel engine on all threads and the GPU, by turns, for each leaf size; the parallel engine is the baseline.
+    /// The parallel engine on all threads and the GPU, by turns, for each leaf size; the parallel engine is the
+    /// baseline.
     pub rows: Vec<EngineRate>,
     /// Seconds of the first run, which compiles the passes.
     pub first_seconds: f64,

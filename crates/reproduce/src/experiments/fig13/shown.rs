@@ -194,8 +194,8 @@ fn power(one: &MethodSpectra, below: &MethodSpectra) -> Panel {
     by_frequency("fig13/power", vec![below, own], [0.0, 2.0])
 }
 
-/// The range of all anisotropies and of noise's level, with a little room (chosen, not measured), so that an axis has a length
-/// even if all are equal: one axis for all columns.
+/// The range of all anisotropies and of noise's level, with a little room (chosen, not measured), so that an axis has a
+/// length even if all are equal: one axis for all columns.
 fn decibels(columns: &[MethodColumn<'_>]) -> [f64; 2] {
     let methods = columns.iter().flat_map(|(one, below)| [one, below]);
     let all = methods.flat_map(|of| {

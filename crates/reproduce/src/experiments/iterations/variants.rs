@@ -1,5 +1,5 @@
-//! Insertion in stages against Algorithm 4 as printed, whose first loop inserts while it eliminates. The algorithm as printed
-//! is carried out by the sequential engine alone, so these sets are smaller.
+//! Insertion in stages against Algorithm 4 as printed, whose first loop inserts while it eliminates. The algorithm as
+//! printed is carried out by the sequential engine alone, so these sets are smaller.
 
 use serde::{Deserialize, Serialize};
 use serde_json::json;

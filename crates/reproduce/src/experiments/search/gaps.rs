@@ -142,8 +142,8 @@ impl GapCounts {
             let witness = Witness::of(gap, set, samples);
             self.out_of_sight += usize::from(witness.out_of_sight(set.radius));
 
-            // The verifier lists the largest circles first: the first one in a hole is the largest of the hole. All centres
-            // outside of holes count as one hole here.
+            // The verifier lists the largest circles first: the first one in a hole is the largest of the hole. All
+            // centres outside of holes count as one hole here.
             if self.worst.len() < KEPT && !seen.contains(&hole) {
                 seen.push(hole);
                 self.worst.push(witness);

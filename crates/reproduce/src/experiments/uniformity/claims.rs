@@ -107,8 +107,8 @@ fn seams(
     claim("uniformity/seams", verdict, &values)
 }
 
-/// Judges whether mean curves of exact tilings are those of reference sets. KDRT's must differ, and those of more reference
-/// sets must not. `None` if one of these three was not measured.
+/// Judges whether mean curves of exact tilings are those of reference sets. KDRT's must differ, and those of more
+/// reference sets must not. `None` if one of these three was not measured.
 pub fn mean_curves(against: &[AgainstReference]) -> Option<Claim> {
     let of = |way: AveragedWay| against.iter().find(|one| one.way == way);
     let [again, kdrt, exact] = [AveragedWay::Again, AveragedWay::Kdrt, AveragedWay::Exact].map(of);
