@@ -49,7 +49,8 @@ pub fn verify_cut(
     control: Control<'_>,
 ) -> Result<CutReport, VerifyError> {
     let options = VerifyOptions {
-        // All gaps are listed, since their places tell which of them lie in the window.
+        // All gaps are listed, since their places tell which of them lie in the window. As many conflicts may then be
+        // listed, too.
         witnesses: MAX_GAPS,
         ..options.clone()
     };

@@ -92,7 +92,8 @@ pub(crate) fn circle_exceeds(sites: [Site; 3], extent: DVec2, limit: f64) -> boo
         > 4 * square(&double_area) * square(&limit)
 }
 
-/// Returns whether the circle about the crossing of two sites' bisector with a line of the border is larger than `limit`.
+/// Returns whether the circle about the crossing of two sites' bisector with a line of the border is larger than
+/// `limit`. The sites' feet on the line differ, or there would be no crossing.
 pub(crate) fn crossing_exceeds(
     sites: [Site; 2],
     BorderLine { axis, is_far }: BorderLine,

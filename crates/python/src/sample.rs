@@ -171,11 +171,11 @@ fn kdrt(request: &RunRequest, engine: RunEngine, watch: &TaskWatch) -> Result<Ma
 
     // A radius that was searched for may be smaller than its estimate, so that the samples are counted by it.
     let domain = settled.parameters.validate_sequential()?;
-    let sources = domain.area_radii() * MAXIMAL_DENSITY <= MAX_WITH_PROVENANCE;
+    let with_provenance = domain.area_radii() * MAXIMAL_DENSITY <= MAX_WITH_PROVENANCE;
     Ok(if is_sequential(request, engine) {
-        settled.sequential(sources, &mut observer)?
+        settled.sequential(with_provenance, &mut observer)?
     } else {
-        settled.parallel(sources, &mut observer)?
+        settled.parallel(with_provenance, &mut observer)?
     })
 }
 

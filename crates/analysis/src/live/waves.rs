@@ -97,8 +97,8 @@ impl WaveSums {
         }
 
         let rows = self.along_y.chunks_mut(LANES);
-        for (rows, [cos, sin]) in rows.zip(wave_along(1, change.sign)) {
-            for (lane, row) in rows.iter_mut().enumerate() {
+        for (some_rows, [cos, sin]) in rows.zip(wave_along(1, change.sign)) {
+            for (lane, row) in some_rows.iter_mut().enumerate() {
                 row[index] = [cos[lane], sin[lane]];
             }
         }

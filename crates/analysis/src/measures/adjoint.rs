@@ -79,6 +79,7 @@ fn back_along_x(
         || Scratch::new(&fft, 0),
         |scratch, ((row, line), values)| {
             let along_y = y_axis.factor(plan.first_row() + row as i64);
+            // Offsets of frequencies count from the middle one of the axis, with `below` of them under it.
             for ((value, factor), offset) in values.iter().zip(&factors).zip(-x_axis.below..) {
                 // The adjoint has the conjugates of the factors of the transform.
                 line[x_axis.index(offset)] = value * (factor * along_y).conj();

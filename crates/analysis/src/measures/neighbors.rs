@@ -88,7 +88,7 @@ impl Neighbors<'_> {
                 break;
             }
 
-            let below = if domain.periodic {
+            let row_below = if domain.periodic {
                 Some((home + rows - step) % rows)
             } else {
                 home.checked_sub(step)
@@ -100,8 +100,8 @@ impl Neighbors<'_> {
             };
 
             // Below and above are one row at step 0 and, of an even number of rows on a torus, at the last step.
-            let above = row_above.filter(|_| row_above != below);
-            for row in [below, above].into_iter().flatten() {
+            let other_row = row_above.filter(|_| row_above != row_below);
+            for row in [row_below, other_row].into_iter().flatten() {
                 least_square = self.nearest_in_row(entry, [column, row], least_square);
             }
         }

@@ -169,8 +169,8 @@ impl Exports {
     /// downloaded instead of written.
     fn exported(&mut self, written: &Written, download: Option<&str>, context: &mut Context) {
         // The sheet may have been opened for another file since the export began.
-        let this = |form: &ExportForm| form.file() == written.path;
-        if self.sheet.as_ref().is_some_and(this) {
+        let is_of_this_file = |form: &ExportForm| form.file() == written.path;
+        if self.sheet.as_ref().is_some_and(is_of_this_file) {
             self.sheet = None;
         }
         let (text, is_error) = notice_of(written, download);

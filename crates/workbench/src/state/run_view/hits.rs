@@ -76,8 +76,8 @@ impl RunView {
         // The comparison with the breakpoints that were looked for last makes no copies, because it is made in every
         // frame.
         let same = self.hits.key.as_ref().is_some_and(|(generation, known)| {
-            let known = known.iter().map(|(line, text)| (*line, text.as_str()));
-            *generation == session.generation && known.eq(breakpoints.clone())
+            let all_known = known.iter().map(|(line, text)| (*line, text.as_str()));
+            *generation == session.generation && all_known.eq(breakpoints.clone())
         });
 
         if same {
