@@ -42,8 +42,8 @@ use crate::stages::darts::LAST_LEVEL;
 ///
 /// The result is conflict-free, and no lattice point of the domain is uncovered. It depends on the domain, the seed, the
 /// leaf, dihedral variation and the pattern; the other parameters have no meaning here. Samples of the pattern have their
-/// block and their index as source. A dart that became a sample here and not in the pattern counts as inserted: one of levels 0 and 1 in
-/// iteration 1, one of level k in iteration k. Equal parameters give equal results, bit for bit, on every machine.
+/// block and their index as source. A dart that became a sample here and not in the pattern counts as inserted: one of levels
+/// 0 and 1 in iteration 1, one of level k in iteration k. Equal parameters give equal results, bit for bit, on every machine.
 ///
 /// ```
 /// use tilescope_core::{Parameters, PatternHistory, Unobserved, exact_sample};

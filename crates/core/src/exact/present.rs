@@ -19,7 +19,8 @@ pub(crate) struct ArrivedSample {
     pub(crate) place: Point,
     /// The index of its tile.
     pub(crate) tile: u32,
-    /// Its index in the pattern; from [`FIRST_INSERTED`] on, that among the darts that are samples here and not in the pattern.
+    /// Its index in the pattern; from [`FIRST_INSERTED`] on, that among the darts that are samples here and not in the
+    /// pattern.
     number: u32,
     /// Whether an earlier sample covers it, so that it is none.
     pub(crate) is_lost: bool,

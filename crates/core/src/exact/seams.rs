@@ -71,7 +71,8 @@ struct SeamTile {
 struct ListedSample {
     place: Point,
     tile: u32,
-    /// Its index in the pattern; from [`FIRST_INSERTED`] on, that among the darts that are samples here and not in the pattern.
+    /// Its index in the pattern; from [`FIRST_INSERTED`] on, that among the darts that are samples here and not in the
+    /// pattern.
     number: u32,
     /// Whether an interior has it, or it is lost or doubtful: then it is not handed out with the listed ones.
     is_left_out: bool,
