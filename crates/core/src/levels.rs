@@ -28,13 +28,16 @@
 //! *Windows.* What a sample depends on is followed by *unknowns* ([`region`]), never guessed.
 
 mod blocks;
+mod candidates;
 mod frame;
 mod gaps;
+mod grid;
 mod nested;
 mod pattern;
 mod plane;
 mod rank;
 mod region;
+mod search;
 
 use crate::error::ParameterError;
 use crate::radius::MAX_HALVINGS;

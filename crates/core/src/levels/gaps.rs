@@ -1,5 +1,6 @@
 //! Detection and insertion at one level. Cells that a lost sample may have covered are divided into *pixels*, until one
-//! sample covers a pixel or it is an eighth of the cell wide. Candidates are sought in the pixels that are left.
+//! sample covers a pixel or it is an eighth of the cell wide. Candidates are sought in the pixels that are left. Whole periodic
+//! runs find the same ones sooner ([`super::search`]).
 //!
 //! *Definition.* A candidate is a lattice point c of the domain that no sample covers and that is
 //! - the circumcentre, rounded half up, of three samples,
@@ -20,7 +21,7 @@
 //! every place at which an insertion would cover a place of the pixel. Insertions in the other pixels therefore
 //! depend on no unknown, in any iteration.
 
-use glam::{DVec2, I64Vec2, IVec2};
+use glam::IVec2;
 use rayon::prelude::*;
 
 use crate::error::SampleError;
@@ -29,6 +30,7 @@ use crate::progress::Meter;
 use crate::radius::Radius;
 use crate::random::{Key, Stream};
 
+use super::candidates::{Candidates, GapPlace};
 use super::region::{LevelRegion, UnknownDisk, flag};
 
 /// Units by which samples may be farther from a pixel than its nearest one and still be sites: 9 and some for rounding.
@@ -43,16 +45,32 @@ const MORE_HALVINGS: u32 = 5;
 
 /// A square in which there may be a gap.
 #[derive(Clone, Copy)]
-struct GapPixel {
-    min: Point,
-    side: i32,
+pub(super) struct GapPixel {
+    pub min: Point,
+    pub side: i32,
     /// How far from its centre samples decide what happens in it.
-    sight: f64,
+    pub sight: f64,
     /// Whether candidates are to be sought in it.
-    is_due: bool,
+    pub is_due: bool,
 }
 
 impl GapPixel {
+    /// Returns a pixel of a cell by its number, 0 to 63, row by row.
+    pub(super) fn of_cell(cell: &Rect, side: i32, number: u8) -> Self {
+        let (column, row) = (i32::from(number) % 8, i32::from(number) / 8);
+        Self {
+            min: Point::new(cell.min.x + column * side, cell.min.y + row * side),
+            side,
+            sight: f64::INFINITY,
+            is_due: true,
+        }
+    }
+
+    /// Returns by how much a site may be farther from the centre than the nearest sample.
+    pub(super) fn site_slack(&self) -> f64 {
+        2.0 * self.half_diagonal() + PIXEL_SLACK
+    }
+
     /// Returns the offset of its centre from its lowest point.
     fn middle(&self) -> f64 {
         f64::from(self.side - 1) / 2.0
@@ -63,7 +81,7 @@ impl GapPixel {
         self.middle() * std::f64::consts::SQRT_2
     }
 
-    fn rect(&self) -> Rect {
+    pub(super) fn rect(&self) -> Rect {
         Rect {
             min: self.min,
             max: Point::new(self.min.x + self.side, self.min.y + self.side),
@@ -72,15 +90,15 @@ impl GapPixel {
 }
 
 /// Returns how far around a cell samples are gathered: far enough for nearly all of its pixels.
-const fn gathered(radius: Radius) -> i32 {
+pub(super) const fn gathered(radius: Radius) -> i32 {
     radius.units / 8 * 13
 }
 
 /// Cells and pixels of one task of a thread. No result depends on it.
-const TURN: usize = 256;
+pub(super) const TURN: usize = 256;
 
 /// Cells and pixels between two calls of the observer. No result depends on it.
-const SHIFT: usize = 256 * TURN;
+pub(super) const SHIFT: usize = 256 * TURN;
 
 /// The samples around a cell, as offsets from its lowest point, and the pixels found so far.
 #[derive(Default)]
@@ -94,6 +112,20 @@ impl LevelRegion {
     /// Fills the gaps of a level, as far as they can be known. `key` is the level's. Uses the current rayon pool. Fails
     /// only when the observer of `meter` stops it.
     pub fn fill(&mut self, key: Key, meter: &mut Meter<'_>) -> Result<(), SampleError> {
+        // A plane without an end has no border and no unknowns, and its gaps are found sooner.
+        if self.frame.wraps {
+            self.fill_endless(key, meter)
+        } else {
+            self.fill_by_pixels(key, meter)
+        }
+    }
+
+    /// Fills the gaps in a frame of any kind.
+    pub(super) fn fill_by_pixels(
+        &mut self,
+        key: Key,
+        meter: &mut Meter<'_>,
+    ) -> Result<(), SampleError> {
         let mut pixels = self.open_pixels(meter)?;
         // Only where the plane goes on beyond the frame something is unknown.
         if self.frame.ends_inside() {
@@ -117,7 +149,11 @@ impl LevelRegion {
 
                 let (still_open, candidates): (Vec<_>, Vec<_>) = searched.unzip();
                 open.append(&mut still_open.concat());
-                found.append(&mut candidates.concat());
+                let uncovered = candidates
+                    .iter()
+                    .flatten()
+                    .filter(|place| place.is_uncovered);
+                found.extend(uncovered.map(|place| place.at));
                 meter.ask()?;
             }
 
@@ -126,11 +162,19 @@ impl LevelRegion {
                 break;
             }
 
-            self.insert(key.derive(Stream::Iteration, iteration), &found);
+            self.flags.clear(flag::CHANGED);
+            // All cells are marked that hold the lowest point of a pixel which sees the insertion: a pixel sees as far as
+            // `gathered` from its centre, and its lowest point is less than its side, at most an eighth of a cell, from there.
+            let radius = self.grid.radius();
+            let reach = gathered(radius) + radius.side() / 8;
+            for at in self.insert(key.derive(Stream::Iteration, iteration), &found) {
+                self.flags
+                    .set_near(&self.grid, at, reach, flag::CHANGED, |_| ());
+            }
 
             // A candidate that was not inserted is covered by one that was, so that only pixels near an insertion can have a
-            // candidate in the next iteration. `insert` marks the cells of pixels that see an insertion from no farther than
-            // `gathered`; pixels that see farther are searched in any case.
+            // candidate in the next iteration. The cells of pixels that see an insertion from no farther than `gathered` are
+            // marked; pixels that see farther are searched in any case.
             let marked_to = f64::from(gathered(self.grid.radius()));
             pixels.retain_mut(|pixel| {
                 pixel.is_due = true;
@@ -245,7 +289,7 @@ impl LevelRegion {
 
         // Samples farther from the centre than this are no sites of a candidate in the pixel (see the head). Four units are
         // added for the rounding of squares.
-        let sight = nearest.sqrt() + (2.0 * pixel.half_diagonal() + PIXEL_SLACK) as f32 + 4.0;
+        let sight = nearest.sqrt() + pixel.site_slack() as f32 + 4.0;
         if sight < gathered(radius) as f32 {
             pixel.sight = sight.into();
             let squares = around.across.iter().zip(&around.up).map(square);
@@ -349,38 +393,32 @@ impl LevelRegion {
         limit - half - PIXEL_SLACK > f64::from(radius.units) - 2.0
     }
 
-    /// Appends the candidates of a pixel to `found`, and returns whether the pixel is open. `sites` is a buffer.
-    fn find(&self, pixel: &mut GapPixel, sites: &mut Vec<IVec2>, found: &mut Vec<Point>) -> bool {
-        if !self.look(pixel, sites) {
-            return false;
+    /// Appends the places of a pixel to `found`, and returns whether the pixel is open. `sites` is a buffer.
+    pub(super) fn find(
+        &self,
+        pixel: &mut GapPixel,
+        sites: &mut Vec<IVec2>,
+        found: &mut Vec<GapPlace>,
+    ) -> bool {
+        let is_open = self.look(pixel, sites);
+        if is_open {
+            self.find_among(pixel, sites, found);
         }
+        is_open
+    }
 
+    /// Appends the places that `sites`, all that decide about a pixel, make in it.
+    pub(super) fn find_among(&self, pixel: &GapPixel, sites: &[IVec2], found: &mut Vec<GapPlace>) {
         let places = Candidates {
             region: self,
             pixel,
             sites,
         };
-
-        for (k, &a) in sites.iter().enumerate() {
-            for (l, &b) in sites.iter().enumerate().skip(k + 1) {
-                for &c in &sites[l + 1..] {
-                    // A filter in floating point; integers decide on the triples that it lets pass.
-                    if may_hold(pixel.side, [a, b, c]) {
-                        places.consider(circumcentre([a, b, c]), &[a, b, c], found);
-                    }
-                }
-            }
-        }
-
-        if self.frame.border.meets(&pixel.rect()) {
-            places.on_border(found);
-        }
-
-        true
+        places.find(found);
     }
 
-    /// Inserts candidates in the order of a draw; one that a sample covers is passed over.
-    fn insert(&mut self, key: Key, found: &[Point]) {
+    /// Inserts candidates in the order of a draw, and returns those inserted; one that a sample covers is passed over.
+    pub(super) fn insert(&mut self, key: Key, found: &[Point]) -> Vec<Point> {
         let ranked = |&p: &Point| {
             // A rank is drawn for the place in the domain, so that every frame draws the same.
             let place = self.frame.in_domain(p);
@@ -390,143 +428,16 @@ impl LevelRegion {
         let mut candidates: Vec<_> = found.iter().map(ranked).collect();
         candidates.sort_unstable_by_key(|(rank, place, _)| (*rank, *place));
 
-        self.flags.clear(flag::CHANGED);
-
-        // All cells are marked that hold the lowest point of a pixel which sees the insertion: a pixel sees as far as
-        // `gathered` from its centre, and its lowest point is less than its side, at most an eighth of a cell, from there.
-        let radius = self.grid.radius();
-        let reach = gathered(radius) + radius.side() / 8;
-
+        // A place that several triples made is inserted once: then its sample covers it.
+        let mut inserted = Vec::new();
         for (_, _, at) in candidates {
-            // A place that several triples made is inserted once: then its sample covers it.
             if !self.grid.covers(at) {
                 // An inserted sample is not one of a block's pattern, so that it may be in conflict with that.
                 let foreign = true;
                 self.keep(at, foreign);
-                self.flags
-                    .set_near(&self.grid, at, reach, flag::CHANGED, |_| ());
+                inserted.push(at);
             }
         }
-    }
-}
-
-/// The places of a pixel that may be candidates.
-struct Candidates<'a> {
-    region: &'a LevelRegion,
-    pixel: &'a GapPixel,
-    sites: &'a [IVec2],
-}
-
-impl Candidates<'_> {
-    /// Adds the place at `centre` of the pixel if it is a candidate made by `made_by`.
-    fn consider(&self, centre: Option<I64Vec2>, made_by: &[IVec2], found: &mut Vec<Point>) {
-        let side = 0..i64::from(self.pixel.side);
-        // Each pixel finds the places that it holds, so that no two search for the same.
-        let Some(centre) = centre.filter(|at| side.contains(&at.x) && side.contains(&at.y)) else {
-            return;
-        };
-
-        let square = |site: &IVec2| site.as_i64vec2().distance_squared(centre);
-        // `made_by` is never empty.
-        let nearest_square = made_by.iter().map(square).min().unwrap_or(0);
-        let radius = self.region.grid.radius();
-        // The same slack as in `stages/detect.rs`, at this level's radius.
-        let slack = 12 * i64::from(radius.units);
-        // A sample within R covers the place, however near those that made it are.
-        let limit = (nearest_square - slack).max(radius.squared + 1);
-        if self.sites.iter().any(|site| square(site) < limit) {
-            return;
-        }
-
-        let (x, y) = (centre.x as i32, centre.y as i32);
-        let place = Point::new(self.pixel.min.x + x, self.pixel.min.y + y);
-        // Pixels at the upper edges may reach beyond the frame.
-        if self.region.frame.rect.contains(place) {
-            found.push(place);
-        }
-    }
-
-    /// Adds the candidates on the lines and corners of a closed border.
-    fn on_border(&self, found: &mut Vec<Point>) {
-        let through = self.region.frame.border.through(&self.pixel.rect());
-        let border = through.seen_from(self.pixel.min.into());
-
-        for (k, a) in self.sites.iter().enumerate() {
-            let others = &self.sites[k + 1..];
-            for (place, other) in border.places(a.as_i64vec2(), others, |b| b.as_i64vec2()) {
-                match other {
-                    Some(b) => self.consider(Some(place), &[*a, *b], found),
-                    None => self.consider(Some(place), &[*a], found),
-                }
-            }
-        }
-    }
-}
-
-/// Returns the circumcentre of three places, rounded half up to the lattice, or `None` if they are collinear or it is
-/// far from the place (0, 0).
-#[inline]
-fn circumcentre(sites: [IVec2; 3]) -> Option<I64Vec2> {
-    let [a, b, c] = sites.map(IVec2::as_i64vec2);
-    let (from_a_to_b, from_a_to_c) = (b - a, c - a);
-    let d = 2 * from_a_to_b.perp_dot(from_a_to_c);
-    if d == 0 {
-        return None;
-    }
-
-    // The centre lies at these numerators over d from a. Components are below 2^24, squares below 2^49, numerators
-    // below 2^74.
-    let (b2, c2) = (from_a_to_b.length_squared(), from_a_to_c.length_squared());
-    let times = |square: i64, length: i64| i128::from(square) * i128::from(length);
-    let x = times(b2, from_a_to_c.y) - times(c2, from_a_to_b.y);
-    let y = times(c2, from_a_to_b.x) - times(b2, from_a_to_c.x);
-    let [right, up] = [x, y].map(|n| i64::try_from(round_half_up(n, d.into())).ok());
-
-    Some(a + I64Vec2::new(right?, up?))
-}
-
-/// Returns whether the circumcentre of three places of a conflict-free set may lie in a square of `side` units at (0, 0).
-///
-/// If it does, its distance from the places is at most 5 R, so that d, the triangle's area times 4, is above 0.2 R^2, and
-/// the numerators, below (10 R)^3, have errors of less than 10^-6 d.
-#[inline]
-fn may_hold(side: i32, sites: [IVec2; 3]) -> bool {
-    let [a, b, c] = sites.map(IVec2::as_dvec2);
-    let (b, c) = (b - a, c - a);
-    let d = 2.0 * b.perp_dot(c);
-    let centre = (c.length_squared() * b - b.length_squared() * c).perp() / d + a;
-    let high = DVec2::splat(f64::from(side) + 1.0);
-    (centre.cmpge(DVec2::NEG_ONE) & centre.cmplt(high)).all()
-}
-
-/// Returns `numerator / denominator` rounded to the nearest integer, halves upwards.
-const fn round_half_up(numerator: i128, denominator: i128) -> i128 {
-    let sign = denominator.signum();
-    let (n, d) = (numerator * sign, denominator * sign);
-    (2 * n + d).div_euclid(2 * d)
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-    use proptest::prelude::*;
-
-    fn place() -> impl Strategy<Value = IVec2> {
-        let along = -229_376_i32..=229_376;
-        (along.clone(), along).prop_map(IVec2::from)
-    }
-
-    proptest! {
-        /// Where 64 bits suffice, the centre is that of runs of one level, and the filter lets it pass.
-        #[test]
-        fn centres_are_those_of_one_level(a in place(), b in place(), c in place()) {
-            let centre = circumcentre([a, b, c]);
-            let [b_off, c_off] = [b, c].map(|p| (p - a).as_i64vec2());
-            let known = crate::circumcentre::circumcentre(b_off, c_off);
-            prop_assert_eq!(centre, known.map(|at| at + a.as_i64vec2()));
-            if let Some(at) = centre.filter(|at| at.abs().max_element() < 300_000) {
-                prop_assert!(may_hold(1, [a, b, c].map(|p| p - at.as_ivec2())));
-            }
-        }
+        inserted
     }
 }

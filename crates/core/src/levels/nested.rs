@@ -79,12 +79,23 @@ impl Nested {
         let mut ends = Vec::with_capacity(levels.len());
 
         for level in levels {
-            // Equal draws are decided by place, whatever thread computed which window.
-            let drawn = |p: Point| (key.draw_at(p.x, p.y)[0], p.row_major());
-            let mut ranked: Vec<_> = level.into_par_iter().map(drawn).collect();
-            ranked.par_sort_unstable();
+            // The word that is drawn for a sample, and the sample's index below it: such numbers are sorted in half the time of
+            // words with places.
+            let drawn = |(index, p): (usize, &Point)| {
+                u64::from(key.draw_at(p.x, p.y)[0]) << 32 | index as u64
+            };
+            let mut drawn: Vec<u64> = level.par_iter().enumerate().map(drawn).collect();
+            drawn.par_sort_unstable();
 
-            points.par_extend(ranked.into_par_iter().map(|(_, (y, x))| Point::new(x, y)));
+            // Equal words are decided by place, whatever thread computed which window.
+            let sample = |drawn: u64| level[drawn as u32 as usize];
+            for equal in drawn.chunk_by_mut(|a, b| a >> 32 == b >> 32) {
+                if equal.len() > 1 {
+                    equal.sort_unstable_by_key(|&drawn| sample(drawn).row_major());
+                }
+            }
+
+            points.par_extend(drawn.into_par_iter().map(sample));
             ends.push(points.len());
         }
 

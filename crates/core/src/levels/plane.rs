@@ -347,7 +347,7 @@ impl NestedPlane {
         let mut meter = Meter::begin(observer, Stage::Regions, self.levels.into())?;
         self.compute_whole(&mut region, &mut meter)?;
 
-        let levels = collect(&region, &self.domain().rect());
+        let levels = split_by_level(&region);
         meter.end()?;
         let is_run = true;
         Ok(self.in_order(levels, is_run))
@@ -524,15 +524,20 @@ impl NestedPlane {
         region: &mut LevelRegion,
         meter: &mut Meter<'_>,
     ) -> Result<(), SampleError> {
-        let domain = self.domain();
-        let frame = LevelFrame {
-            rect: domain.rect(),
-            wraps: domain.is_periodic(),
-            ..LevelFrame::at(domain, I64Vec2::ZERO)
-        };
+        let frame = self.whole_frame();
         // A frame of the whole domain wraps if the plane repeats: images of blocks are not needed.
         let repeats = false;
         self.run(region, |_| frame, repeats, meter)
+    }
+
+    /// Returns the frame that holds the whole domain.
+    pub(super) fn whole_frame(&self) -> LevelFrame {
+        let domain = self.domain();
+        LevelFrame {
+            rect: domain.rect(),
+            wraps: domain.is_periodic(),
+            ..LevelFrame::at(domain, I64Vec2::ZERO)
+        }
     }
 
     /// Computes all levels, each in the frame that `frame_of` gives it. `repeats` says whether a block may lie in a frame
@@ -543,6 +548,18 @@ impl NestedPlane {
         frame_of: impl Fn(u32) -> LevelFrame,
         repeats: bool,
         meter: &mut Meter<'_>,
+    ) -> Result<(), SampleError> {
+        self.run_filled(region, frame_of, repeats, meter, LevelRegion::fill)
+    }
+
+    /// Computes all levels as [`Self::run`] does, with the gaps of each filled by `fill`.
+    pub(super) fn run_filled(
+        &self,
+        region: &mut LevelRegion,
+        frame_of: impl Fn(u32) -> LevelFrame,
+        repeats: bool,
+        meter: &mut Meter<'_>,
+        fill: impl Fn(&mut LevelRegion, Key, &mut Meter<'_>) -> Result<(), SampleError>,
     ) -> Result<(), SampleError> {
         region.clear();
 
@@ -556,7 +573,7 @@ impl NestedPlane {
         for level in 0..self.levels {
             region.begin(frame_of(level), self.units(level));
             region.claim(level as usize, &self.variants, meter)?;
-            region.fill(self.level_key(level), meter)?;
+            fill(region, self.level_key(level), meter)?;
             region.ends.push(region.samples.len());
             meter.tick()?;
         }
@@ -634,13 +651,20 @@ fn collect(region: &LevelRegion, shown: &Rect) -> Vec<Vec<Point>> {
         let added = &region.samples[first..end];
         first = end;
 
-        let inside = added.iter().filter(|sample| shown.contains(sample.at));
-        inside
-            .map(|sample| region.frame.in_domain(sample.at))
-            .collect()
+        let inside = added.iter().filter(|at| shown.contains(**at));
+        inside.map(|at| region.frame.in_domain(*at)).collect()
     };
 
     region.ends.iter().map(level).collect()
+}
+
+/// Returns the samples of a region that is the whole domain by the level that adds them.
+fn split_by_level(region: &LevelRegion) -> Vec<Vec<Point>> {
+    let starts = std::iter::once(0).chain(region.ends.iter().copied());
+    let levels = starts.zip(&region.ends);
+    levels
+        .map(|(first, &end)| region.samples[first..end].to_vec())
+        .collect()
 }
 
 #[cfg(test)]

@@ -9,11 +9,12 @@ use crate::error::SampleError;
 use crate::lattice::{Point, Rect};
 use crate::progress::Meter;
 use crate::radius::Radius;
-use crate::stages::disks::DiskGrid;
 
 use super::blocks::NestedBlock;
 use super::frame::LevelFrame;
+use super::grid::LevelGrid;
 use super::pattern::LevelClip;
+use super::search::centre_margin;
 
 /// What a flag of a cell says.
 pub(super) mod flag {
@@ -41,7 +42,7 @@ impl CellFlags {
     /// Sets a flag of all cells that touch the square around `from`, and calls `first` with those that did not have it.
     pub fn set_near(
         &mut self,
-        grid: &DiskGrid,
+        grid: &LevelGrid,
         from: Point,
         reach: i32,
         flag: u8,
@@ -58,6 +59,11 @@ impl CellFlags {
         });
     }
 
+    /// Takes a flag from one cell.
+    pub fn unset(&mut self, cell: usize, flag: u8) {
+        self.0[cell] &= !flag;
+    }
+
     /// Takes a flag from all cells.
     pub fn clear(&mut self, flag: u8) {
         for flags in &mut self.0 {
@@ -72,26 +78,19 @@ impl CellFlags {
     }
 }
 
-/// A sample of the result.
+/// A tiled sample whose fate is to be decided. Its fields, one after another, are its place in the order of elimination.
 #[derive(Clone, Copy)]
-pub(super) struct KeptSample {
-    pub at: Point,
-    /// Whether it is another one than a sample that its block clips.
-    pub foreign: bool,
-}
-
-/// A tiled sample whose fate is to be decided, compared by its place in the order of elimination.
-#[derive(Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
 struct Claimant {
-    in_margin: bool,
-    sequence: u32,
+    /// The sequence of its block, and a larger number if it lies in the margin.
+    turn: u32,
     /// Its place in its block, which tells images of one block apart.
     row: i32,
     column: i32,
     block: u32,
-    x: i32,
-    y: i32,
 }
+
+/// Added to the turns of samples in margins. A run in memory has fewer blocks.
+const IN_MARGIN: u32 = 1 << 31;
 
 /// A disk in which an unlisted sample may lie.
 #[derive(Clone, Copy)]
@@ -105,10 +104,12 @@ pub(super) struct UnknownDisk {
 pub(super) struct LevelRegion {
     pub frame: LevelFrame,
     /// The samples in the frame, at the level's radius.
-    pub grid: DiskGrid,
+    pub grid: LevelGrid,
     pub flags: CellFlags,
     /// The samples of all levels so far.
-    pub samples: Vec<KeptSample>,
+    pub samples: Vec<Point>,
+    /// Those of them that are no samples that their blocks clip.
+    foreign: Vec<Point>,
     /// How many samples there are up to the end of each level.
     pub ends: Vec<usize>,
     pub blocks: Vec<NestedBlock>,
@@ -133,6 +134,7 @@ impl LevelRegion {
     /// Empties the region before the first level.
     pub fn clear(&mut self) {
         self.samples.clear();
+        self.foreign.clear();
         self.ends.clear();
         self.waiting.clear();
         self.unknown.clear();
@@ -140,19 +142,24 @@ impl LevelRegion {
 
     /// Begins a level: takes over the samples and unknowns of the level before.
     pub fn begin(&mut self, frame: LevelFrame, radius: Radius) {
-        self.grid.reset(frame.rect, frame.wraps, radius);
+        // Every second level has the cells of the one before. Before the first the grid holds samples of another run.
+        let is_first = self.ends.is_empty();
+        if is_first || !self.grid.refine(&frame.rect, radius) {
+            self.grid.reset(frame.rect, frame.wraps, radius);
+            for &at in self.samples.iter().filter(|at| frame.rect.contains(**at)) {
+                let fits = self.grid.insert(at);
+                debug_assert!(fits, "the samples are conflict-free");
+            }
+        }
+
         self.flags.reset(self.grid.layout().count());
         self.dirty.clear();
 
-        for sample in self.samples.iter().filter(|s| frame.rect.contains(s.at)) {
-            let fits = self.grid.insert(sample.at);
-            debug_assert!(fits, "the samples are conflict-free");
-            // A foreign sample may be in conflict with the pattern of the block around it: the pattern's samples in the
-            // cells that it reaches are tested, and not copied.
-            if sample.foreign {
-                self.flags
-                    .set_near(&self.grid, sample.at, radius.units, flag::CONTESTED, |_| ());
-            }
+        // A foreign sample may be in conflict with the pattern of the block around it: the pattern's samples in the cells that
+        // it reaches are tested, and not copied.
+        for &at in self.foreign.iter().filter(|at| frame.rect.contains(**at)) {
+            self.flags
+                .set_near(&self.grid, at, radius.units, flag::CONTESTED, |_| ());
         }
 
         // The lists of unknowns are made anew, by `doubt`, for the cells of this level's frame.
@@ -268,7 +275,7 @@ impl LevelRegion {
                     let foreign = false;
                     self.keep(p, foreign);
                 } else {
-                    claimants.push(Claimant::new(block, index, p, &self.frame));
+                    claimants.push(Claimant::new(block, index, p));
                 }
             });
 
@@ -283,14 +290,15 @@ impl LevelRegion {
             let within = |at: i32, side: i64| (-reach..side + reach).contains(&at.into());
             within(claimant.column, width)
                 && within(claimant.row, height)
-                && tiled.contains(Point::new(claimant.x, claimant.y))
+                && tiled.contains(claimant.place(block, &self.frame))
         }));
 
         // Claimants compare by the order of elimination: own samples before those of margins, then by block, row and column.
-        claimants.sort_unstable();
+        claimants.sort_unstable_by_key(Claimant::key);
         for batch in claimants.chunks(CLAIMED) {
             for claimant in batch {
-                self.decide(claimant, &inside);
+                let block = &blocks[claimant.block as usize];
+                self.decide(claimant, block, &inside);
             }
             meter.ask()?;
         }
@@ -301,8 +309,8 @@ impl LevelRegion {
     }
 
     /// Decides the fate of a sample: all before it in the order are decided.
-    fn decide(&mut self, claimant: &Claimant, inside: &Rect) {
-        let p = Point::new(claimant.x, claimant.y);
+    fn decide(&mut self, claimant: &Claimant, block: &NestedBlock, inside: &Rect) {
+        let p = claimant.place(block, &self.frame);
         let Radius { units, .. } = self.grid.radius();
 
         if self.frame.rect.contains(p) {
@@ -312,7 +320,8 @@ impl LevelRegion {
             }
             if !self.grid.covers(p) {
                 if inside.contains(p) && !self.touches_unknown(p, units) {
-                    self.keep(p, claimant.in_margin);
+                    let foreign = claimant.turn >= IN_MARGIN;
+                    self.keep(p, foreign);
                     return;
                 }
                 // A sample beyond the frame's edge, or one in an unknown disk, may cover this one: whether it is kept
@@ -324,34 +333,50 @@ impl LevelRegion {
         // The place of a sample that is not kept, and the places around it, may now be a gap.
         self.waiting.push(*claimant);
         let mark = |cell| self.dirty.push(cell as u32);
-        self.flags.set_near(&self.grid, p, units, flag::DIRTY, mark);
+        let reach = units + centre_margin(self.grid.radius());
+        self.flags.set_near(&self.grid, p, reach, flag::DIRTY, mark);
     }
 
-    /// Adds a sample, which no other may cover.
+    /// Adds a sample, which no other may cover. `foreign` says whether it is another one than a sample that its block clips.
+    #[inline]
     pub fn keep(&mut self, at: Point, foreign: bool) {
         let fits = self.grid.insert(at);
         debug_assert!(fits, "the samples are conflict-free");
-        self.samples.push(KeptSample { at, foreign });
+        self.samples.push(at);
+        if foreign {
+            self.foreign.push(at);
+        }
     }
 }
 
 impl Claimant {
     /// Returns the sample of a block at `p`, which is in its margin if it is not in the block.
-    fn new(block: &NestedBlock, index: u32, p: Point, frame: &LevelFrame) -> Self {
+    fn new(block: &NestedBlock, index: u32, p: Point) -> Self {
         let [left, bottom] = block.rect.min.to_array();
         let (column, row) = (i64::from(p.x) - left, i64::from(p.y) - bottom);
         let own = (0..block.rect.max[0] - left).contains(&column)
             && (0..block.rect.max[1] - bottom).contains(&row);
 
-        let p = frame.wrap(p);
         Self {
-            in_margin: !own,
-            sequence: block.sequence,
+            turn: block.sequence + if own { 0 } else { IN_MARGIN },
             row: row as i32,
             column: column as i32,
             block: index,
-            x: p.x,
-            y: p.y,
         }
+    }
+
+    /// Returns a number that compares as the fields do, one after another. To compare it takes no branches.
+    #[inline]
+    fn key(&self) -> u128 {
+        // A negative number becomes one that is smaller than all others.
+        let [row, column] = [self.row, self.column].map(|at| u128::from(at as u32 ^ 1 << 31));
+        u128::from(self.turn) << 96 | row << 64 | column << 32 | u128::from(self.block)
+    }
+
+    /// Returns its place in the frame.
+    fn place(&self, block: &NestedBlock, frame: &LevelFrame) -> Point {
+        let [left, bottom] = block.rect.min.to_array();
+        let (x, y) = (left + i64::from(self.column), bottom + i64::from(self.row));
+        frame.wrap(Point::new(x as i32, y as i32))
     }
 }

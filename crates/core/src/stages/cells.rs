@@ -36,6 +36,11 @@ impl CellGrid {
         &self.rect
     }
 
+    /// Returns the side of the cells as a power of two.
+    pub const fn bits(&self) -> u32 {
+        self.bits
+    }
+
     /// Returns how many cells there are.
     pub const fn count(&self) -> usize {
         self.columns * self.rows
@@ -64,6 +69,31 @@ impl CellGrid {
         }
     }
 
+    /// Returns the ranges of cells, row by row, that together hold all places at most `reach` from `from` on both axes, or
+    /// `None` if the rectangle does not hold them all.
+    #[inline]
+    pub fn inner_rows(
+        &self,
+        from: Point,
+        reach: i32,
+    ) -> Option<impl Iterator<Item = Range<usize>> + use<>> {
+        let Rect { min, max } = self.rect;
+        let cell = |at: i32, first: i32| ((at - first) >> self.bits) as usize;
+        let (left, right) = (from.x.saturating_sub(reach), from.x.saturating_add(reach));
+        let (bottom, top) = (from.y.saturating_sub(reach), from.y.saturating_add(reach));
+        if left < min.x || bottom < min.y || right >= max.x || top >= max.y {
+            return None;
+        }
+
+        let (columns, first) = (self.columns, cell(left, min.x));
+        let width = cell(right, min.x) - first + 1;
+        let rows = cell(bottom, min.y)..cell(top, min.y) + 1;
+        Some(rows.map(move |row| {
+            let start = row * columns + first;
+            start..start + width
+        }))
+    }
+
     /// Calls `visit` with ranges of cells that together hold all places at most `reach` from `from` on both axes, until it
     /// returns `true`; returns whether it did. With each range comes the shift to be added to its places: 0, or a side of a
     /// domain that wraps.
@@ -74,20 +104,13 @@ impl CellGrid {
         reach: i32,
         mut visit: impl FnMut(Range<usize>, IVec2) -> bool,
     ) -> bool {
-        let Rect { min, max } = self.rect;
-        let bits = self.bits;
-        let cell = |at: i32, first: i32| ((at - first) >> bits) as usize;
-        let (left, right) = (from.x.saturating_sub(reach), from.x.saturating_add(reach));
-        let (bottom, top) = (from.y.saturating_sub(reach), from.y.saturating_add(reach));
-
         // Away from the border, which is nearly always, nothing wraps and nothing is cut off.
-        if left >= min.x && bottom >= min.y && right < max.x && top < max.y {
-            let (first, last) = (cell(left, min.x), cell(right, min.x));
-            return (cell(bottom, min.y)..=cell(top, min.y)).any(|row| {
-                let start = row * self.columns;
-                visit(start + first..start + last + 1, IVec2::ZERO)
-            });
+        if let Some(mut rows) = self.inner_rows(from, reach) {
+            return rows.any(|range| visit(range, IVec2::ZERO));
         }
+
+        let Rect { min, max } = self.rect;
+        let cell = |at: i32, first: i32| ((at - first) >> self.bits) as usize;
 
         // In a plane that wraps an axis has up to three spans: one here, and one shifted in from either end.
         let rows = axis_spans(from.y, reach, min.y..max.y, self.wraps);
