@@ -396,7 +396,7 @@ fn round(parameters: &Parameters, dice: &Dice, verify: &VerifyOptions) -> Result
 
     let plane = Plane::new(parameters, &pattern)?;
     let domain = *plane.domain();
-    let windows_agree = windows_agree(&domain, &points, dice, |window| plane.window(window))?;
+    let are_windows_equal = windows_agree(&domain, &points, dice, |window| plane.window(window))?;
 
     let report = tilescope_analysis::verify(
         &domain.users_from_lattice(&points),
@@ -410,7 +410,7 @@ fn round(parameters: &Parameters, dice: &Dice, verify: &VerifyOptions) -> Result
         rounds: 1,
         samples: report.count as u64,
         conflicts: report.conflicts,
-        unequal: u64::from(!engines_agree || !windows_agree),
+        unequal: u64::from(!engines_agree || !are_windows_equal),
         ..Tally::default()
     };
     // A reach of two radii may leave gaps: that is the finding of an experiment, and no fault.
@@ -423,7 +423,7 @@ fn round(parameters: &Parameters, dice: &Dice, verify: &VerifyOptions) -> Result
     let engines_differ = "--engine sequential and --engine parallel differ: ";
     let checks = [
         (engines_agree, engines_differ),
-        (windows_agree, "a --window differs from the set: "),
+        (are_windows_equal, "a --window differs from the set: "),
         (round.conflicts + round.gaps == 0, "not valid: "),
     ];
     let faults = faults_of(&checks);

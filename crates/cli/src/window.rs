@@ -204,9 +204,9 @@ fn text(
     report: &CutReport,
 ) -> String {
     let whole = &report.whole;
-    let head = head(corners, domain, count, seconds);
+    let first_lines = head(corners, domain, count, seconds);
     format!(
-        "{head}conflict-free  {}   min distance {} r\n\
+        "{first_lines}conflict-free  {}   min distance {} r\n\
          maximal        {}\n\
          verdict        {}\n",
         output::conflicts_answer(whole.conflicts),

@@ -42,7 +42,7 @@ impl Symmetry {
         }
     }
 
-    /// Returns the offset that [`Self::turn`] gives this one for.
+    /// Returns the offset of which [`Self::turn`] makes this one.
     #[must_use]
     pub const fn turn_back(self, turned: IVec2) -> IVec2 {
         let mirrors = Self(self.0 & 3);
@@ -162,8 +162,9 @@ impl Pattern {
 }
 
 impl PatternVariant {
-    /// Calls `visit` with the offset from the clip's corner and the pattern index of every sample
-    /// in the `width` x `height` rectangle that starts at `start`, a place of the pattern. A periodic pattern repeats.
+    /// Calls `visit` with the offset from the clip's corner and the pattern index of every sample in the `width` x
+    /// `height` rectangle that starts at `start`, a place of the pattern. A periodic pattern repeats; in a bounded one
+    /// `start` must be one of [`Self::starts`].
     pub fn clip(
         &self,
         start: Point,

@@ -60,7 +60,7 @@ impl<'a> Meter<'a> {
         Self::resume(observer, stage, 0, total)
     }
 
-    /// Continues a stage of which `done` pieces are done.
+    /// Continues a stage of which `done` pieces are done, and calls the observer, which may stop it.
     pub(crate) fn resume(
         observer: &'a mut dyn Observer,
         stage: Stage,

@@ -110,7 +110,8 @@ impl Run {
     }
 
     /// Returns a finished run of given samples in canonical order with their sources. It has its blocks, its result and
-    /// its counts, but no eliminated samples, iterations and sites. Ids follow the canonical order.
+    /// its counts, but no eliminated samples, iterations and sites. Ids follow the canonical order. Without sources it
+    /// would have no samples: callers ask for them.
     ///
     /// Fails when the parameters cannot be sampled.
     pub fn of_result(

@@ -261,7 +261,7 @@ impl<'a> Canvas<'a> {
 
     /// Returns the scene with its frame and its caption, which is also its title.
     pub(crate) fn finish(mut self, caption: &str) -> Scene {
-        // Lines and letters grow with the picture: these are pixels of one that is 1000 wide.
+        // Lines and letters grow with the picture: the lengths below are pixels of a picture that is 1000 wide.
         let px = self.options.width / 1000.0;
         let mut group = Group::new("frame");
         let border = Style::stroked(self.palette().line, 1.0 * px);

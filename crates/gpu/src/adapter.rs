@@ -57,7 +57,7 @@ pub struct Choice {
 }
 
 impl Limits {
-    /// Returns the lower of the limits of both.
+    /// Returns for each limit the lower one of the two.
     #[must_use]
     pub fn within(&self, other: &Self) -> Self {
         Self {

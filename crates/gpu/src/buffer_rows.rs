@@ -37,7 +37,8 @@ impl BufferRows {
     }
 }
 
-/// Returns the number of words in a row.
+/// Returns the number of words in a row: one element, or the elements that are about one thing, as about a cell of the
+/// grid.
 fn words_of(name: Name) -> u64 {
     match name {
         Name::Frame => size_of::<Frame>() as u64 / 4,

@@ -370,7 +370,7 @@ impl Device {
             return;
         };
 
-        let workgroups = workgroups(size);
+        let known_workgroups = workgroups(size);
         // Times are read back later, for many passes at once.
         if let Some(times) = &mut self.times {
             times.pending.push(reports.len());
@@ -379,15 +379,16 @@ impl Device {
         reports.push(PassReport {
             stage,
             name: pass.name,
-            indirect: workgroups.is_none(),
-            workgroups,
-            invocations: workgroups.map(invocations),
+            indirect: known_workgroups.is_none(),
+            workgroups: known_workgroups,
+            invocations: known_workgroups.map(invocations),
             bindings,
             seconds: None,
         });
     }
 
-    /// Fills in the number of workgroups of the last pass, if the device computed it.
+    /// Fills in the number of workgroups of the last pass, whose command is `command`, if the device computed it. The
+    /// arguments of a dispatch are three words.
     pub(crate) async fn read_workgroups(&mut self, command: &Command) -> Result<(), GpuError> {
         let Command::Dispatch {
             size: Size::Indirect(argument),

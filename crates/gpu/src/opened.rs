@@ -155,6 +155,7 @@ impl Gpu {
                 label: Some("tilescope"),
                 required_features: features,
                 required_limits: limits,
+                // Less memory rather than quicker allocation: chosen, not measured.
                 memory_hints: wgpu::MemoryHints::MemoryUsage,
                 ..Default::default()
             })

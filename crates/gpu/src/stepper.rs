@@ -55,6 +55,7 @@ impl Stepper {
         let first = match first_gpu_stage {
             // The device is given a pattern that is ready.
             Stage::Pattern => Stage::Blocks,
+            // The parallel engine has this stage in place of all from the blocks on, and a device has each of them.
             Stage::Regions => {
                 return Err(GpuError::FirstStage {
                     stage: first_gpu_stage,

@@ -264,7 +264,7 @@ fn write_grid(
     }
 
     counters[counter::UNSURE as usize] = unsure.len() as u32;
-    // From here on no pass spreads unsure cells, so all of them count as spread.
+    // In uniform insertion, and at the end, no pass spreads unsure cells any more, so all of them count as spread.
     if work.setup.parameters.insertion == Insertion::Uniform || first == Stage::Finish {
         counters[counter::SPREAD as usize] = unsure.len() as u32;
     }
@@ -274,7 +274,7 @@ fn write_grid(
 }
 
 /// Returns the distance of a cell, in cells, from the nearest edge of the frame beyond which the plane continues;
-/// `i32::MAX` in the padding.
+/// `i32::MAX` in the padding, and in a frame without such an edge.
 fn rim(work: &WindowRun, column: i32, row: i32) -> i32 {
     let frame = &work.plan.frame;
     let [columns, rows] = frame.cells;

@@ -177,7 +177,8 @@ impl SetArgument<'_> {
         }
     }
 
-    /// Returns the domain with the radius, or an error that asks for that, or that says that there is more to it.
+    /// Returns the domain with the radius. Fails without a radius, and for a set whose radius varies or that covers a
+    /// shape.
     pub fn known_domain(&self) -> PyResult<KnownDomain> {
         self.refuse_ground("a pattern or a combination")?;
         Ok(KnownDomain {

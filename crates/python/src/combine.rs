@@ -36,7 +36,8 @@ pub fn combine<'py>(
     let layout = Layout::from_json(layout.as_bytes()).map_err(Failure::from)?;
     let placed = layout.placed().map_err(Failure::from)?;
 
-    // Only this thread may touch Python's objects, so the points and domains are read from them here, for the others.
+    // Only this thread may touch Python's objects, so the points and domains are read from them here, for the threads
+    // below.
     let mut given = HashMap::new();
     for (name, set) in &sets {
         let held = GivenSet {

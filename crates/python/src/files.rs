@@ -62,7 +62,7 @@ pub fn read<'py>(
         origin: given.origin,
         ..overrides(format_name, set)?
     };
-    let read = |overrides: &Overrides| {
+    let read_by = |overrides: &Overrides| {
         run(
             py,
             progress.as_ref().map(|one| one.clone_ref(py)),
@@ -96,11 +96,11 @@ pub fn read<'py>(
     if field.is_some() {
         ground = ground_by(&mut asked)?;
     }
-    let mut found = read(&asked)?;
+    let mut found = read_by(&asked)?;
     // Only when the certificate states a field or a shape, which few sets have, is the file read a second time.
     if let Err(Failure::NoField(_)) = found {
         ground = ground_by(&mut asked)?;
-        found = read(&asked)?;
+        found = read_by(&asked)?;
     }
     of_found(py, found?, &given, ground)
 }

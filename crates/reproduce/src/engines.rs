@@ -163,6 +163,7 @@ impl Engines {
                 // The tables were made before, so that they do not count in the time of a set.
                 let history = self.history.as_ref().ok_or_else(none)?;
                 let make = || exact_points(parameters, history, &mut |_| control.flow());
+                // Where the global pool has one thread itself, `open` has started no pool of one.
                 let one = self
                     .pools
                     .iter()

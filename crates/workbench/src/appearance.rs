@@ -40,8 +40,8 @@ impl Appearance {
     pub(crate) fn apply(&mut self, command: AppearanceCommand, stage: Option<Stage>) {
         match command {
             AppearanceCommand::ToggleLayer(layer) => {
-                // After the first switch no layer follows the stage any more. If the others still did, a user could not predict which
-                // layers the next stage shows.
+                // After the first switch no layer follows the stage any more. If the other layers still followed it, a
+                // user could not predict which layers the next stage shows.
                 let mut layers = self.layers(stage);
                 layers.toggle(layer);
                 self.chosen_layers = Some(layers);

@@ -136,7 +136,7 @@ impl ComparePreset {
             }
             Self::Leaf => second.leaf = 2.0 * first.leaf,
 
-            // All engines give the same points, and the engine is no parameter: the caller chooses the other one.
+            // All engines give the same points, and the engine is no parameter: the caller chooses the other engine.
             Self::Engine => {}
             Self::Typed => second = *typed,
         }

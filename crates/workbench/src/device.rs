@@ -91,13 +91,16 @@ impl Device {
             Self::Testing(_) => Some("The GPU is being opened and tested.".to_owned()),
             Self::Ready(tried) => {
                 let report = tried.gpu.report();
-                let on = if report.is_software {
+                let remark = if report.is_software {
                     ", which computes on the CPU"
                 } else {
                     ""
                 };
                 let verdict = sentence(&tried.test.verdict);
-                Some(format!("{}{on}: self-test passed. {verdict}", report.name))
+                Some(format!(
+                    "{}{remark}: self-test passed. {verdict}",
+                    report.name
+                ))
             }
             Self::Refused(reason) => Some(reason.clone()),
         }

@@ -102,7 +102,7 @@ fn of_open_circles<T: Send>(
     };
 
     // Cells have the radius's size: there are too many of them for the samples only where the radius is too small.
-    let declined = |declined| match declined {
+    let declined = |reason| match reason {
         Declined::Crowded => VerifyError::Crowded {
             samples: points.len(),
         },
@@ -118,7 +118,7 @@ fn of_open_circles<T: Send>(
     let search = Search::resumed(&question, &samples, farthest, least);
     let tiles = search.rectangles(0..cells.counts[1] as i64);
 
-    let found = tiles
+    let looked_at = tiles
         .par_iter()
         .map_init(Scratch::default, |scratch, rectangle| {
             let mut found = Found::new(question.witnesses);
@@ -138,7 +138,7 @@ fn of_open_circles<T: Send>(
         })
         .collect::<Result<Vec<_>, VerifyError>>()?;
 
-    Ok(found.into_iter().flatten().collect())
+    Ok(looked_at.into_iter().flatten().collect())
 }
 
 /// Returns the arcs of the circle that no given arc covers, as angles in radians, in the order of their beginnings: each begins
@@ -147,6 +147,7 @@ pub(crate) fn open_arcs(covered: &[(DVec2, f64)]) -> Vec<[f64; 2]> {
     let mut arcs: Vec<[f64; 2]> = covered
         .iter()
         .map(|&(toward, cos)| {
+            // A cosine that rounding took beyond its range would have no angle.
             let half = acos(cos.clamp(-1.0, 1.0));
             let start = (atan2(toward.y, toward.x) - half).rem_euclid(TAU);
             [start, start + 2.0 * half]

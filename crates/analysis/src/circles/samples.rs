@@ -75,7 +75,7 @@ impl Cells {
         ((x * self.per_unit.x) as i32 as usize).min(self.counts[0] - 1)
     }
 
-    /// The row of an ordinate; it does not fall when that rises.
+    /// The row of an ordinate. A greater ordinate never has a lower row.
     pub fn row(&self, y: f64) -> usize {
         ((y * self.per_unit.y) as i32 as usize).min(self.counts[1] - 1)
     }
@@ -130,7 +130,11 @@ impl<'a> Samples<'a> {
     pub fn new(cells: Cells, points: &'a [[f64; 2]]) -> Result<Self, Declined> {
         let rows = cells.counts[1];
         cells.check_count(rows, points.len())?;
-        let cell = |point: &[f64; 2]| cells.cell(cells.domain.scale_point(*point), 0) as u32;
+        let first_row = 0;
+        let cell = |point: &[f64; 2]| {
+            let position = cells.domain.scale_point(*point);
+            cells.cell(position, first_row) as u32
+        };
 
         let cell_of: Vec<u32> = points.par_iter().map(cell).collect();
         // Samples are sorted as indices, and read where the caller has them.

@@ -24,7 +24,7 @@ pub fn round(parameters: &Parameters, dice: &Dice, options: &VerifyOptions) -> R
 
     let (domain, points) = (run.domain, run.points());
     let plane = ExactPlane::new(parameters, &history)?;
-    let windows_agree = windows_agree(&domain, &points, dice, |window| plane.window(window))?;
+    let are_windows_equal = windows_agree(&domain, &points, dice, |window| plane.window(window))?;
 
     // The verifier shares no lattice with the sampler: it takes positions in user units.
     let positions = domain.users_from_lattice(&points);
@@ -40,7 +40,7 @@ pub fn round(parameters: &Parameters, dice: &Dice, options: &VerifyOptions) -> R
     let checks = [
         (is_defined, "--method exact differs from its definition: "),
         (engines_agree, "--method exact on all threads differs: "),
-        (windows_agree, "a --window differs from the set: "),
+        (are_windows_equal, "a --window differs from the set: "),
         (report.valid(), "not valid: "),
     ];
     let faults = faults_of(&checks);
@@ -54,7 +54,7 @@ pub fn round(parameters: &Parameters, dice: &Dice, options: &VerifyOptions) -> R
         gaps: report.gaps,
         // The radius of a round is 1, so that lengths are in radii.
         covering_radius_r: report.covering_radius,
-        unequal: u64::from(!(is_defined && engines_agree && windows_agree)),
+        unequal: u64::from(!(is_defined && engines_agree && are_windows_equal)),
         commands: (!faults.is_empty()).then(command).into_iter().collect(),
         ..Tally::default()
     })

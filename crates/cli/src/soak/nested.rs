@@ -37,10 +37,15 @@ pub fn add(
     };
 
     // The numbers of levels are chosen, not measured.
-    let (plane, levels) = plane(&parameters, dice.pick(21, &[2, 3, 4, 5, 7]))?;
-    let nested = plane.whole(&mut Unobserved)?;
+    let (nested_plane, levels) = plane(&parameters, dice.pick(21, &[2, 3, 4, 5, 7]))?;
+    let nested = nested_plane.whole(&mut Unobserved)?;
     let domain = nested.domain();
-    let samples_in = |window: &Window| Ok(plane.window(window, &mut Unobserved)?.points().to_vec());
+    let samples_in = |window: &Window| {
+        Ok(nested_plane
+            .window(window, &mut Unobserved)?
+            .points()
+            .to_vec())
+    };
     let differ = !windows_agree(domain, nested.points(), dice, samples_in)?;
 
     // The end of each level is the end of a set that is maximal for the level's own radius.

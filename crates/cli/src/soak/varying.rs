@@ -38,8 +38,8 @@ const LIGHTEST: f64 = 0.95;
 /// The corners of a polygon.
 const CORNERS: [f64; 2] = [3.0, 40.0];
 
-/// The first indices of long rows of draws: two images, which have up to 60 x 200 pixels and where these are doubled four times as
-/// many, and the corners of a polygon.
+/// The first indices of long rows of draws: for the pixels of two images, up to 60 x 200, or four times as many where
+/// their number is doubled along both sides, and for the corners of a polygon.
 const OF_FIELD: u32 = 100_000;
 const OF_MASK: u32 = 200_000;
 const OF_CORNERS: u32 = 300_000;
@@ -52,11 +52,11 @@ pub fn round(
     options: &VerifyOptions,
     command: &str,
 ) -> Result<Tally> {
-    let recipe = recipe(parameters.seed, dice)?;
-    let made = match recipe.make(&mut Unobserved) {
+    let drawn = recipe(parameters.seed, dice)?;
+    let made = match drawn.make(&mut Unobserved) {
         // A mask of few pixels may have no pixel that belongs to the shape, and is then refused rightly.
         Err(VaryingError::Nothing | VaryingError::Shape(_))
-            if matches!(recipe.shape, Some(ShapeSource::Mask(_))) =>
+            if matches!(drawn.shape, Some(ShapeSource::Mask(_))) =>
         {
             return Ok(Tally {
                 rounds: 1,
@@ -66,7 +66,7 @@ pub fn round(
         made => made?,
     };
 
-    let ground = recipe.ground()?;
+    let ground = drawn.ground()?;
     let domain = *ground.field.domain();
     let locality = Arc::new(Locality {
         field: ground.field,

@@ -93,8 +93,8 @@ fn recipe(arguments: &SampleArguments) -> Result<SolidRecipe> {
         .size([asked.width, asked.height])
         .context("a set in space has three sides")?;
 
-    // Clap lets just one of --exactly, --count and --radius through, but for a radius beside a count with
-    // --radius-image, which is refused by now.
+    // Clap refuses two of --exactly, --count and --radius together. The one exception, a radius beside a count with
+    // --radius-image, was refused by `refuse_planar`.
     let balls = match (arguments.nested.exactly, arguments.run.count) {
         (Some(count), _) => BallSize::Exactly(count as u64),
         (None, Some(count)) => BallSize::Count(count),

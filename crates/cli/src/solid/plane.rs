@@ -77,8 +77,8 @@ pub fn read(file: &Path, set: &SetArguments, slice: Slice) -> Result<PlaneDisks>
         named(file)
     );
     // Disks show what the set is, valid or not: only its certificate has to be that of the file.
-    let overrides = overrides(set, file)?;
-    let read = tilescope_formats::read_solid(file, &overrides, set.depth)
+    let given = overrides(set, file)?;
+    let read = tilescope_formats::read_solid(file, &given, set.depth)
         .map_err(hinted)
         .in_file(file)?;
     disks(&read.points, read.region, read.radius, slice)
@@ -111,8 +111,8 @@ fn disks(
     };
     for point in points {
         let straight = point[slice.axis] - slice.place;
-        // Around the torus the nearest image of a ball counts. The verifier refuses sides of two radii or less, so that
-        // only one image of a ball meets the plane.
+        // Around the torus the nearest image of a ball counts. If the side is longer than two radii, no other image
+        // meets the plane. The verifier refuses shorter sides; here they are drawn without the other images.
         let depth = if region.is_periodic() {
             straight - (straight / side).round() * side
         } else {

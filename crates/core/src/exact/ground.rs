@@ -170,7 +170,7 @@ impl Ground {
     fn any_cut_part(&self, rect: &Rect, visit: &mut dyn FnMut(&Rect, IVec2) -> bool) -> bool {
         let all = self.rect();
         // Where ends are joined, parts of the rectangle may also lie a side farther, either way. Where they are not,
-        // only the first shift is used, which is none.
+        // only the first shift is used, which is 0.
         let shifts = |side: Option<i32>| side.map_or([0; 3], |side| [0, -side, side]);
         let count = if self.joined.is_some() { 3 } else { 1 };
         let (xs, ys) = (

@@ -175,7 +175,8 @@ impl PatternHistory {
     #[inline]
     pub(crate) fn source(&self, sample: u32, offset: IVec2) -> Point {
         let domain = self.pattern.domain();
-        // An offset ends beyond an end of a periodic pattern alone, and by less than a side: darts lie in the pattern.
+        // A dart lies in the pattern: only around the ends of a periodic one, which are joined, does an offset lead
+        // beyond an end, and by less than a side.
         let wrapped = |at: i32, side: i32| {
             if at < 0 {
                 at + side

@@ -15,7 +15,8 @@ pub(crate) struct Covering {
     pub(crate) id: u32,
 }
 
-/// Free places behind a new list: one sample in seventy is inserted here alone.
+/// Free places behind a new list. Few are enough: only about one sample in seventy is inserted, and not of the
+/// pattern. That they are two is chosen, not measured.
 const SPARE: u32 = 2;
 
 /// Where a cell's list is.

@@ -203,9 +203,9 @@ fn made_alone(
     };
     let domain = plane.domain;
 
-    let made = plane.sweep(sources).finish(observer)?;
-    let is_right = agreement.holds(&domain, &made.0.points);
-    Ok(is_right.then_some(made))
+    let (sampled, summary) = plane.sweep(sources).finish(observer)?;
+    let is_right = agreement.holds(&domain, &sampled.points);
+    Ok(is_right.then_some((sampled, summary)))
 }
 
 #[cfg(test)]

@@ -224,6 +224,7 @@ impl<'a> PresentSamples<'a> {
                     }
                 }
             }
+            // All parts are visited.
             false
         });
     }

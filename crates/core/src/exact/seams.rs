@@ -225,7 +225,7 @@ impl<'a> SeamTiling<'a> {
         self.open.clear();
         let end = self.ground.rect().max;
         self.disks.reset(end);
-        // Elsewhere nothing is doubtful, and there are no zones.
+        // Where everything is known, nothing is doubtful, and there are no zones.
         if self.ground.has_unknown() {
             self.zone_cells.reset(end);
         }

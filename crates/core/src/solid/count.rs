@@ -20,7 +20,8 @@ const COUNT_VARIANCE: f64 = 0.05;
 /// The number of samples that is made differs from the wanted one by at most one part in this many, or by one sample.
 const TOLERANCE: u64 = 100;
 
-/// A set from which an exact number of samples is taken has at most one part in this many more, and [`FEW`].
+/// A set from which an exact number of samples is taken may have more samples than were aimed at: the exact number
+/// divided by this, and [`FEW`].
 const SURPLUS: u64 = 40;
 
 /// More samples than wanted that a small set may have: one sample is more than a part in [`SURPLUS`] of it.

@@ -123,7 +123,7 @@ fn gather<T: Send>(
     work: impl Fn(&[Place], &mut Vec<T>) + Sync,
 ) -> Result<Vec<T>, SampleError> {
     let mut gathered = Vec::new();
-    // The observer may stop the work between two batches, each of which the threads share.
+    // The observer may stop the work: between two chunks, or where threads share a batch of them, between two batches.
     for batch in cubes.chunks(CHUNK * CHUNKS) {
         match schedule {
             Schedule::OneByOne => {

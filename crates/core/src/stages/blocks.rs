@@ -143,8 +143,8 @@ impl Node {
     pub(crate) fn cut(&self, leaf: i32) -> Option<Cut> {
         let Block { rect, key, depth } = &self.block;
         // Algorithm 1 splits while an extent exceeds the leaf, which could leave a child shorter than a leaf; twice the
-        // leaf is needed. An axis that is too short passes its turn to the other (line 7), and if both are, the node is
-        // a leaf (line 9).
+        // leaf is needed. An axis that is too short passes its turn to the other (line 7). If both axes are too short,
+        // the node is a leaf (line 9).
         let axis = [self.axis, self.axis.other()]
             .into_iter()
             .find(|&a| extent(rect, a) / 2 >= leaf)?;

@@ -153,7 +153,8 @@ fn tile_row(
     palette: &Palette,
 ) -> Result<f64, ChartError> {
     let all: Vec<&TileChart> = tiles_of(row.iter().copied()).collect();
-    // A row is as high as its tiles, or else as high as `row_height` says for other panels: it cannot have both.
+    // A row is as high as its tiles, or else as high as `row_height` says for other panels: it cannot have both
+    // heights.
     if all.len() != row.len() {
         return Err(ChartError::Mixed(scene.title.clone()));
     }

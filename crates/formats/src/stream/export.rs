@@ -259,6 +259,7 @@ impl StreamExport {
         let (file, rows, judges) = (&self.file, &mut self.rows, &mut self.judges);
         let mut count = 0;
         let taken = self.partial.take_over(head, checkpoint.bytes, |bytes| {
+            // Before the first point there are no rows.
             let Some(rows) = rows.as_mut() else {
                 return Ok(bytes.len());
             };
@@ -280,9 +281,12 @@ impl StreamExport {
         self.provenance = provenance;
         let carried = provenance && format.carries_provenance();
         // Which count the head states does not matter here, as heads of all counts have the same length.
-        let start = head(format, precision, 1, carried)?;
-        let layout =
-            Layout::of(&start, format, None)?.ok_or(ExportError::NotStreamed { format })?;
+        let any_count = 1;
+        let start = head(format, precision, any_count, carried)?;
+        // The columns of x and y are those that are written.
+        let usual_columns = None;
+        let layout = Layout::of(&start, format, usual_columns)?
+            .ok_or(ExportError::NotStreamed { format })?;
         let mut rows = layout.rows;
         // The columns of a text table follow from its header. psa's RPS, which has no head, reads nothing here.
         if layout.offset == 0 {

@@ -108,7 +108,7 @@ impl StreamExport {
         is_digested: bool,
         control: Control<'_>,
     ) -> Result<Option<String>, ExportError> {
-        // The verifier's progress, which counts each sample twice, has come to its end.
+        // Progress counts each sample twice, as the verifier does, and is at its end before the file is read back.
         let total = 2 * self.count;
         let at_the_end = Progress { done: total, total };
         self.partial

@@ -83,10 +83,10 @@ impl Judges {
         self.digest(stored);
         let mapping = self.target.mapping();
 
-        let domain = mapping.positions(stored);
+        let stored_in_domain = mapping.positions(stored);
         let shifts = points
             .iter()
-            .zip(domain.iter())
+            .zip(stored_in_domain.iter())
             .map(|(&a, &b)| mapping.shift(a, b));
         self.largest_shift = shifts.fold(self.largest_shift, f64::max);
 
@@ -97,7 +97,9 @@ impl Judges {
         }
 
         let last = LastProgress::new(control);
-        let judged = self.stored.push(&domain, &|progress| last.report(progress));
+        let judged = self
+            .stored
+            .push(&stored_in_domain, &|progress| last.report(progress));
         judged.map_err(|source| unjudged(&self.target, source))?;
 
         if let Some(original) = &mut self.original {

@@ -71,8 +71,9 @@ impl Partial {
         Ok(())
     }
 
-    /// Reads the bytes up to `length` again as written data, passing rows to `each`, which returns how many bytes it
-    /// used. Returns how many bytes were left unused at the end.
+    /// Reads the rows of an interrupted export again, up to `length` bytes of the file, as if they were written now.
+    /// They begin behind `head`, the file's head, which is not read. Rows are passed to `each`, which returns how many
+    /// bytes it used. Returns how many bytes were left unused at the end.
     pub fn take_over(
         &mut self,
         head: Vec<u8>,
@@ -80,11 +81,10 @@ impl Partial {
         mut each: impl FnMut(&[u8]) -> Result<usize, ExportError>,
     ) -> Result<usize, ExportError> {
         let row_bytes = length.saturating_sub(head.len() as u64);
-        let start =
-            self.checked(|this| this.writer.file()?.seek(SeekFrom::Start(head.len() as u64)))?;
+        self.checked(|this| this.writer.file()?.seek(SeekFrom::Start(head.len() as u64)))?;
 
         // Bytes that `each` leaves unused, such as the beginning of a row, stay before those of the next block.
-        let (mut left, mut pending) = (length.saturating_sub(start), Vec::new());
+        let (mut left, mut pending) = (row_bytes, Vec::new());
         while left > 0 {
             let before = pending.len();
             pending.resize(before + left.min(BLOCK as u64) as usize, 0);

@@ -299,6 +299,7 @@ fn checked_count(layout: &Layout, length: u64, format: Format) -> Result<Option<
         });
     }
 
+    // Only some formats may have other data behind the rows.
     if needed < available && !layout.followed {
         return Err(FormatError::Trailing {
             format,

@@ -99,7 +99,8 @@ impl Checkpoint {
         named.map_err(|e| io_error(&name, e))
     }
 
-    /// Refuses the checkpoint of another export.
+    /// Refuses the checkpoint of another export. Whether the export is verified is not compared: it goes on as it
+    /// began.
     pub fn suits(
         &self,
         path: &Path,
@@ -127,7 +128,8 @@ impl Checkpoint {
         Ok(())
     }
 
-    /// Returns whether the file begins with the rows of the checkpoint. Without rows it does not: any file would.
+    /// Returns whether the file begins with the rows of the checkpoint. A checkpoint without rows says nothing about a
+    /// file: the answer is then no.
     fn begins(&self, file: &Path) -> Result<bool, ExportError> {
         let Some(provenance) = self.provenance else {
             return Ok(false);
@@ -312,8 +314,8 @@ pub fn finish_interrupted(path: &Path) -> Result<Option<u64>, ExportError> {
     if partial_path(file).exists() || !file.exists() || !checkpoint.begins(file)? {
         return Ok(None);
     }
-    // The lock has given the new file's certificate its name, if that was left to do: without one this is not the new
-    // file.
+    // Taking the lock has given the certificate its name, if that was left to do. A verified export has a certificate,
+    // so that a file without one is not the new file.
     if checkpoint.verify && !place.has_own_certificate() {
         return Ok(None);
     }

@@ -326,7 +326,8 @@ fn curves(found: &[LeafShares]) -> Result<Picture> {
         series
     };
 
-    let shares = chart("eq4/shares", all_series(&|_| 100.0));
+    let percent = 100.0;
+    let shares = chart("eq4/shares", all_series(&|_| percent));
     // Times N, a share that is inversely proportional to N is level.
     let products = chart("eq4/products", all_series(&|one| one.leaf));
     let rows = vec![vec![Panel::Lines(shares)], vec![Panel::Lines(products)]];

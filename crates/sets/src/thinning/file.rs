@@ -285,7 +285,7 @@ impl ThinRecipe {
             size: region.size().map(Some),
             origin: Some(origin),
             boundary: Boundary::of(region.is_periodic()),
-            // No set is made, so that neither has a meaning.
+            // No set is made, so that the seed and the count have no meaning.
             seed: 0,
             count: None,
         };

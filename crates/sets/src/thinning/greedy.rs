@@ -241,7 +241,7 @@ impl Visitor<'_> {
             }
 
             let is_kept = match self.meets(layer, open) {
-                // That holds whatever else is open: a kept point near another came before it.
+                // This holds whatever else is open: a kept point that is near came before this one.
                 Meeting::Kept => false,
                 Meeting::Open(Some(earlier)) => return Visit::Waits(earlier),
                 Meeting::Open(None) => true,

@@ -317,7 +317,8 @@ impl VaryingRecipe {
             }
             sides = [0, 1].map(|axis| sides[axis].or(Some(high[axis] - origin[axis])));
         }
-        // Pixels are squares, so that one side gives the other. A side that nothing gives is 1, with pixels the width.
+        // Pixels are squares, so that one side gives the other. A side that nothing gives is 1; with pixels this is the
+        // width.
         let size = match (sides, pixels.map(|pixels| pixels.map(|count| count as f64))) {
             ([Some(width), Some(height)], _) => [width, height],
             ([Some(width), None], Some([columns, rows])) => [width, width * rows / columns],

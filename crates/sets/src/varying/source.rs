@@ -151,6 +151,7 @@ impl RadiusSource {
         };
 
         if let Some(field) = parameters.get("radius-expression") {
+            // A value that is no text counts as the empty text, which is refused.
             let text = field["expression"].as_str().unwrap_or_default();
             let (expression, scale) = (Expression::parse(text)?, scale()?);
             return Ok(Self::Expression { expression, scale });

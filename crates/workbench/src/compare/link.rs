@@ -50,7 +50,6 @@ pub fn corresponding(
         return Moment::after(to, stage);
     };
 
-    // Cursors up to the divergence correspond one to one.
     if let Some([a, b]) = common
         && cursor <= a.saturating_add(1)
     {

@@ -26,7 +26,8 @@ pub struct Count {
     pub frames: Result<usize, ExportRefusal>,
 }
 
-/// Returns the cursors of the frames: the start of `range`, every `every`-th tick in it, and its end.
+/// Returns the cursors of the frames: the start of `range`, every `every`-th tick in it, and its end. `every` is 1 or
+/// more.
 ///
 /// # Errors
 ///
@@ -40,8 +41,7 @@ pub fn frames(
     let number_of_frames = count(session, range, clock, every)?;
     let mut cursors = Vec::with_capacity(number_of_frames);
     cursors.push(range.start);
-    // The first frame after the start is that of tick number `every`, which is 1 or more, and the others follow at the
-    // same distance.
+    // The first frame after the start is that of tick number `every`, and the others follow at the same distance.
     let from_first = ticks(session, range, clock).skip(every - 1);
     cursors.extend(from_first.step_by(every));
     cursors.push(range.end);

@@ -191,7 +191,8 @@ impl LinkReader {
                 parameters::read(texts, &Parameters::default(), "", &mut self.warnings);
             content.nested = self.nested(&content.parameters);
             content.ground = self.ground(&content.parameters);
-            // `take` leaves the levels out.
+            // A set in a field or a shape has no levels: they are removed from the content, with a warning if there
+            // were any.
             if content.ground.is_some() && content.nested.take().is_some() {
                 let text =
                     "The link's nested levels were left out: they have one radius in a rectangle.";

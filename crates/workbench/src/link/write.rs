@@ -271,7 +271,8 @@ impl Writer {
         self.list("break", "breakpoints", MAX_STOPS, breakpoints, breakpoint);
         self.list("watch", "watches", MAX_STOPS, &content.watches, watch);
         let written = self.list("mark", "scenes", MAX_SCENES, &content.scenes, scene_text);
-        // Only scenes that were written get views: each view belongs to the scene at its position.
+        // Only scenes that were written get views. Those are the first ones, as none in between is left out: each view
+        // belongs to the scene at its position.
         self.views(&content.scenes[..written]);
 
         let long = content.scenes.iter().filter(|scene| !fits(&scene.caption));

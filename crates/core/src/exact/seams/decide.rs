@@ -30,8 +30,8 @@ impl SeamTiling<'_> {
             ref missing,
             ..
         } = self.tiles[tile as usize];
-        // A sample outside of the block is not there, and one beyond the frame is in no list: neither refuses a dart
-        // here.
+        // A sample outside of the block is not there, and one beyond the frame is in no list, so that it refuses no
+        // dart here.
         let inside = surely_inside(&rect);
 
         // Outside of the tile another block has darts of its own.
@@ -94,7 +94,8 @@ impl SeamTiling<'_> {
     #[inline(never)]
     fn lose(&mut self, id: u32) -> bool {
         let sample = &mut self.samples[id as usize];
-        // It may also be left out as a doubtful one. Then it is looked for in an interior in vain.
+        // A sample is left out because an interior has it, or because it is doubtful. A doubtful one is then removed
+        // from the interior, too, which changes nothing if it is not there.
         let is_deep = std::mem::replace(&mut sample.is_left_out, true);
         let ListedSample {
             place,
@@ -109,7 +110,7 @@ impl SeamTiling<'_> {
         true
     }
 
-    /// Opens what a sample that is lost or doubtful refused.
+    /// Has darts that a lost or doubtful sample refused decided again, and marks the cells that may be bare without it.
     pub(super) fn release(&mut self, id: u32) {
         let ListedSample {
             place,
@@ -124,7 +125,7 @@ impl SeamTiling<'_> {
         }
 
         // The darts that it refused are decided again, and its disk may be bare. Cells are marked in its own block alone: in
-        // other blocks its disk reaches only cells within r of the border, and all of those are marked.
+        // other blocks its disk reaches only cells within r of the border, and `open_borders` marks all of those.
         self.wake(tile, place, number);
         // Cells that another sample covers stay closed; should it be lost, its disk marks them.
         let (history, tile) = (self.history, &self.tiles[tile as usize]);
@@ -147,12 +148,14 @@ impl SeamTiling<'_> {
         let cell = self.whole_cell(clipper, place, tile);
         let when = dart.arrival.when();
         let mut is_present = false;
-        let is_earlier = |other: u32| {
+        let is_earlier_or_same = |other: u32| {
             let order = self.dart(other).cmp(dart);
             is_present |= order.is_eq();
             order.is_le()
         };
-        let coverage = self.disks.coverage(simd, cell, place, when, is_earlier);
+        let coverage = self
+            .disks
+            .coverage(simd, cell, place, when, is_earlier_or_same);
         // The dart of a present sample does not become a second sample.
         if coverage == Coverage::Certain || is_present {
             return;
@@ -187,7 +190,8 @@ impl SeamTiling<'_> {
     }
 }
 
-/// Returns the places about which a second blocker that is said to lie there surely lies in a rectangle.
+/// Returns a rectangle without a margin as wide as the error of [`SecondBlocker::offset`]: a second blocker whose
+/// stated place lies in what is left surely lies in the rectangle.
 fn surely_inside(rect: &Rect) -> Rect {
     let reach = SecondBlocker::REACH;
     Rect {

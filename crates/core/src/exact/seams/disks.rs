@@ -138,7 +138,7 @@ impl DiskLists {
             self.extend(&mut held);
         }
 
-        // The remainder changes nothing, and spares the check of the lane. It does so wherever lanes are read.
+        // `% LANES` changes no lane, but spares the check of the index, here and wherever a lane is read.
         let (group, lane) = (
             &mut self.groups[held.last as usize],
             held.filled as usize % LANES,
@@ -226,7 +226,7 @@ impl DiskLists {
         cells[3] = cell - stride;
         cells[4] = cell + stride;
 
-        // The nearest places of the columns and the rows beside the cell, squared. A corner cell begins with both.
+        // The squared distances of the columns and the rows beside the cell. That of a corner cell is the sum of two.
         let (x, y) = (place.x & (R - 1), place.y & (R - 1));
         let (left, right) = (square(x + 1), square(R - x));
         let (below, above) = (square(y + 1), square(R - y));
@@ -297,6 +297,7 @@ impl DiskLists {
         let mut index = self.cells[cell].first as usize;
         while index != 0 {
             let group = &self.groups[index];
+            // Samples of any time: the later ones are picked out below.
             let mut found = group.covering(simd, place, u32::MAX);
             while found != 0 {
                 let lane = found.trailing_zeros() as usize % LANES;

@@ -46,7 +46,8 @@ impl SeamTiling<'_> {
         out: &mut WindowSamples,
         around: Option<&mut Vec<Point>>,
     ) {
-        // Nothing here is unsure, and nothing reads how far an unsure sample reaches.
+        // A region marks cells whose candidates an unsure sample may affect, up to this many cells away. There are no
+        // candidates here.
         let no_reach = 0;
         region.reset(self.ground.frame.clone(), no_reach);
         dispatch!(InstructionSet::best().level(), simd => {
@@ -144,7 +145,7 @@ impl SeamTiling<'_> {
         let lost = self.lost.iter();
         counts.eliminated = lost.filter(|lost| window.contains(lost.place)).count() as u64;
 
-        // Tiled samples follow from the other counts.
+        // How many samples were tiled follows from the other counts and the number of samples.
         let inserted = self
             .samples
             .iter()

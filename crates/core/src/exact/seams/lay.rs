@@ -19,7 +19,7 @@ use crate::pattern::Symmetry;
 /// those at most R inside the part where late darts are known, or outside of it, are listed, too.
 pub(super) const DEEP: i64 = 5 * R as i64 / 2;
 
-/// No place of a frame is so far from another one, and sums of two still fit.
+/// No place of a frame is so far from another one, and sums of two such distances still fit 32 bits.
 const FAR: i64 = 1 << 28;
 
 impl SeamTiling<'_> {
@@ -29,6 +29,7 @@ impl SeamTiling<'_> {
         let symmetry = Symmetry(block.symmetry);
         // Late darts at places that something unknown may cover are not thrown.
         if let Some(core) = Rect64::from(rect).within(&self.ground.core()) {
+            // Where the pattern is clipped for the core moves as far as the core's lowest corner from the block's.
             let start = I64Vec2::from(block.start) + I64Vec2::from(core.min) - block.rect.min;
             let pattern_rect = self.history.pattern().domain().rect();
             for piece in pieces(tile, &core, start, symmetry, &pattern_rect) {

@@ -28,7 +28,7 @@ pub(super) struct OpenCell {
 const MARK_LEVEL: u32 = (R / MARK_SIDE).ilog2();
 
 impl SeamTiling<'_> {
-    /// Marks the cells whose darts may lack a first blocker beyond the border of their block.
+    /// Marks the cells whose darts may have their first blocker beyond the border of their block, where it is missing.
     pub(super) fn open_borders(&mut self) {
         let history = self.history;
         for tile in &self.tiles {
@@ -98,8 +98,8 @@ impl SeamTiling<'_> {
     }
 
     /// Cuts a cell of a level into quarters, and appends to the open cells those that no single sample of the levels
-    /// before that of `from` covers. In a quarter that a certain sample covers alone every dart is refused; one that
-    /// only a doubtful sample covers alone becomes a zone.
+    /// before that of `from` covers. In a quarter that a certain sample covers alone every dart is refused; a
+    /// quarter that only a doubtful sample covers alone becomes a zone.
     #[inline(always)]
     fn quarter<S: Simd>(
         &mut self,
@@ -168,8 +168,8 @@ impl SeamTiling<'_> {
             (min.x + half).clamp(bounds.min.x, bounds.max.x - 1),
             (min.y + half).clamp(bounds.min.y, bounds.max.y - 1),
         );
-        // Few cells reach beyond their piece: that deep samples are listed before the others were tried is chosen, not
-        // measured.
+        // Few cells reach beyond their piece. Samples deep in the block are listed for them at once, and not, as above,
+        // only where those near the border leave a quarter open: chosen, not measured.
         let cell = self.whole_cell(clipper, middle, tile);
         let halves = [xs, ys].map(CutHalves);
         let [covered, doubtful] =

@@ -9,8 +9,8 @@ use crate::experiments::common::MISSED;
 use crate::outcome::{Claim, Verdict};
 use crate::texts::claim;
 
-/// Two estimates of what the lattice leaves out that differ by an interval wider than this could not tell that one is wrong. It
-/// is about half of the published error.
+/// If the interval of their difference reaches farther than this, the two estimates of what the lattice leaves out
+/// cannot show that one is wrong. It is about half of the published error.
 const TELLING: f64 = 2e-6;
 
 /// Returns the claims on the density.

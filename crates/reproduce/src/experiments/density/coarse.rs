@@ -88,8 +88,8 @@ impl OpenPlaces {
     fn cover(&mut self, place: u32, disk: &[[i32; 2]]) {
         let (x, y) = (place as i32 % self.side, place as i32 / self.side);
         for [right, up] in disk {
-            let [x, y] = [x + right, y + up].map(|along| along.rem_euclid(self.side));
-            let covered = (y * self.side + x) as usize;
+            let [column, row] = [x + right, y + up].map(|along| along.rem_euclid(self.side));
+            let covered = (row * self.side + column) as usize;
 
             let slot = std::mem::replace(&mut self.slots[covered], GONE);
             if slot != GONE {

@@ -42,7 +42,7 @@ impl LatticeError {
     }
 
     /// Returns the estimate that is used, which is that by levels, and its error. The difference from the other one counts as an
-    /// error, too, as it may come from what both suppose.
+    /// error, too, as assumptions of the two estimates may cause it.
     pub fn used(&self) -> [f64; 2] {
         let [value, error] = self.by_levels;
         [value, error.hypot(self.difference()[0])]
@@ -79,7 +79,7 @@ impl DensityResults {
         })
     }
 
-    /// Returns the density without what the lattice leaves out, and its error from both.
+    /// Returns the density that was counted and what the lattice leaves out together, with the error of this sum.
     pub fn density(&self) -> [f64; 2] {
         let [[density, error], [left_out, doubt]] = [self.all.density(), self.lattice.used()];
         [density + left_out, error.hypot(doubt)]
@@ -133,7 +133,7 @@ impl DensityResults {
 /// Returns the line of what levels insert to an area, times 2^level, over 2^-level.
 ///
 /// Small gaps of all sizes are equally many, so that levels halve: the line is level where gaps are small beside disks, and
-/// its slope is the first term of what disks make of it.
+/// its slope is the first correction for gaps that are not.
 pub fn halving(sets: &TorusSets) -> FittedLine {
     let place = |level: usize| {
         let count = sets.by_level[level] as f64;
