@@ -122,11 +122,24 @@ impl RadiusRange {
     }
 }
 
+/// Returns the error of the first radius out of range, if there is one.
+fn check_radii(nodes: &[i32]) -> Result<(), FieldError> {
+    let allowed = R..=MAX_FIELD_RADIUS;
+    match nodes.iter().position(|radius| !allowed.contains(radius)) {
+        Some(node) => Err(FieldError::Radius {
+            radius: nodes[node],
+            node,
+        }),
+        None => Ok(()),
+    }
+}
+
 impl RadiusField {
     /// Returns the field of one radius everywhere.
     ///
     /// Fails when the radius is not from [`R`] to [`MAX_FIELD_RADIUS`], or the domain is too small for it.
     pub fn constant(domain: Domain, radius: i32) -> Result<Self, FieldError> {
+        check_radii(&[radius])?;
         // The one cell is a unit wide. Places beyond it have the radius at its end (see `at`), which is the same.
         Self::new(domain, 0, [1, 1], vec![radius; 4])
     }
@@ -144,6 +157,9 @@ impl RadiusField {
                 rows,
             });
         }
+
+        // Before nodes are repeated, so that the error counts them as they were given.
+        check_radii(nodes)?;
 
         // A periodic domain has a cell for each node, the last of which ends at the first nodes again.
         let cells = [columns, rows].map(|count| count - usize::from(!domain.is_periodic()));
@@ -176,21 +192,14 @@ impl RadiusField {
         Ok(sides.map(|side| ((side - 1) >> bits) as usize + 1 + closed))
     }
 
-    /// Returns the field of the nodes around `cells`, 2^`bits` units apart, with their blocks. Refuses radii out of
-    /// range, and a periodic domain that is too small for the largest.
+    /// Returns the field of the nodes around `cells`, 2^`bits` units apart, with their blocks. All radii are in their range.
+    /// Refuses a periodic domain that is too small for the largest.
     fn new(
         domain: Domain,
         bits: u32,
         cells: [usize; 2],
         nodes: Vec<i32>,
     ) -> Result<Self, FieldError> {
-        let allowed = R..=MAX_FIELD_RADIUS;
-        let beyond = nodes.iter().position(|radius| !allowed.contains(radius));
-        if let Some(node) = beyond {
-            let radius = nodes[node];
-            return Err(FieldError::Radius { radius, node });
-        }
-
         let mut field = Self {
             domain,
             bits,

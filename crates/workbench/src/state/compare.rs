@@ -221,19 +221,22 @@ impl Runs {
 
     /// Swaps the two runs, if there are two. The form then shows the parameters of the first one.
     fn swap(&mut self, context: &mut Context) {
-        if let Some((mut side, comparison)) = self.second.take() {
-            // A viewport belongs to a place in the window, so that it is not swapped.
-            let viewports = (self.first.viewport, side.viewport);
-            // Breakpoints, watches and scenes stay in the first place, whichever run is there, as the panels show them.
-            let stops = self.first.take_stops();
-            std::mem::swap(&mut self.first, &mut side);
-            (self.first.viewport, side.viewport) = viewports;
+        // A script may ask for it without a second run.
+        let Some((mut side, comparison)) = self.second.take() else {
+            return;
+        };
 
-            // The loop counts events of the run that the panels showed before.
-            context.ask(Effect::EndLoop);
-            self.first.put_stops(stops, context);
-            self.second = Some((side, comparison));
-        }
+        // A viewport belongs to a place in the window, so that it is not swapped.
+        let viewports = (self.first.viewport, side.viewport);
+        // Breakpoints, watches and scenes stay in the first place, whichever run is there, as the panels show them.
+        let stops = self.first.take_stops();
+        std::mem::swap(&mut self.first, &mut side);
+        (self.first.viewport, side.viewport) = viewports;
+
+        // The loop counts events of the run that the panels showed before.
+        context.ask(Effect::EndLoop);
+        self.first.put_stops(stops, context);
+        self.second = Some((side, comparison));
 
         if let Some(session) = &self.first.session
             && session.has_recipe()
