@@ -522,5 +522,9 @@ mod tests {
         assert!(words(coarse).starts_with("nodes are 2^21 units apart"));
         let few = RadiusField::from_nodes(bounded, 15, &[R; 200]).unwrap_err();
         assert_eq!(words(few), "200 nodes are given; the domain has 21 x 11");
+        let mut low = [R; 200];
+        low[45] = R - 1;
+        let low = RadiusField::from_nodes(periodic, 15, &low).unwrap_err();
+        assert!(words(low).starts_with("the radius 32767 at node 45 "));
     }
 }
