@@ -6,7 +6,7 @@ use std::sync::Arc;
 use emath::{Pos2, Rect, pos2, vec2};
 use glam::DVec2;
 use serde::{Deserialize, Serialize};
-use tilescope_core::{Pattern, SampleError, Unobserved};
+use tilescope_core::Unobserved;
 use tilescope_debugger::Recording;
 use tilescope_drawing::camera::Camera;
 use tilescope_drawing::labels::{Labelled, places};
@@ -15,7 +15,7 @@ use tilescope_drawing::picture::{
     MomentView, PictureView, Thumbnail, at as on_picture, color, thumbnail,
 };
 use tilescope_figures::{Group, Scene, Shape, Stroke, Style, Text, to_pixels, to_svg};
-use tilescope_lessons::{Arrival, Learner, Lesson, MarkKind, Translation, record};
+use tilescope_lessons::{Arrival, Learner, Lesson, MarkKind, Translation};
 use tilescope_session::jobs::{Job, Monitor};
 use tilescope_session::layers::{Colouring, Layer, Layers};
 use tilescope_session::moment::Moment;
@@ -55,14 +55,13 @@ pub(crate) fn step_at(
     let mut learner = Learner::new(Arc::clone(lesson), Arc::clone(translation));
     learner.go(index);
 
-    let parameters = learner.parameters();
+    let wanted = learner.run();
     // Steps of one lesson often show the same run, which is then made once.
     let run = match last.take() {
-        Some(run) if run.run().parameters == parameters => run,
+        Some(run) if wanted.is_of(&run) => run,
         _ => {
-            let made = Pattern::of_spec(&parameters.pattern, &mut Unobserved)
-                .and_then(|pattern| record(&parameters, &pattern, &mut Unobserved));
-            made.map_err(|error: SampleError| error.to_string())?
+            let made = wanted.make(&mut Unobserved);
+            made.map_err(|error| error.to_string())?
         }
     };
 
@@ -87,7 +86,7 @@ pub fn picture(open: &OpenLesson, style: PictureStyle, strokes: &[PenStroke]) ->
     let frame = Rect::from_min_size(Pos2::ZERO, style.size.map(|side| side as f32).into());
     let palette = if style.dark { &DARK } else { &LIGHT };
 
-    let Some((run, cursor)) = open.run.as_ref().zip(open.learner.cursor()) else {
+    let Some((run, cursor)) = open.shown_run().zip(open.learner.cursor()) else {
         return Scene::new(width, height, color(palette.outside));
     };
 

@@ -12,7 +12,7 @@ use tilescope_lessons::package::CourseSystem;
 use tilescope_lessons::results::Results;
 use tilescope_lessons::{
     Control, Draft, DraftCommand, Feedback, Learner, Lesson, LessonError, Lines, MarkKind,
-    Question, Spot, shipped,
+    Question, Scene, Spot, shipped,
 };
 use tilescope_session::language::Language;
 use tilescope_session::units::position;
@@ -366,6 +366,14 @@ impl OpenLesson {
         }
     }
 
+    /// Returns the run that is shown: that of the moment, which has only some of the samples where a density is painted; before the moment
+    /// is there, the whole run.
+    #[must_use]
+    pub fn shown_run(&self) -> Option<&Arc<Recording>> {
+        let scene = self.learner.scene();
+        scene.map(Scene::recording).or(self.run.as_ref())
+    }
+
     /// Returns the layers of the step, by name: after the answer also those that the question shows then. None for those of
     /// the stage.
     pub(crate) fn layers(&self) -> Option<Vec<String>> {
@@ -386,7 +394,7 @@ impl OpenLesson {
     /// Returns the marks of the step.
     #[must_use]
     pub fn marks(&self) -> Vec<Mark> {
-        let Some((question, run)) = self.learner.question().zip(self.run.as_ref()) else {
+        let Some((question, run)) = self.learner.question().zip(self.shown_run()) else {
             return Vec::new();
         };
 
@@ -428,7 +436,7 @@ impl OpenLesson {
         let Some(question) = question.filter(|_| !self.learner.is_open()) else {
             return Vec::new();
         };
-        let Some((radius, run)) = question.circle.zip(self.run.as_ref()) else {
+        let Some((radius, run)) = question.circle.zip(self.shown_run()) else {
             return Vec::new();
         };
 
@@ -454,7 +462,7 @@ impl OpenLesson {
         let question = asked.filter(|_| !self.learner.is_open())?;
         let width = question.strip?;
 
-        let leaves = self.run.as_ref()?.run().blocks.leaves.iter();
+        let leaves = self.shown_run()?.run().blocks.leaves.iter();
         let interiors = leaves.map(|leaf| {
             let [low, high] = [leaf.rect.min, leaf.rect.max].map(position);
             [low + width, high - width]
@@ -483,7 +491,7 @@ impl OpenLesson {
     /// the question is open.
     #[must_use]
     pub fn reasons(&self) -> Vec<String> {
-        let Some((question, run)) = self.learner.question().zip(self.run.as_ref()) else {
+        let Some((question, run)) = self.learner.question().zip(self.shown_run()) else {
             return Vec::new();
         };
 

@@ -4,12 +4,12 @@
 use std::path::PathBuf;
 use std::sync::Arc;
 
-use tilescope_core::Parameters;
 use tilescope_debugger::Recording;
 use tilescope_drawing::camera::Camera;
 use tilescope_lessons::package::PackageOrder;
 use tilescope_session::jobs::Wake;
 use tilescope_session::layers::Layers;
+use tilescope_session::recipe::Recipe;
 
 use crate::lessons::{Lessons, OpenLesson};
 use crate::talk::Talks;
@@ -89,8 +89,8 @@ pub enum Effect {
     Begin,
     /// Give back the things set aside for this lesson, which is closed. A window that had no run before keeps the lesson's.
     GiveBack(Box<OpenLesson>),
-    /// Make the run of a step.
-    MakeRun(Box<Parameters>),
+    /// Make the run of a step, or its levels.
+    MakeRun(Box<Recipe>),
     /// Show a run up to a cursor. It is not verified, as a verdict would answer questions.
     ShowRun(Arc<Recording>, usize),
     /// Show the moment of a step.

@@ -16,6 +16,7 @@ use crate::event::{Event, NONE};
 use crate::index::{BySample, Classes, Direction};
 use crate::kind::EventKind;
 use crate::life::{Life, Status, UNBORN, note_change};
+use crate::ranks::RecordedLevels;
 use crate::tally::Density;
 use crate::tape::Tape;
 
@@ -102,6 +103,9 @@ pub struct Recording {
     by_sample: OnceLock<BySample>,
     #[serde(skip)]
     numbers: OnceLock<&'static MomentNumbers>,
+    /// Not sent to workers: those make sessions of levels, which have no recording.
+    #[serde(skip)]
+    pub(crate) levels: Option<RecordedLevels>,
 }
 
 impl Recording {
@@ -177,6 +181,7 @@ impl Recording {
             classes: OnceLock::new(),
             by_sample: OnceLock::new(),
             numbers: OnceLock::new(),
+            levels: None,
             run,
             tape,
             is_cut_within_stage: false,

@@ -60,6 +60,11 @@ impl Recording {
     #[must_use]
     pub fn until(&self, cursor: usize) -> Self {
         let cursor = cursor.min(self.len());
+        // Levels have no stages that could be cut: the first samples are all there is.
+        if let Some(first) = self.first_of_levels(cursor) {
+            return first;
+        }
+
         let mut run = self.run().clone();
 
         let mut counts = Counts::default();

@@ -11,7 +11,7 @@ use std::collections::{BTreeMap, HashMap};
 use std::fmt::Write as _;
 use std::sync::Arc;
 
-use tilescope_core::{Observer, Parameters, Pattern, SampleError};
+use tilescope_core::{Observer, Pattern, SampleError};
 use tilescope_debugger::Recording;
 
 use self::asked::ask;
@@ -20,7 +20,7 @@ use self::findings::Findings;
 pub use self::leaks::leak;
 use crate::error::LessonError;
 use crate::lesson::{Lesson, Step};
-use crate::scene::record;
+use crate::step_run::{StepRun, record};
 
 /// The largest mean score of a learner who guesses. It is a coarse bound, as a wrong answer may have a part of the score; the
 /// chance of a right guess has its own limit in `rules.rs`.
@@ -53,23 +53,31 @@ pub struct Runs {
 }
 
 impl Runs {
-    /// Returns the recorded run of parameters.
+    /// Returns the recorded run of a step.
     ///
     /// # Errors
     ///
-    /// Those of [`record`].
+    /// Those of [`StepRun::make`].
     pub fn of(
         &mut self,
-        parameters: &Parameters,
+        run: &StepRun,
         observer: &mut dyn Observer,
     ) -> Result<Arc<Recording>, SampleError> {
         // Parameters hold floats, which have no hash: their text is the key.
-        let name = format!("{parameters:?}");
+        let name = format!("{run:?}");
         if let Some(recording) = self.recordings.get(&name) {
             return Ok(Arc::clone(recording));
         }
 
+        // Levels have a nested pattern, which is made with them.
+        if run.levels.is_some() {
+            let recording = run.make(observer)?;
+            self.recordings.insert(name, Arc::clone(&recording));
+            return Ok(recording);
+        }
+
         // The runs of several seeds have the same pattern, which is made once.
+        let parameters = &run.parameters;
         let spec = format!("{:?}", parameters.pattern);
         let pattern = if let Some(pattern) = self.patterns.get(&spec) {
             Arc::clone(pattern)
@@ -211,11 +219,8 @@ pub fn check(
 
         // Without a seed of practice the step's own run is meant.
         let Step { scene, gate, .. } = &lesson.steps[index];
-        let parameters = Parameters {
-            seed: seed.unwrap_or(scene.parameters.seed),
-            ..scene.parameters
-        };
-        let recording = runs.of(&parameters, observer)?;
+        let run = scene.run(seed);
+        let recording = runs.of(&run, observer)?;
         let of_step = found.entry(index).or_default();
 
         match purpose {
@@ -232,7 +237,7 @@ pub fn check(
                         all.extend(score);
                     }
                 }
-                of_step.add(gate.as_ref(), answered, seed.is_some(), parameters.seed);
+                of_step.add(gate.as_ref(), answered, seed.is_some(), run.parameters.seed);
             }
         }
     }

@@ -467,6 +467,35 @@ impl Now {
         Ok(both as i64 / 2)
     }
 
+    /// Returns the rank of a sample of nested levels, or `()`.
+    fn rank(&self, s: i64) -> Dynamic {
+        let levels = self.recording.levels();
+        let rank = levels.and_then(|levels| levels.ranks.get(id(s) as usize));
+        maybe(rank.map(|&rank| rank.into()))
+    }
+
+    /// Returns the valid sample nearest to a place, of those of nested levels with ranks from `low` to below `high`; `()` if there
+    /// is none.
+    fn ranked(&self, to: [f64; 2], low: f64, high: f64) -> Found<Dynamic> {
+        let Some(levels) = self.recording.levels() else {
+            return Ok(Dynamic::UNIT);
+        };
+
+        let set = self.set()?;
+        let all = set.ids.iter().zip(&set.points);
+        let meant =
+            all.filter(|(sample, _)| (low..high).contains(&levels.ranks[**sample as usize]));
+        let near = meant.map(|(&sample, &at)| (sample, set.distance(at, to)));
+        let nearest = near.min_by(|a, b| a.1.total_cmp(&b.1));
+        Ok(sample_or_unit(nearest.map(|(sample, _)| sample)))
+    }
+
+    /// Returns how many samples of nested levels have ranks below a number.
+    fn below(&self, rank: f64) -> i64 {
+        let levels = self.recording.levels();
+        levels.map_or(0, |levels| levels.below(rank) as i64)
+    }
+
     /// Returns the position of a sample.
     fn point(&self, s: i64) -> Option<[f64; 2]> {
         self.recording.point(id(s)).map(position)
@@ -683,6 +712,7 @@ fn register_samples(engine: &mut Engine, now: &Arc<Now>) {
         "turn": |now, s: i64| now.turn_of(id(s)).map_or(-1, |event| event as i64 + 1);
         "first_unsure": |now| now.first_unsure();
         "unsure": |now, s: i64| now.unsure(s);
+        "rank": |now, s: i64| now.rank(s);
         "position": |now, s: i64| maybe(now.point(s).map(place));
         "far": |now, s: i64, x: f64, y: f64| now.far(s, [x, y]);
         "seam_of": |now, s: i64| now.seam_of(s);
@@ -703,6 +733,8 @@ fn register_sets(engine: &mut Engine, now: &Arc<Now>) {
         "nearest": |now, x: f64, y: f64| now.set().map(|set| {
             sample_or_unit(set.nearest([x, y]).map(|(sample, _)| sample))
         });
+        "ranked": |now, x: f64, y: f64, low: f64, high: f64| now.ranked([x, y], low, high);
+        "below": |now, rank: f64| now.below(rank);
         "apart": |now, a: rhai::Array, b: rhai::Array| now.apart(a, b);
 
         "gaps": |now| now.tessellation().map(|found| found.gaps.len() as i64);

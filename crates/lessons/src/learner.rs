@@ -17,6 +17,7 @@ use crate::question::Question;
 use crate::results::Entry;
 use crate::scene::Scene;
 use crate::seen::unseen;
+use crate::step_run::StepRun;
 use crate::text::Text;
 use crate::translation::Translation;
 
@@ -207,11 +208,13 @@ impl Learner {
     /// Returns the parameters of the run that the step shows.
     #[must_use]
     pub fn parameters(&self) -> Parameters {
-        let parameters = self.step().scene.parameters;
-        Parameters {
-            seed: self.seed.unwrap_or(parameters.seed),
-            ..parameters
-        }
+        self.run().parameters
+    }
+
+    /// Returns what the run of the step is made from.
+    #[must_use]
+    pub fn run(&self) -> StepRun {
+        self.step().scene.run(self.seed)
     }
 
     /// Takes the run of the step, at a time in seconds, and asks the step's question. A run that lacks the moment, or a
@@ -497,7 +500,7 @@ mod tests {
     use tilescope_core::{Pattern, Unobserved};
 
     use super::*;
-    use crate::scene::record;
+    use crate::step_run::record;
 
     /// Returns what a learner who gave up is told, at a gate of these lines.
     fn told_at(gate: &str, decimal_sign: char) -> String {

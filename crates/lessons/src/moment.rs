@@ -1,4 +1,4 @@
-//! The names of moments in lessons: `start`, `end`, `end of tile`, `before QUERY`, `after QUERY`, or the anchor of an event
+//! The names of moments in lessons: `start`, `end`, `end of tile`, `before QUERY`, `after QUERY`, `ranks below 0.25`, or the anchor of an event
 //! such as `eliminate.eliminate.1`; and the cursors that they stand for in a recording.
 
 use tilescope_core::Stage;
@@ -7,7 +7,7 @@ use tilescope_debugger::{Anchor, Query, Recording, stage_named};
 use crate::error::{LessonError, shortened};
 
 /// A moment of a run.
-#[derive(Clone, Debug, PartialEq, Eq)]
+#[derive(Clone, Debug, PartialEq)]
 pub enum Moment {
     /// Before the first event.
     Start,
@@ -21,6 +21,8 @@ pub enum Moment {
     After(Query),
     /// Just after the event of an anchor.
     At(Anchor),
+    /// Of nested levels, the samples with ranks below a number.
+    Below(f64),
 }
 
 const STAGES: [&str; 6] = [
@@ -48,12 +50,13 @@ impl Moment {
             _ => match text.split_once(' ') {
                 Some(("before", rest)) => Self::Before(query(rest)?),
                 Some(("after", rest)) => Self::After(query(rest)?),
+                Some(("ranks", rest)) => Self::Below(rank(rest, line)?),
                 Some(("end", rest)) => Self::EndOf(stage(rest.trim_start_matches("of ").trim(), line)?),
                 _ => Self::At(text.parse().map_err(|_| {
                     let text = shortened(text);
                     LessonError::new(line, format!(
                         "\"{text}\" is not a moment. Moments are: start, end, end of STAGE, before QUERY, after QUERY, \
-                         and anchors such as eliminate.eliminate.1"
+                         ranks below NUMBER, and anchors such as eliminate.eliminate.1"
                     ))
                 })?),
             },
@@ -69,12 +72,30 @@ impl Moment {
             Self::EndOf(stage) => recording.end_of(*stage).into_iter().collect(),
             Self::Before(query) => found(query),
             Self::After(query) => found(query).into_iter().map(|event| event + 1).collect(),
+            // Other runs have no ranks, and so no such moment.
+            Self::Below(rank) => {
+                let levels = recording.levels().into_iter();
+                levels.map(|levels| levels.below(*rank)).collect()
+            }
             Self::At(anchor) => {
                 let event = recording.anchored(anchor).into_iter();
                 event.map(|event| event + 1).collect()
             }
         }
     }
+}
+
+/// Reads the rest of `ranks below 0.25`.
+fn rank(text: &str, line: usize) -> Result<f64, LessonError> {
+    // Some authors write a decimal comma.
+    let number = text.strip_prefix("below ");
+    let number = number.and_then(|number| number.trim().replace(',', ".").parse().ok());
+    // Ranks lie in [0, 1), so that all are below 1 and none is below 0.
+    number.filter(|rank| *rank > 0.0 && *rank <= 1.0).ok_or_else(|| {
+        let text = shortened(text);
+        let message = format!("\"ranks {text}\" is not of the form \"ranks below 0.25\", with a number above 0 and up to 1");
+        LessonError::new(line, message)
+    })
 }
 
 fn stage(name: &str, line: usize) -> Result<Stage, LessonError> {

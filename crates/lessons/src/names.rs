@@ -35,6 +35,9 @@ on_seam(x, y): the place on the nearest edge of a block, [x, y]
 border(x, y): how far a place is from the border of the domain, negative outside
 density_near(d): how many samples of the result per r² lie nearer than d to an edge of a block
 density_far(d): how many samples of the result per r² lie farther than d from the edges of their blocks
+rank(s): the rank of a sample of nested levels, from 0 to below 1
+below(t): how many samples of nested levels have ranks below t
+ranked(x, y, low, high): the valid sample nearest to a place, of those with ranks from low to below high, or ()
 position(s): the place of a sample, [x, y]
 within(x, y, d): how many valid samples are closer than d to a place
 seam_of(s): how far a sample is from the nearest edge of a block

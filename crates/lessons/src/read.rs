@@ -3,7 +3,7 @@
 
 use std::fmt::Write as _;
 
-use tilescope_core::{MAXIMAL_DENSITY, Parameter};
+use tilescope_core::{MAX_LEVELS, MAXIMAL_DENSITY, NestedRequest, Parameter, WithinLevel};
 use unicode_segmentation::UnicodeSegmentation;
 
 use crate::error::{LessonError, nearest};
@@ -22,7 +22,15 @@ pub const MAX_STEPS: usize = 40;
 
 const DIRECTIVES: [&str; 3] = ["run", "gate", "note"];
 const FRONT_MATTER: [&str; 4] = ["title", "objective", "minutes", "form"];
-const OF_RUN: [&str; 4] = ["moment", "where", "layers", "camera"];
+const OF_RUN: [&str; 7] = [
+    "levels",
+    "order-within",
+    "density",
+    "moment",
+    "where",
+    "layers",
+    "camera",
+];
 /// Fields of a run that may occur several times.
 const CLAIMS: [&str; 2] = ["claim", "claim-mean"];
 /// How many minutes a lesson may say that it takes: up to two hours, as a lecture.
@@ -251,6 +259,8 @@ impl<'a> Reader<'a> {
             // The first step shows the end of the default run, until a directive changes that.
             scene: scene.unwrap_or(SceneSpec {
                 parameters: first(),
+                levels: None,
+                density: None,
                 moment: Moment::End,
                 condition: None,
                 layers: None,
@@ -365,6 +375,8 @@ fn run(scene: &mut SceneSpec, fields: &Fields) -> Result<(), LessonError> {
         }
     }
 
+    levels(scene, fields)?;
+
     if let Some(field) = fields.get("moment") {
         scene.moment = Moment::read(&field.value, field.line)?;
     }
@@ -410,6 +422,50 @@ fn run(scene: &mut SceneSpec, fields: &Fields) -> Result<(), LessonError> {
         )));
     }
     Ok(())
+}
+
+/// Changes the nested levels of a scene by the fields of its `run` directive.
+fn levels(scene: &mut SceneSpec, fields: &Fields) -> Result<(), LessonError> {
+    if let Some(field) = fields.get("levels") {
+        scene.levels = match field.value.as_str() {
+            "none" => None,
+            _ => Some(NestedRequest {
+                levels: field.number([1.0, f64::from(MAX_LEVELS)])? as u32,
+                order_within: WithinLevel::default(),
+                exactly: None,
+            }),
+        };
+        // A density is that of the levels for which it was painted.
+        scene.density = None;
+    }
+
+    let needed = |field: &Field| field.wrong(format!("\"{}\" needs \"levels: ...\"", field.key));
+
+    if let Some(field) = fields.get("order-within") {
+        let request = scene.levels.as_mut().ok_or_else(|| needed(field))?;
+        request.order_within = match field.value.as_str() {
+            "random" => WithinLevel::Random,
+            "farthest" => WithinLevel::Farthest,
+            other => {
+                let known = ["random", "farthest"];
+                return Err(LessonError::unknown(field.line, "order", other, &known));
+            }
+        };
+    }
+
+    if let Some(field) = fields.get("density") {
+        scene.levels.ok_or_else(|| needed(field))?;
+        scene.density = match field.value.as_str() {
+            "all" => None,
+            _ => Some(field.expression(&["x", "y"])?),
+        };
+    }
+
+    // The parameters may have changed, also where the levels stay as the step before set them.
+    let checked = scene
+        .levels
+        .map_or(Ok(()), |request| request.check(&scene.parameters));
+    checked.map_err(|error| LessonError::new(fields.line, error.to_string()))
 }
 
 /// Returns the claims of a run, in the order of the file.

@@ -4,8 +4,8 @@ use std::sync::Arc;
 use std::sync::atomic::Ordering;
 
 use rhai::{Dynamic, Scope};
-use tilescope_core::{Observer, Parameters, Pattern, SampleError, Stage, TilingMethod};
-use tilescope_debugger::{DEFAULT_BUDGET, Evaluator, Recording, State};
+use tilescope_core::Stage;
+use tilescope_debugger::{Evaluator, Recording, State};
 
 use crate::error::LessonError;
 use crate::functions::{self, Now, number_of, place_of};
@@ -21,26 +21,6 @@ pub struct Scene {
     evaluator: Evaluator,
     state: State,
     pub(crate) translation: Arc<Translation>,
-}
-
-/// Runs the sequential engine of the parameters' method for a lesson and records it. `pattern` is the one that they describe.
-///
-/// # Errors
-///
-/// Those of [`Recording::with_pattern`] and [`Recording::new`].
-pub fn record(
-    parameters: &Parameters,
-    pattern: &Arc<Pattern>,
-    observer: &mut dyn Observer,
-) -> Result<Arc<Recording>, SampleError> {
-    let recording = match parameters.method {
-        TilingMethod::Kdrt => {
-            Recording::with_pattern(parameters, Arc::clone(pattern), DEFAULT_BUDGET, observer)?
-        }
-        // It takes the darts of the pattern that the parameters describe.
-        TilingMethod::Exact => Recording::new(parameters, DEFAULT_BUDGET, observer)?,
-    };
-    Ok(Arc::new(recording))
 }
 
 impl Scene {
@@ -66,8 +46,11 @@ impl Scene {
     /// A fault of the condition.
     pub fn find(recording: &Arc<Recording>, spec: &SceneSpec) -> Result<Option<Self>, LessonError> {
         let mut scene = Self::at(recording, 0);
+        if let Some(density) = &spec.density {
+            scene = Self::at(&scene.painted(density)?, 0);
+        }
 
-        for cursor in spec.moment.cursors(recording) {
+        for cursor in spec.moment.cursors(&Arc::clone(scene.recording())) {
             scene.go(cursor);
             if let Some(condition) = &spec.condition
                 && !scene.truth(condition, |_| {})?
@@ -81,6 +64,45 @@ impl Scene {
         }
 
         Ok(None)
+    }
+
+    /// Returns the recording of the samples of nested levels whose ranks are below a density, an expression of their places x
+    /// and y.
+    fn painted(&self, density: &Text) -> Result<Arc<Recording>, LessonError> {
+        let wrong = |message: String| density.wrong(message);
+        let recording = self.recording();
+        let ranks = recording.levels().map_or(&[][..], |levels| &levels.ranks);
+
+        // The expression is parsed once for all samples.
+        let parsed = self.evaluator.parse(&density.text);
+        let parsed =
+            parsed.map_err(|error| wrong(without_position(&error.to_string()).to_owned()))?;
+
+        let mut kept = Vec::new();
+        for (sample, &rank) in (0..).zip(ranks) {
+            let [x, y] = recording.point(sample).map(position).unwrap_or_default();
+            let value = self.evaluator.evaluate(&parsed, &self.state, |scope| {
+                scope.push_constant("x", x).push_constant("y", y);
+            });
+            let value =
+                value.map_err(|error| wrong(without_position(&error.to_string()).to_owned()))?;
+            // A density that is no number would keep nothing, and the picture would be empty without a word.
+            let at = number_of(&value)
+                .filter(|number| !number.is_nan())
+                .ok_or_else(|| {
+                    let shown = tilescope_debugger::shown(&value);
+                    wrong(format!("a density must be a number, not {shown}"))
+                })?;
+            if rank < at {
+                kept.push(sample);
+            }
+        }
+
+        if kept.is_empty() {
+            return Err(wrong("no sample has a rank below this density".to_owned()));
+        }
+        let missing = || wrong("only nested levels have ranks below a density".to_owned());
+        recording.painted(&kept).map(Arc::new).ok_or_else(missing)
     }
 
     /// Returns a query with its values, and the events from the moment on that match it.
@@ -112,8 +134,9 @@ impl Scene {
     pub(crate) fn samples_in(&self, text: &Text) -> Result<Vec<u32>, LessonError> {
         // An expression with one of these words gives a count, or the number of an event: its value is no sample, although a
         // sample may have that number.
-        const COUNTS: [&str; 11] = [
+        const COUNTS: [&str; 12] = [
             "count",
+            "below(",
             "inserted",
             "eliminated",
             "samples(",

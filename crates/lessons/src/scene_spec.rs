@@ -1,9 +1,10 @@
 //! What a step of a lesson shows: the run, the moment, the layers and the camera, as they are in its file. `scene.rs` finds
 //! the moment in a recording.
 
-use tilescope_core::Parameters;
+use tilescope_core::{NestedRequest, Parameters};
 
 use crate::moment::Moment;
+use crate::step_run::StepRun;
 use crate::text::Text;
 
 /// The names of the layers of the canvas, as lessons name them.
@@ -31,6 +32,10 @@ pub const LAYERS: [&str; 16] = [
 pub struct SceneSpec {
     /// The parameters of the run.
     pub parameters: Parameters,
+    /// The levels, if nested ones are shown and not a run with its stages.
+    pub levels: Option<NestedRequest>,
+    /// The density at a place x, y below which ranks are kept, if only some samples of the levels are.
+    pub density: Option<Text>,
     /// The moment of the run that is shown.
     pub moment: Moment,
     /// The condition that must hold there, if there is one.
@@ -43,6 +48,20 @@ pub struct SceneSpec {
     pub claims: Vec<Claim>,
     /// The line of the directive, or of the title.
     pub line: usize,
+}
+
+impl SceneSpec {
+    /// Returns the run, with the seed of practice if one is given.
+    #[must_use]
+    pub fn run(&self, seed: Option<u64>) -> StepRun {
+        StepRun {
+            parameters: Parameters {
+                seed: seed.unwrap_or(self.parameters.seed),
+                ..self.parameters
+            },
+            levels: self.levels,
+        }
+    }
 }
 
 /// A general claim of a lesson. `check` tests it in the runs of many seeds.

@@ -1,13 +1,15 @@
 //! The levels of a session whose set is in an order of which every prefix is evenly spread. It has no stages to step
 //! through: a moment of it is a prefix. Begin with [`NestedLevels`]; its claims are what the verifier is asked about.
-//! [`crate::nesting`] makes such sessions.
+//! [`crate::nesting`] makes such sessions; those of lessons come from a recording.
 
 use std::collections::BTreeMap;
 
 use serde::{Deserialize, Serialize};
 use serde_json::Value;
 use tilescope_analysis::PrefixClaim;
-use tilescope_core::{NestedRequest, Parameters};
+use tilescope_core::{NestedRequest, Parameters, Run, rank_threshold};
+use tilescope_debugger::{RecordedLevels, Recording};
+use tilescope_sets::stated;
 
 use crate::encoding::as_json;
 
@@ -28,7 +30,71 @@ pub struct NestedLevels {
     pub stated: BTreeMap<String, Value>,
 }
 
+/// Returns what the certificate of levels states of how they were made.
+pub(crate) fn stated_by(
+    parameters: &Parameters,
+    request: &NestedRequest,
+) -> BTreeMap<String, Value> {
+    let mut all = stated(parameters);
+    all.extend(stated(request));
+    all
+}
+
 impl NestedLevels {
+    /// Returns the levels of a run that was recorded with them.
+    #[must_use]
+    pub fn of_recorded(run: &Run, levels: &RecordedLevels) -> Self {
+        let (request, radius) = (levels.request, run.domain.radius());
+        // Each radius is the root of 2 times that of the next level, and thresholds double.
+        let radius_of = |level: usize| {
+            let share = rank_threshold(level as u32, request.levels);
+            radius * (1.0 / share).sqrt()
+        };
+
+        let ends = levels.ends.iter().enumerate();
+        let whole = ends.map(|(level, &end)| PrefixClaim::maximal(end, radius_of(level)));
+        let mut claims: Vec<PrefixClaim> = whole.collect();
+
+        // Behind the last whole level there may be a part of the next one, or all that a density has left: those samples are
+        // of the last level, and how far they cover is not known.
+        let last = claims.last().copied();
+        let count = levels.ranks.len();
+        if last.is_none_or(|claim| claim.count < count) {
+            claims.push(PrefixClaim {
+                count,
+                distance: if levels.is_painted {
+                    radius
+                } else {
+                    radius_of(claims.len())
+                },
+                covering: last.and_then(|claim| claim.covering),
+            });
+        }
+
+        Self {
+            claims,
+            ranks: levels.ranks.clone(),
+            // No parameters make a painted set.
+            asked: (!levels.is_painted).then_some((run.parameters, request)),
+            method: "kdrt".to_owned(),
+            stated: stated_by(&run.parameters, &request),
+        }
+    }
+
+    /// Returns the recording of a set that was made from a recipe, whose samples arrive one by one; `None` for one of a file.
+    #[must_use]
+    pub fn recording(&self, run: &Run) -> Option<Recording> {
+        let (parameters, request) = self.asked?;
+        let levels = RecordedLevels::whole(request, self.ranks.clone());
+        let points = run.samples.points.clone();
+        Some(Recording::of_levels(
+            &parameters,
+            run.domain,
+            points,
+            levels,
+        ))
+    }
+
     /// Returns how many samples there are to the end of each level.
     #[must_use]
     pub fn ends(&self) -> impl ExactSizeIterator<Item = usize> {

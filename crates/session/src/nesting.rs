@@ -4,10 +4,9 @@
 use tilescope_analysis::PrefixClaim;
 use tilescope_core::{Boundary, Domain, MAX_LEVELS, NestedRequest, Parameters, Run, SampleError};
 use tilescope_formats::ReadSet;
-use tilescope_sets::stated;
 
 use crate::jobs::Monitor;
-use crate::nested::NestedLevels;
+use crate::nested::{NestedLevels, stated_by};
 use crate::recipe::Recipe;
 use crate::session::{Reporter, Session};
 
@@ -31,14 +30,12 @@ pub fn sample(
         ..asked
     };
 
-    let mut all = stated(&parameters);
-    all.extend(stated(&request));
     let levels = NestedLevels {
         claims: nested.claims().map(PrefixClaim::from).collect(),
         ranks: nested.ranks().unwrap_or_default(),
         asked: Some((asked, request)),
         method: "kdrt".to_owned(),
-        stated: all,
+        stated: stated_by(&parameters, &request),
     };
 
     let run = Run::of_points(parameters, domain, nested.points().to_vec());

@@ -315,9 +315,16 @@ impl Session {
         Self::of(RunSource::Run(Box::new(run)), generation)
     }
 
-    /// Prepares a recorded run.
+    /// Prepares a recorded run. Recorded levels become a session of levels, whose moments are prefixes.
     #[must_use]
     pub fn from_recording(recording: Arc<Recording>, generation: u64) -> Self {
+        if let Some(levels) = recording.levels() {
+            let run = recording.run();
+            let nested = NestedLevels::of_recorded(run, levels);
+            let points = run.samples.points.clone();
+            let arranged = Run::of_points(run.parameters, run.domain, points);
+            return Self::from_levels(arranged, nested, generation);
+        }
         Self::of(RunSource::Recorded(recording), generation)
     }
 

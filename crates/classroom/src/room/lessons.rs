@@ -16,6 +16,7 @@ use tilescope_lessons::{
 };
 use tilescope_session::language::Language;
 use tilescope_session::layers::{Layer, Layers};
+use tilescope_session::recipe::Recipe;
 use tilescope_session::selection::Selection;
 use tilescope_session::session::Session;
 use tilescope_session::words::sentence;
@@ -516,15 +517,18 @@ impl Classroom {
         (open.draft, open.feedback, open.lacking) = (Draft::default(), None, None);
         (open.fault, open.hint) = (None, None);
 
-        let parameters = open.learner.parameters();
+        let wanted = open.learner.run();
         let run = open.run.clone();
 
         // Steps of one run share its recording.
-        if let Some(run) = run.filter(|run| run.run().parameters == parameters) {
+        if let Some(run) = run.filter(|run| wanted.is_of(run)) {
             self.arrive_at_step(&run, context);
         } else {
             open.run = None;
-            context.ask(Effect::MakeRun(Box::new(parameters)));
+            context.ask(Effect::MakeRun(Box::new(Recipe {
+                nested: wanted.levels,
+                ..Recipe::from(wanted.parameters)
+            })));
         }
     }
 
@@ -532,11 +536,17 @@ impl Classroom {
     #[must_use]
     pub fn made_for_lesson(&self, session: &Session) -> Option<Arc<Recording>> {
         let open = self.lessons.open.as_ref()?;
-        let parameters = open.learner.parameters();
         // Once the step has its run no other one is taken, and a run with a pattern of its own is not that of its parameters.
-        let is_wanted = open.run.is_none() && session.own.is_none();
-        let recording = session.recording().filter(|_| is_wanted)?;
-        (recording.run().parameters == parameters).then(|| Arc::clone(recording))
+        if open.run.is_some() || session.own.is_some() {
+            return None;
+        }
+
+        // A session of levels has no recording, as nothing happens in it but that samples arrive.
+        let made = match session.recording() {
+            Some(recording) => Arc::clone(recording),
+            None => Arc::new(session.nested.as_ref()?.recording(session.run())?),
+        };
+        open.learner.run().is_of(&made).then_some(made)
     }
 
     /// Shows the step, now that its run is made.
@@ -579,7 +589,7 @@ impl Classroom {
             return;
         };
 
-        let (Some(run), Some(cursor)) = (open.run.clone(), open.learner.cursor()) else {
+        let (Some(run), Some(cursor)) = (open.shown_run().cloned(), open.learner.cursor()) else {
             return;
         };
 

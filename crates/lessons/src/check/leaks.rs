@@ -200,7 +200,8 @@ mod tests {
 
     use super::*;
     use crate::lesson::Lesson;
-    use crate::scene::{Scene, record};
+    use crate::scene::Scene;
+    use crate::step_run::record;
 
     /// Returns the question of a gate about a small run, at the end of tiling.
     fn asked(gate: &str) -> Question {

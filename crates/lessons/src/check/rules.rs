@@ -359,7 +359,8 @@ fn events(lesson: &Lesson, found: &BTreeMap<usize, Findings>) -> Vec<LessonError
     for (later, (step, findings)) in gates.iter().enumerate() {
         let same = gates[..later].iter().find(|(other, of_other)| {
             // Equal cursors are the same event only in runs of the same parameters.
-            let is_one_run = other.scene.parameters == step.scene.parameters;
+            let [one, another] = [other, step].map(|step| step.scene.run(None));
+            let is_one_run = one == another;
             let mut cursors = findings.cursors.iter();
             is_one_run && cursors.any(|(run, cursor)| of_other.cursors.get(run) == Some(cursor))
         });

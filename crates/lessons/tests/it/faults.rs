@@ -462,9 +462,8 @@ fn practice_shows_all_that_its_question_is_about() {
     let lesson = Lesson::read("test", &text).unwrap();
     let mut runs = Runs::default();
     let mut is_shown = |seed| {
-        let parameters = lesson.steps[0].scene.parameters;
-        let parameters = tilescope_core::Parameters { seed, ..parameters };
-        let recording = runs.of(&parameters, &mut Unobserved).unwrap();
+        let run = lesson.steps[0].scene.run(Some(seed));
+        let recording = runs.of(&run, &mut Unobserved).unwrap();
         let mut learner = Learner::new(Arc::new(lesson.clone()), Arc::default());
         assert!(learner.practise_seed(seed));
         learner.arrive(&recording, 0.0).unwrap() == Arrival::Here

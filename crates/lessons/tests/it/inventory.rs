@@ -42,7 +42,7 @@ fn items(lesson: &Lesson, runs: &mut Runs) -> Vec<Item> {
     let steps = lesson.steps.iter().enumerate();
     let gates = steps.filter_map(|(index, step)| Some((index, step, step.gate.as_ref()?)));
     let ask = |(index, step, gate): (usize, &tilescope_lessons::Step, &tilescope_lessons::Gate)| {
-        let recording = runs.of(&step.scene.parameters, &mut Unobserved).unwrap();
+        let recording = runs.of(&step.scene.run(None), &mut Unobserved).unwrap();
         let asked = || {
             let mut learner = Learner::new(Arc::clone(&lesson), Arc::default());
             learner.go(index);

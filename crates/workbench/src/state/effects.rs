@@ -318,12 +318,12 @@ impl State {
             }
             E::GiveBack(lesson) => self.give_back_of(Some(*lesson)),
 
-            E::MakeRun(parameters) => {
+            E::MakeRun(recipe) => {
                 // The step's run takes the place of a run that an opened link may still wait for.
                 self.runs.arriving = None;
                 self.time.playback.stop();
                 // Lessons need events, which runs of the GPU do not have.
-                self.start_sampling(Which::First, Recipe::from(*parameters), EngineChoice::Cpu);
+                self.start_sampling(Which::First, *recipe, EngineChoice::Cpu);
             }
 
             E::ShowRun(recording, cursor) => self.with(|state, context| {
