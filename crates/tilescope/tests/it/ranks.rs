@@ -1,6 +1,7 @@
 //! Ranks of nested levels, end to end: written, verified, spoilt, kept below a threshold and below a painted one, and in windows.
 
 use std::fs;
+use std::path::Path;
 
 use png::ColorType;
 use serde_json::{Value, json};
@@ -183,6 +184,39 @@ fn samples_are_kept_by_the_darkness_of_an_image() {
     assert_eq!(rows(&folder, "painted.csv"), painted);
     assert!(painted.len() < made["count"].as_u64().unwrap() as usize);
     assert!(!folder.path().join("painted.csv.certificate.json").exists());
+}
+
+/// The picture in README.md is what its commands make, for whoever has the repository.
+#[test]
+fn the_commands_of_the_readme_make_its_picture() {
+    const README: &str = include_str!("../../../../README.md");
+    const SPIRAL: &str = "assets/pictures/spiral.png";
+    let folder = tempdir().unwrap();
+    let pictures = Path::new(env!("CARGO_MANIFEST_DIR")).join("../../assets/pictures");
+    fs::create_dir_all(folder.path().join("assets/pictures")).unwrap();
+    fs::copy(pictures.join("spiral.png"), folder.path().join(SPIRAL)).unwrap();
+
+    let mentions = |line: &&str| {
+        ["levels.csv", "painted.csv"]
+            .iter()
+            .any(|name| line.contains(name))
+    };
+    let commands: Vec<&str> = README.lines().filter(mentions).collect();
+    assert_eq!(commands.len(), 4, "{commands:?}");
+    for command in commands {
+        let arguments: Vec<&str> = command.split(' ').skip(1).collect();
+        run(&folder, &arguments, 0);
+    }
+
+    let made = fs::read(folder.path().join("painted.png")).unwrap();
+    assert!(made == fs::read(pictures.join("ranks.png")).unwrap());
+    let kept = rows(&folder, "painted.csv").len();
+    let all = rows(&folder, "levels.csv").len();
+    let [kept, all] = [kept, all].map(|count| format!("{},{:03}", count / 1000, count % 1000));
+    assert!(
+        README.contains(&format!("![{kept} of {all} samples")),
+        "{kept} {all}"
+    );
 }
 
 #[test]
