@@ -1,45 +1,16 @@
 // The package as it is installed, in Node.js: its sets and windows are those of the native program, bit for bit.
 
 import assert from "node:assert/strict";
-import { execFile } from "node:child_process";
-import { createHash } from "node:crypto";
-import { mkdtemp, readFile, rm } from "node:fs/promises";
-import { tmpdir } from "node:os";
+import { readFile } from "node:fs/promises";
 import path from "node:path";
-import { after, before, test } from "node:test";
-import { fileURLToPath } from "node:url";
-import { promisify } from "node:util";
-
-const run = promisify(execFile);
-const here = path.dirname(fileURLToPath(import.meta.url));
-const PROGRAM = process.env.TILESCOPE ?? path.join(here, "../../target/release/tilescope");
-const PACKAGE = path.join(here, "dist/package");
+import { before, test } from "node:test";
+import { PACKAGE, digest, native } from "./native.mjs";
 
 let sampler;
-let folder;
-let files = 0;
 before(async () => {
   const { load } = await import(path.join(PACKAGE, "index.js"));
   sampler = await load();
-  folder = await mkdtemp(path.join(tmpdir(), "tilescope-sampler-"));
 });
-after(() => rm(folder, { recursive: true, force: true }));
-
-/** Returns the digest of positions. @param {Float64Array} points */
-function digest(points) {
-  const bytes = new Uint8Array(points.buffer, points.byteOffset, points.byteLength);
-  return createHash("sha256").update(bytes).digest("hex");
-}
-
-/** Returns the positions that the native program makes. @param {string} words its arguments */
-async function native(words) {
-  const file = path.join(folder, `set-${(files += 1)}.npy`);
-  await run(PROGRAM, ["sample", ...words.split(" "), "--out", file]);
-  const bytes = await readFile(file);
-  // A header of version 1 has its length in two bytes, and the positions begin behind it.
-  const begin = 10 + bytes.readUInt16LE(8);
-  return new Float64Array(bytes.buffer.slice(bytes.byteOffset + begin, bytes.byteOffset + bytes.length));
-}
 
 for (const [settings, words] of [
   [{ radius: 0.02, seed: 7 }, "--radius 0.02 --seed 7"],
