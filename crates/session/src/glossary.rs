@@ -51,6 +51,7 @@ glossary! {
     PIECE, "piece", "4.2", "One of the sets of a combination.";
     LEVEL, "level", "", "One of several nested sets: it is maximal for its own radius and has all samples of the level before, whose radius is larger by the root of 2.";
     PREFIX, "prefix", "", "The first samples of a set, however many, in the order of its file. With nested levels every prefix is evenly spread.";
+    RANK, "rank", "", "A number from 0 to below 1 that each sample of nested levels has, in their order. The samples with ranks below a number, or below a density that depends on the place, are evenly spread.";
 
     ELIMINATION, "elimination", "3.2.2", "The stage that resolves conflicts: samples claim their disks in an order, and a later sample in a claimed disk goes.";
     UNDECIDED, "undecided", "", "A tiled sample whose turn in elimination has not come.";

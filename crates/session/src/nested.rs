@@ -115,6 +115,47 @@ impl NestedLevels {
         is_known.then(|| self.ranks.partition_point(|&other| other < rank))
     }
 
+    /// Returns a number below which the ranks of the first `count` samples lie, and no others; of all such numbers one with the fewest
+    /// decimals. `None` if the ranks are not known, also of what follows where the set was cut off or a density has left samples out, or a
+    /// sample has the same rank as the one after it.
+    ///
+    /// # Panics
+    ///
+    /// If there are not as many samples, or `count` is 0.
+    #[must_use]
+    pub fn threshold(&self, count: usize) -> Option<f64> {
+        let last = *self
+            .ranks
+            .get(..count)?
+            .last()
+            .expect("a prefix has a sample");
+        let ends_here = |&(_, request): &(Parameters, NestedRequest)| {
+            request.exactly.is_some() || self.whole(count) == Some(request.levels as usize - 1)
+        };
+        let next = match self.ranks.get(count) {
+            Some(&next) => next,
+            // All ranks are below 1.
+            None => self
+                .asked
+                .as_ref()
+                .filter(|asked| ends_here(asked))
+                .map(|_| 1.0)?,
+        };
+        // Ranks ascend, so that these are equal.
+        if last >= next {
+            return None;
+        }
+
+        // The rank that follows, cut off behind so many decimals, unless that is the last one or less. With 15 decimals the powers of
+        // ten and the products are still exact enough; behind them the rank itself serves.
+        let mut cut = (1..=15).map(|decimals| {
+            let scale = 10.0_f64.powi(decimals);
+            (next * scale).floor() / scale
+        });
+        let is_between = |threshold: &f64| last < *threshold && *threshold <= next;
+        Some(cut.find(is_between).unwrap_or(next))
+    }
+
     /// Returns the claim on the first `count` samples.
     ///
     /// # Panics

@@ -105,6 +105,8 @@ fn fit(claims: &[PrefixClaim], count: usize, radius: f64) -> bool {
 
 #[cfg(test)]
 mod tests {
+    use std::sync::Arc;
+
     use tilescope_core::WithinLevel;
 
     use super::*;
@@ -153,6 +155,22 @@ mod tests {
         // Ranks below the thresholds of the levels are those of the levels.
         let below = [0.25, 0.5, 1.0].map(|rank| levels.below(rank).unwrap());
         assert_eq!(below.to_vec(), ends);
+        // The number beside the slider names the prefix that it was asked of, and no more.
+        for count in [1, 2, ends[0], ends[1], ends[1] + 1, ends[2]] {
+            let threshold = levels.threshold(count).unwrap();
+            assert_eq!(levels.below(threshold), Some(count));
+        }
+        let whole = ends.iter().map(|&end| levels.threshold(end).unwrap());
+        assert_eq!(whole.collect::<Vec<f64>>(), [0.25, 0.5, 1.0]);
+        let equal = NestedLevels {
+            ranks: vec![0.1, 0.1, 0.3],
+            ..levels.clone()
+        };
+        assert_eq!(
+            [1, 2].map(|count| equal.threshold(count)),
+            [None, Some(0.3)]
+        );
+
         let cut = levels.cut(ends[1] + 1);
         assert_eq!((cut.len(), cut[1]), (3, levels.claims[1]));
         assert_eq!(
@@ -160,6 +178,51 @@ mod tests {
             (0.03, Some(levels.claims[1].distance))
         );
         assert!((levels.disk_radius(1) / 0.06 - 1.0).abs() < 1e-12);
+    }
+
+    #[test]
+    fn recorded_levels_are_the_levels_again() {
+        let session = made(None);
+        let levels = session.nested.as_ref().unwrap();
+        let recording = Arc::new(levels.recording(session.run()).unwrap());
+        let again = Session::from_recording(Arc::clone(&recording), 2);
+        let nested = again.nested.as_ref().unwrap();
+        assert_eq!(
+            (&nested.claims, &nested.ranks),
+            (&levels.claims, &levels.ranks)
+        );
+        assert_eq!(
+            (nested.asked, &nested.stated),
+            (levels.asked, &levels.stated)
+        );
+        assert_eq!(again.digest(), session.digest());
+
+        // The first samples, as before an open question, claim what the whole set claims of them.
+        let count = levels.claims[1].count;
+        for first in [1, count - 1, count, count + 1] {
+            let cut = Session::from_recording(Arc::new(recording.until(first)), 3);
+            let nested = cut.nested.as_ref().unwrap();
+            assert_eq!(
+                (cut.summary.count, nested.claim(first)),
+                (first, levels.claim(first))
+            );
+            assert_eq!(nested.claims, levels.cut(first));
+            // What follows is not known, and a level that is whole says nothing of it.
+            assert_eq!(nested.threshold(first), None);
+        }
+
+        // Of painted samples only the distance is claimed, and no recipe makes them.
+        let painted = recording.painted(&[0, count as u32 + 1]).unwrap();
+        let painted = Session::from_recording(Arc::new(painted), 4)
+            .nested
+            .unwrap();
+        assert!(painted.asked.is_none());
+        let claim = PrefixClaim {
+            count: 2,
+            covering: None,
+            ..levels.claims[2]
+        };
+        assert_eq!(painted.claims, [claim]);
     }
 
     #[test]

@@ -206,6 +206,10 @@ fn sample(
     if let Some(nested) = &session.nested {
         let level = nested.level_of(id as usize);
         row(ui, "Added by level", &level.to_string(), palette);
+        // Files of levels have ranks in a column that is not read with the points.
+        if let Some(rank) = nested.ranks.get(id as usize) {
+            row(ui, "Rank", &format!("{rank:.6}"), palette);
+        }
         return;
     }
 

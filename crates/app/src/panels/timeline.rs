@@ -533,7 +533,7 @@ fn prefix(ui: &mut Ui, context: &TimeContext<'_>, commands: &mut Vec<Command>) {
     if response.changed() {
         commands.push(Command::Time(TimeCommand::Jump(count)));
     }
-    response.on_hover_text(glossary::PREFIX.meaning);
+    response.on_hover_text(ui.words(glossary::PREFIX.meaning));
 }
 
 /// Shows the choice of the clock's tick.

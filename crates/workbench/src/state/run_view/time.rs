@@ -23,10 +23,14 @@ impl RunView {
         if let (Some(count), Some(nested)) = (self.prefix(), &session.nested) {
             let radius = session.run().domain.radius();
             let samples = counted(session.summary.count, "sample", "samples");
-            return vec![
+            let mut texts = vec![
                 format!("{} of {samples}", grouped(count)),
                 format!("radius {:.2} r", nested.disk_radius(count) / radius),
             ];
+            // A program that has the ranks gets the same samples by this number.
+            let threshold = nested.threshold(count);
+            texts.extend(threshold.map(|threshold| format!("ranks below {threshold}")));
+            return texts;
         }
 
         let blocks = || self.shown().map_or(0, |shown| Made::at(&shown).leaves);
