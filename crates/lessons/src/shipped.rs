@@ -52,6 +52,7 @@ pub fn lessons() -> Vec<Shipped> {
         "exact",
         "parallel",
         "gluing",
+        "ranks",
     ]
 }
 

@@ -3,4 +3,5 @@
 mod faults;
 mod guide;
 mod inventory;
+mod levels;
 mod shipped;

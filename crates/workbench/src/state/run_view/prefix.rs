@@ -95,12 +95,14 @@ impl RunView {
     #[must_use]
     pub fn prefix_verdict(&self) -> &'static str {
         match &self.verification {
+            // In a lesson nothing is verified, as a verdict would answer questions.
+            Verification::Nothing => "",
             _ if self.prefix().is_none() => "",
             _ if self.prefix_at_work().is_some() => " Verifying.",
             Verification::Done(verdict) if verdict.valid() => " Verified.",
             Verification::Done(_) => " This is not so.",
             Verification::Failed(_) => " There is no verdict.",
-            Verification::Pending(_) | Verification::Nothing => " Verifying.",
+            Verification::Pending(_) => " Verifying.",
         }
     }
 
