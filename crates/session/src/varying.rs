@@ -8,7 +8,8 @@ use tilescope_core::{Locality, Parameters, Run, varying_sample};
 use tilescope_debugger::{DEFAULT_BUDGET, Recording};
 use tilescope_formats::Certificate;
 use tilescope_sets::{
-    GivenGround, GivenRadius, GrayImage, Ground, RadiusSource, VaryingError, VaryingRecipe,
+    GivenGround, GivenRadius, GrayImage, Ground, RadiusSource, ShapeSource, VaryingError,
+    VaryingRecipe,
 };
 
 use crate::ground::{GroundRequest, MAX_RECORDED, MadeGround};
@@ -103,16 +104,17 @@ fn certified(
     generation: u64,
 ) -> Result<Session, VaryingError> {
     // An image is no part of the certificate, and is looked for among the files that came with the set.
+    let image_of = |name: &str| {
+        let file = stated.parameters.get(name)?["file"].as_str()?;
+        let found = incoming.companion(file)?;
+        GrayImage::read(&found.name, &found.bytes).ok()
+    };
     let image = ["radius-image", "density-image"]
         .into_iter()
-        .find_map(|name| {
-            let file = stated.parameters.get(name)?["file"].as_str()?;
-            let found = incoming.companion(file)?;
-            GrayImage::read(&found.name, &found.bytes).ok()
-        });
+        .find_map(image_of);
     let given = GivenGround {
         radius: image.map_or(GivenRadius::Nothing, GivenRadius::Image),
-        shape: None,
+        shape: image_of("mask").map(ShapeSource::Mask),
     };
 
     // The file states no lattice: the field gives it, as it did when the set was made.

@@ -128,6 +128,8 @@ pub enum FormCommand {
     Expression(String),
     /// Types the radius of white, of an image.
     White(String),
+    /// Covers the opaque or the light pixels of the image alone, as a mask.
+    CoverImage,
     /// Covers the whole domain again, instead of a shape.
     WholeDomain,
 }

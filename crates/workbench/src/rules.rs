@@ -184,6 +184,7 @@ const fn form(command: &FormCommand) -> Rules {
         | FormCommand::GeneratedPattern
         | FormCommand::Expression(_)
         | FormCommand::White(_)
+        | FormCommand::CoverImage
         | FormCommand::WholeDomain => Some(UndoPart::Form),
     };
 

@@ -10,7 +10,7 @@ use super::refusal::part_of;
 use super::{Draft, DraftRefusal, FormPart};
 use crate::ground::{GroundRequest, scaled_text};
 use crate::typed;
-use crate::words::sentence;
+use crate::words::{counted, sentence};
 
 /// The expression that the field begins with: from a fifth of the largest radius on the left to all of it on the right.
 const FIRST_EXPRESSION: &str = "0.006 + 0.024*x";
@@ -106,6 +106,41 @@ impl GroundDraft {
     }
 }
 
+impl GroundDraft {
+    /// Returns a sentence that says which area is covered, if that is not the whole domain.
+    #[must_use]
+    pub fn shape_text(&self) -> Option<String> {
+        Some(match self.shape.as_ref()? {
+            ShapeSource::Polygon(polygon) => {
+                let rings = polygon.rings();
+                let corners = counted(rings.iter().map(Vec::len).sum(), "corner", "corners");
+                let count = counted(rings.len(), "ring", "rings");
+                format!("Covers a polygon of {count}, {corners} in all.")
+            }
+            ShapeSource::Mask(image) if image.has_transparency() => {
+                format!("Covers the opaque pixels of {}.", image.name())
+            }
+            ShapeSource::Mask(image) => {
+                let name = image.name();
+                format!("Covers the pixels of {name} that are lighter than half grey.")
+            }
+            ShapeSource::Dark { image, .. } => {
+                format!("Covers the places of {} that are not white.", image.name())
+            }
+        })
+    }
+
+    /// Returns whether the image is the mask already.
+    #[must_use]
+    pub fn is_mask(&self) -> bool {
+        let mask = match &self.shape {
+            Some(ShapeSource::Mask(mask)) => Some(mask),
+            _ => None,
+        };
+        mask.is_some() && mask == self.image.as_ref()
+    }
+}
+
 impl From<Option<&GroundRequest>> for GroundDraft {
     fn from(request: Option<&GroundRequest>) -> Self {
         let mut draft = Self::default();
@@ -130,8 +165,11 @@ impl From<Option<&GroundRequest>> for GroundDraft {
             // The form asks for no grid, and has its one radius among the parameters.
             None | Some(RadiusSource::Constant(_) | RadiusSource::Grid { .. }) => {}
         }
-        // A shape may come with any radius.
+        // A shape may come with any radius. The image of a mask is offered for the radius, too.
         draft.shape.clone_from(&request.shape);
+        if let (None, Some(ShapeSource::Mask(mask))) = (&draft.image, &draft.shape) {
+            draft.image = Some(mask.clone());
+        }
         draft.origin = request.origin;
         draft
     }
@@ -192,16 +230,47 @@ impl Draft {
         self.ground.shape = Some(shape);
     }
 
-    /// Takes the density from an image, whose pixels fill the domain: the height follows from the width, and the radius
-    /// of black is such that there are some thousand samples.
-    pub fn set_image(&mut self, image: GrayImage) {
+    /// Covers the image as a mask: its opaque pixels or, if all are opaque, those lighter than half grey. A radius that
+    /// came from an image becomes one number, such that there are some thousand samples. Without an image nothing changes.
+    pub fn cover_image(&mut self) {
+        let Some(image) = self.ground.image.clone() else {
+            return;
+        };
+        self.fit_pixels(&image);
+        let share = image.inside_share();
+        self.ground.origin = [0.0; 2];
+        self.ground.shape = Some(ShapeSource::Mask(image));
+
+        if self.ground.by != RadiusBy::Expression {
+            self.ground.by = RadiusBy::Constant;
+            let area = share * self.parameters.width * self.parameters.height;
+            let radius = (tilescope_core::MAXIMAL_DENSITY * area / SAMPLES_OF_SHAPE).sqrt();
+            // Where no pixel is inside, the radius stays, and the run says that there is nothing to cover.
+            if radius > 0.0 {
+                self.set_text(Parameter::Radius, short(radius));
+            }
+        }
+    }
+
+    /// Makes the domain one that pixels fill: bounded, and as high as follows from the width, since pixels are squares.
+    fn fit_pixels(&mut self, image: &GrayImage) {
         let [columns, rows] = image.pixels();
         let height = self.parameters.width * rows as f64 / columns as f64;
         self.set_text(Parameter::Height, height.to_string());
         self.parameters.boundary = Boundary::Bounded;
+    }
+
+    /// Takes the density from an image, whose pixels fill the domain: the height follows from the width, and the radius
+    /// of black is such that there are some thousand samples. A mask of as many pixels stays.
+    pub fn set_image(&mut self, image: GrayImage) {
+        self.fit_pixels(&image);
+        let pixels = image.pixels();
         (self.ground.by, self.ground.image) = (RadiusBy::Density, Some(image));
         // A mask of other pixels would not fit.
-        self.remove_shape();
+        let fits = |mask: &GrayImage| mask.pixels() == pixels;
+        if !matches!(&self.ground.shape, Some(ShapeSource::Mask(mask)) if fits(mask)) {
+            self.remove_shape();
+        }
 
         // `samples` is the number of samples with a black of radius 1. It goes with the inverse square of that radius.
         let request = self.ground.request(1.0);
@@ -228,6 +297,10 @@ impl Draft {
         let request = self.ground_request()?;
         let recipe = request.recipe(&self.parameters);
         let samples = recipe.glance().ok()?;
+        // Of the whole domain only the share of a mask has samples.
+        if let Some(ShapeSource::Mask(mask)) = &recipe.shape {
+            return Some(samples * mask.inside_share());
+        }
         Some(samples_in_polygon(&recipe, request.rings()).unwrap_or(samples))
     }
 

@@ -62,9 +62,7 @@ struct Pixels {
 impl GrayImage {
     /// Returns few of the grey values, from all parts of the image.
     pub(super) fn few(&self) -> impl Iterator<Item = u16> {
-        // An odd step, as one that divides a row would see few columns alone.
-        let step = (self.grey.len() / FEW) | 1;
-        self.grey.iter().copied().step_by(step)
+        few_of(&self.grey)
     }
 
     /// Returns whether a file of these bytes is one that [`Self::read`] reads, or an image of another kind that it names.
@@ -216,19 +214,34 @@ impl GrayImage {
         darkness(self.grey[row * self.columns + column])
     }
 
+    /// Returns whether it has transparent pixels, so that as a mask its opaque ones are inside, and not its light ones.
+    #[must_use]
+    pub fn has_transparency(&self) -> bool {
+        self.pixels.alpha.is_some()
+    }
+
     /// Returns which pixels are inside as a mask: the opaque ones; if all are opaque, those lighter than half grey.
     pub(super) fn inside(&self) -> Vec<bool> {
         match &self.pixels.alpha {
             Some(alpha) => {
-                let opaque = alpha.iter().map(|&alpha| u32::from(alpha) > WHITE / 2);
-                upside_down(&opaque.collect::<Vec<bool>>(), self.columns)
+                let opaque: Vec<bool> = alpha.iter().copied().map(is_more_than_half).collect();
+                upside_down(&opaque, self.columns)
             }
-            None => self
-                .grey
-                .iter()
-                .map(|&grey| u32::from(grey) > WHITE / 2)
-                .collect(),
+            None => self.grey.iter().copied().map(is_more_than_half).collect(),
         }
+    }
+
+    /// Returns about which share of its pixels is inside as a mask, from few of them: cheap enough to be asked for in each
+    /// frame of a window.
+    #[must_use]
+    pub fn inside_share(&self) -> f64 {
+        // The sequence of rows makes no difference to a share.
+        let values: &[u16] = self.pixels.alpha.as_deref().unwrap_or(&self.grey);
+        let few = few_of(values);
+        let [inside, all] = few.fold([0, 0], |[inside, all], value| {
+            [inside + u32::from(is_more_than_half(value)), all + 1]
+        });
+        f64::from(inside) / f64::from(all)
     }
 
     /// Returns which grey values are at least so dark: 0 is white, and 1 black.
@@ -267,6 +280,18 @@ impl Pixels {
         };
         upside_down(&grey, self.columns)
     }
+}
+
+/// Returns few of the values of an image, from all parts of it.
+fn few_of(values: &[u16]) -> impl Iterator<Item = u16> {
+    // An odd step, as one that divides a row would see few columns alone.
+    let step = (values.len() / FEW) | 1;
+    values.iter().copied().step_by(step)
+}
+
+/// Returns whether a value is nearer to light or opaque than to dark or transparent.
+fn is_more_than_half(value: u16) -> bool {
+    u32::from(value) > WHITE / 2
 }
 
 /// Returns a grey value of some opacity before white.

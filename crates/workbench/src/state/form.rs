@@ -126,6 +126,7 @@ impl Form {
             // The field gives the radius at each place, and the shape says where samples are.
             FormCommand::Expression(text) => self.draft.ground.expression = text,
             FormCommand::White(text) => self.draft.ground.white = text,
+            FormCommand::CoverImage => self.draft.cover_image(),
             FormCommand::WholeDomain => self.draft.remove_shape(),
 
             FormCommand::Reset => {

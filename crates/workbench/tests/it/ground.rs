@@ -3,19 +3,20 @@
 use std::sync::Arc;
 
 use serde_json::json;
-use tilescope_core::{RunEvent, Unobserved, Verdict as DartVerdict};
+use tilescope_core::{Boundary, RunEvent, Unobserved, Verdict as DartVerdict};
 use tilescope_formats::{Overrides, check};
 use tilescope_session::ground::MadeGround;
 use tilescope_session::incoming::NamedBytes;
 use tilescope_session::layers::{Layer, SessionKind};
 use tilescope_session::session::Session;
+use tilescope_sets::{GrayImage, RadiusSource, ShapeSource, VaryingRecipe};
 use tilescope_workbench::command::{FormCommand, TimeCommand};
 use tilescope_workbench::compare::ComparePreset;
 use tilescope_workbench::draft::{Choice, FormPart, Preset, RadiusBy};
 use tilescope_workbench::export::ExportKind;
 use tilescope_workbench::files::FileCommand;
 use tilescope_workbench::live::ONE_RADIUS;
-use tilescope_workbench::{Command, State, link};
+use tilescope_workbench::{Command, State, link, state};
 
 use crate::exporting::{notice_text, write};
 
@@ -383,12 +384,17 @@ fn a_link_to_a_formula_in_a_large_domain_needs_no_correction() {
 
 /// An image that grows lighter to the right.
 fn gradient(columns: u32, rows: u32) -> Vec<u8> {
+    image([columns, rows], |column| (200 * column / columns) as u8)
+}
+
+/// An image of the grey that each column has.
+fn image([columns, rows]: [u32; 2], grey: impl Fn(u32) -> u8) -> Vec<u8> {
     let mut bytes = Vec::new();
     let mut encoder = png::Encoder::new(&mut bytes, columns, rows);
     encoder.set_color(png::ColorType::Grayscale);
     encoder.set_depth(png::BitDepth::Eight);
-    let row = (0..columns).map(|column| (200 * column / columns) as u8);
-    let pixels: Vec<u8> = row.cycle().take((columns * rows) as usize).collect();
+    let pixels = (0..columns * rows).map(|pixel| grey(pixel % columns));
+    let pixels: Vec<u8> = pixels.collect();
     let mut writer = encoder.write_header().unwrap();
     writer.write_image_data(&pixels).unwrap();
     writer.finish().unwrap();
@@ -435,6 +441,126 @@ fn a_dropped_image_is_the_density_and_can_be_the_radius() {
     drop_bytes(&mut state, "no.png", &gradient(48, 24)[..60]);
     assert!(
         notice_text(&state).contains("no.png"),
+        "{}",
+        notice_text(&state)
+    );
+}
+
+/// Returns the recipe that `sample --mask grey.png` has with such a radius and the other arguments left out.
+fn of_command(image: &[u8], radius: f64, seed: u64) -> VaryingRecipe {
+    let mask = GrayImage::read("grey.png", image).unwrap();
+    VaryingRecipe {
+        radius: RadiusSource::Constant(radius),
+        shape: Some(ShapeSource::Mask(mask)),
+        size: [None, None],
+        origin: None,
+        boundary: Boundary::Bounded,
+        seed,
+        count: None,
+    }
+}
+
+#[test]
+fn a_dropped_image_is_covered_as_a_mask_and_its_export_is_that_of_the_command() {
+    let mut state = state();
+    let image = gradient(48, 24);
+    drop_bytes(&mut state, "grey.png", &image);
+    let density = session(&state).recipe();
+    form(&mut state, FormCommand::CoverImage);
+    let text = state.form().draft.ground.shape_text().unwrap();
+    assert!(
+        text.contains("grey.png") && text.contains("half grey"),
+        "{text}"
+    );
+    let expected = state.form().draft.expected_samples().unwrap();
+    run(&mut state);
+    assert!(is_valid(&state), "{}", notice_text(&state));
+    let shown = Arc::clone(session(&state));
+    assert_eq!(shown.kind(), SessionKind::Varying);
+    let counted = shown.summary.count as f64;
+    assert!((0.8..1.2).contains(&(counted / expected)), "{counted}");
+
+    // Grey is half at 30.6 of 48 columns: the pixels from the next one on are light.
+    let positions = shown.run().positions();
+    assert!(positions.iter().all(|at| at[0] >= 31.0 / 48.0));
+    assert!(state.link().left_out.concat().contains("image"));
+    assert!(state.runs().first.save_refusal().unwrap().contains("image"));
+    assert_eq!(state::session_to_keep(&state), None);
+
+    // The window writes the file and the certificate of the command, byte for byte.
+    let [folder, folder_of_command] = [0, 1].map(|_| tempfile::tempdir().unwrap());
+    let path = folder.path().join("mask.csv");
+    write(&mut state, ExportKind::Result, &path, &[]);
+    let p = shown.recipe().parameters;
+    let other = folder_of_command.path().join("mask.csv");
+    let made = of_command(&image, p.radius, p.seed)
+        .make(&mut Unobserved)
+        .unwrap();
+    let go_on = |_: tilescope_analysis::Progress| std::ops::ControlFlow::Continue(());
+    tilescope_formats::export(&other, &made.set, &made.facts.context(), &go_on).unwrap();
+    let bytes = |path: &std::path::Path| std::fs::read(path).unwrap();
+    let certificate = tilescope_formats::certificate_path;
+    assert_eq!(bytes(&path), bytes(&other));
+    let text = |path| String::from_utf8(bytes(&certificate(path))).unwrap();
+    assert_eq!(text(&path), text(&other));
+    let wider = of_command(&image, 1.1 * p.radius, p.seed);
+    let wider = wider.make(&mut Unobserved).unwrap();
+    assert_ne!(wider.set.points, made.set.points);
+
+    // It is opened with its image, and not without.
+    let set = NamedBytes::new("mask.csv", bytes(&path));
+    let beside = NamedBytes::new("mask.csv.certificate.json", bytes(&certificate(&path)));
+    let mut other = self::state();
+    let files = vec![set.clone(), beside.clone()];
+    other.apply(Command::File(FileCommand::DroppedBytes(files, Vec::new())));
+    other.settle();
+    assert!(
+        notice_text(&other).contains("--mask grey.png"),
+        "{}",
+        notice_text(&other)
+    );
+    let files = vec![set, beside, NamedBytes::new("grey.png", image)];
+    other.apply(Command::File(FileCommand::DroppedBytes(files, Vec::new())));
+    other.settle();
+    other.settle();
+    assert_eq!(
+        session(&other).run().positions(),
+        positions,
+        "{}",
+        notice_text(&other)
+    );
+    assert!(is_valid(&other));
+
+    // One step back is the density again, and one forward the mask with its image.
+    state.apply(Command::Undo);
+    state.settle();
+    assert_eq!(session(&state).recipe(), density);
+    state.apply(Command::Redo);
+    state.settle();
+    assert_eq!(session(&state).recipe(), shown.recipe());
+}
+
+#[test]
+fn a_mask_stays_beside_an_image_of_as_many_pixels_and_an_empty_one_is_refused() {
+    let mut state = state();
+    drop_bytes(&mut state, "grey.png", &gradient(48, 24));
+    form(&mut state, FormCommand::CoverImage);
+    drop_bytes(&mut state, "other.png", &gradient(48, 24));
+    let request = state.form().draft.ground_request().unwrap();
+    assert!(matches!(request.radius, Some(RadiusSource::Density { .. })));
+    assert!(matches!(request.shape, Some(ShapeSource::Mask(_))));
+    assert!(is_valid(&state), "{}", notice_text(&state));
+    drop_bytes(&mut state, "small.png", &gradient(24, 24));
+    let request = state.form().draft.ground_request().unwrap();
+    assert_eq!(request.shape, None);
+
+    // Nothing is light enough.
+    let dark = image([24, 24], |column| column as u8);
+    drop_bytes(&mut state, "dark.png", &dark);
+    form(&mut state, FormCommand::CoverImage);
+    run(&mut state);
+    assert!(
+        notice_text(&state).contains("nothing to cover"),
         "{}",
         notice_text(&state)
     );

@@ -8,7 +8,7 @@ use tilescope_core::{
 };
 use tilescope_drawing::palette::Palette;
 use tilescope_session::glossary;
-use tilescope_session::words::{capital, counted, grouped};
+use tilescope_session::words::{capital, grouped};
 use tilescope_ui::widgets::{Kebab, Known, heading};
 
 use super::super::choices::{
@@ -195,17 +195,20 @@ impl Fields<'_> {
         self.costs(ui);
     }
 
-    /// Shows the area to cover, if it is not the whole domain.
+    /// Shows the area to cover, if it is not the whole domain, and offers the image as a mask, if there is one.
     fn shape(&mut self, ui: &mut Ui) {
         let ground = &self.context.form.draft.ground;
-        if ground.shape.is_none() {
-            return;
+        if ground.image.is_some() && !ground.is_mask() {
+            let command = Command::Form(FormCommand::CoverImage);
+            let why = "Covers the opaque pixels of the image alone; if all are opaque, those that are lighter than half grey. Then the radius is one number; an image of as many pixels that is dropped on the window gives it again.";
+            ui.link("Cover the image as a mask")
+                .on_hover_text(why)
+                .issues("cover-image", command, self.commands);
         }
-        let request = self.context.form.draft.ground_request();
-        let rings = request.as_ref().map_or(&[][..], |request| request.rings());
-        let corners = counted(rings.iter().map(Vec::len).sum(), "corner", "corners");
-        let count = counted(rings.len(), "ring", "rings");
-        let text = format!("Covers a polygon of {count}, {corners} in all.");
+
+        let Some(text) = ground.shape_text() else {
+            return;
+        };
         ui.label(RichText::new(text).color(self.palette.muted))
             .known_as("shape");
         let command = Command::Form(FormCommand::WholeDomain);

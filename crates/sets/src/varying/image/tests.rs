@@ -28,6 +28,10 @@ fn all_sixteen_bits_are_read_from_the_bottom() {
     assert_eq!(image.pixels(), [2, 2]);
     assert_eq!(*image.grey, [0x1234, 0, 1, 0xfffe]);
     assert_eq!(image.inside(), [false, false, false, true]);
+    assert_eq!(
+        (image.inside_share(), image.has_transparency()),
+        (0.25, false)
+    );
 }
 
 #[test]
@@ -38,6 +42,10 @@ fn colours_have_their_luminance_and_transparent_pixels_are_white() {
     assert_eq!(*image.grey, [13_933, 65_535, 65_535]);
     // With transparency the colour does not count.
     assert_eq!(image.inside(), [true, false, true]);
+    assert_eq!(
+        (image.inside_share(), image.has_transparency()),
+        (2.0 / 3.0, true)
+    );
 }
 
 #[test]
