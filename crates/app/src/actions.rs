@@ -203,6 +203,10 @@ static NO_EVENTS: LazyLock<String> = LazyLock::new(|| {
 pub const NO_EVENTS_OF_LEVELS: &str =
     "Nested levels have no events; the timeline shows how many of their samples there are.";
 
+/// Why a stipple has no events.
+pub const NO_EVENTS_OF_DOTS: &str =
+    "A stipple has no events; the timeline shows how many of its dots there are.";
+
 /// Returns why the first run has no events, if it has none.
 fn no_events(state: &State) -> Option<&'static str> {
     match &state.runs().first {
@@ -211,6 +215,7 @@ fn no_events(state: &State) -> Option<&'static str> {
         _ if state.runs().first.shows_combination() => {
             Some("A combination has stages but no events: its sets existed before.")
         }
+        run if run.shows_stipple() => Some(NO_EVENTS_OF_DOTS),
         run if run.prefix().is_some() => Some(NO_EVENTS_OF_LEVELS),
         _ => Some(NO_EVENTS.as_str()),
     }
@@ -576,6 +581,9 @@ fn layers(list: &mut List, state: &State) {
     for layer in Layer::ALL {
         let command = Command::Appearance(AppearanceCommand::ToggleLayer(layer));
         let lacking = match kind {
+            _ if layer == Layer::Gaps && state.runs().first.shows_stipple() => Some(
+                "Dots of a stipple need not cover every place, so that gaps say nothing about it.",
+            ),
             _ if layer.is_of(kind) => None,
             SessionKind::Nested => {
                 Some("This layer shows parts of a run, which nested levels do not have.")

@@ -1,16 +1,18 @@
 //! `tilescope stipple`: dots as dense as an image is dark, in exactly the number that is asked for.
 
-use std::f64::consts::PI;
 use std::path::PathBuf;
 
 use anyhow::{Context, Result, anyhow, ensure};
 use clap::{Args, ValueEnum};
 use serde_json::json;
 use tilescope_analysis::VaryingRegion;
-use tilescope_core::{MAXIMAL_DENSITY, Parameters, grouped};
-use tilescope_figures::{FigureError, Group, Scene, Shape, Style, View, to_png_controlled};
-use tilescope_formats::{Dots, Drawing, ExportContext, Format, Precision, write_whole};
-use tilescope_sets::{DEFAULT_WHITE, Made, Stipple, StippleRecipe, Tone, VaryingError};
+use tilescope_core::{Parameters, grouped};
+use tilescope_drawing::dots::on_paper;
+use tilescope_figures::{FigureError, to_png_controlled};
+use tilescope_formats::{Drawing, ExportContext, Format, Precision, write_whole};
+use tilescope_sets::{
+    DEFAULT_WHITE, Made, Stipple, StippleLook, StippleRecipe, Tone, VaryingError, color_of,
+};
 
 use crate::engine::ThreadArguments;
 use crate::ground::image;
@@ -83,10 +85,10 @@ struct ToneArguments {
 #[command(next_help_heading = "Pictures")]
 struct LookArguments {
     /// Colour of the paper, as #rrggbb
-    #[arg(long, value_name = "COLOR", value_parser = color)]
+    #[arg(long, value_name = "COLOR", value_parser = color_of)]
     paper: Option<[u8; 3]>,
     /// Colour of the ink, as #rrggbb
-    #[arg(long, value_name = "COLOR", value_parser = color)]
+    #[arg(long, value_name = "COLOR", value_parser = color_of)]
     ink: Option<[u8; 3]>,
     /// How large dots are
     #[arg(long, value_enum, default_value = "constant")]
@@ -223,33 +225,14 @@ impl LookArguments {
 
     /// Returns how pictures show a stipple.
     fn drawing(&self, stipple: &Stipple, is_inverted: bool) -> Drawing {
-        let black = stipple.black;
-        // A dot of this radius has as much ink as there is darkness in the area that each dot stands for where all is black.
-        let even = black / (MAXIMAL_DENSITY * PI).sqrt();
-        let dots = match self.dot_size {
-            DotSize::Constant => Dots::Constant(self.dot_radius.unwrap_or(even)),
-            DotSize::Darkness => {
-                let radii = radii(&stipple.made);
-                let darkness = radii.iter().map(|radius| (black / radius).powi(2));
-                let mean = darkness.sum::<f64>() / radii.len().max(1) as f64;
-                // The areas of all dots add up to those of as many dots of the even radius.
-                let of_black = self.dot_radius.unwrap_or(even / mean.sqrt());
-                // The radius of a dot is this number over the distance that it keeps, which is `black` where all is
-                // black.
-                Dots::ByDensity(of_black * black)
-            }
+        let look = StippleLook {
+            paper: self.paper,
+            ink: self.ink,
+            by_darkness: self.dot_size == DotSize::Darkness,
+            dot_radius: self.dot_radius,
         };
-
-        let [paper, ink] = if is_inverted {
-            [BLACK, WHITE]
-        } else {
-            [WHITE, BLACK]
-        };
-        Drawing {
-            paper: self.paper.unwrap_or(paper),
-            ink: self.ink.unwrap_or(ink),
-            dots,
-        }
+        let judged = &stipple.ground.varying.judged;
+        look.drawing(stipple.black, judged, &stipple.made.set.points, is_inverted)
     }
 }
 
@@ -277,32 +260,11 @@ fn radii(made: &Made) -> Vec<f64> {
 
 /// Returns the picture of a stipple as a PNG file.
 fn picture(made: &Made, context: &ExportContext, columns: u32) -> Result<Vec<u8>> {
-    // Dots are drawn in the units of the set, and the view makes pixels of them.
-    let [width, height] = context.region.size();
-    let pixels_a_unit = f64::from(columns) / width;
     let drawing = (context.drawing.as_ref()).context("no colours are chosen")?;
-    let color = |[red, green, blue]: [u8; 3]| [red, green, blue, u8::MAX];
-
-    let mut dots = Group {
-        view: View {
-            scale: pixels_a_unit,
-            ..View::PIXELS
-        },
-        ..Group::new("dots")
-    };
-    let style = Style::filled(color(drawing.ink));
-    for ([x, y], own) in made.set.points.iter().zip(radii(made)) {
-        // The scene's y points down.
-        let center = [*x, height - y];
-        let radius = drawing.dots.radius(own);
-        dots.shapes.push(Shape::circle(center, radius, style));
-    }
-
-    // A picture has at least one row, however flat the image is.
-    let rows = (height * pixels_a_unit).round().max(1.0);
-    let mut scene = Scene::new(f64::from(columns), rows, color(drawing.paper));
-    scene.title = format!("{} dots", made.set.len());
-    scene.groups.push(dots);
+    let dots = (made.set.points.iter().copied()).zip(radii(made));
+    let dots = dots.map(|(at, own)| (at, drawing.dots.radius(own)));
+    let colors = [drawing.paper, drawing.ink];
+    let scene = on_paper(context.region.size(), columns, colors, dots);
     // The scene is laid out in pixels already.
     let scale = 1.0;
     match to_png_controlled(&scene, scale, &mut |_, _| interrupt::flow()) {
@@ -335,41 +297,4 @@ fn to_json(outcome: &Outcome, black: f64, capped: usize) -> serde_json::Value {
     object["black_radius"] = json!(black);
     object["capped_pixels"] = json!(capped);
     object
-}
-
-const BLACK: [u8; 3] = [0; 3];
-const WHITE: [u8; 3] = [u8::MAX; 3];
-
-/// Reads a colour: #rrggbb, black or white.
-fn color(text: &str) -> Result<[u8; 3], String> {
-    match text {
-        "black" => return Ok(BLACK),
-        "white" => return Ok(WHITE),
-        _ => {}
-    }
-    let digits = text.strip_prefix('#').unwrap_or_default();
-    // Numbers in Rust may have a sign, and colours not.
-    let is_hex = digits.len() == 6 && digits.bytes().all(|digit| digit.is_ascii_hexdigit());
-    let number = u32::from_str_radix(digits, 16)
-        .ok()
-        .filter(|_| is_hex)
-        .ok_or("a colour is written as #rrggbb, or as black or white")?;
-    let [_, red, green, blue] = number.to_be_bytes();
-    Ok([red, green, blue])
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    #[test]
-    fn colours_are_read_and_other_words_are_not() {
-        assert_eq!(color("#0a10ff"), Ok([10, 16, 255]));
-        assert_eq!(color("black"), Ok(BLACK));
-        for word in [
-            "", "#12345", "#1234567", "123456", "#+12345", "red", "#12345g",
-        ] {
-            assert!(color(word).is_err(), "{word}");
-        }
-    }
 }

@@ -17,7 +17,7 @@ pub struct VaryingDomain {
 }
 
 impl VaryingDomain {
-    /// Judges points in domain units, as a whole set or as the beginning of a larger one. In WebAssembly it refuses.
+    /// Judges points in domain units, as a whole set or as the beginning of a larger one.
     pub(crate) fn verify(
         &self,
         points: &[[f64; 2]],
@@ -25,11 +25,6 @@ impl VaryingDomain {
         options: &VerifyOptions,
         control: Control<'_>,
     ) -> Result<Report, VerifyError> {
-        // A page cannot be given a field or a shape, and would load the judge for nothing.
-        if cfg!(target_arch = "wasm32") {
-            let reason = "a set of a field or a shape is judged by the command line alone";
-            return Err(VerifyError::WrongJudge(reason));
-        }
         if is_prefix {
             self.judged.verify_prefix(points, options, control)
         } else {

@@ -5,6 +5,7 @@ mod choice;
 mod ground;
 mod preset;
 mod refusal;
+mod stipple;
 
 use std::collections::BTreeMap;
 
@@ -25,6 +26,7 @@ pub use choice::Choice;
 pub use ground::{GroundDraft, RadiusBy};
 pub use preset::Preset;
 pub use refusal::{DraftRefusal, FormPart};
+pub use stipple::{StippleDraft, StippleNumber};
 
 /// Returns the parameters that are typed, in the order of the panel.
 pub fn numbers() -> impl Iterator<Item = Parameter> {
@@ -295,8 +297,10 @@ impl Draft {
             MAX_STAGED
         };
         let samples = self.expected_samples().filter(|samples| *samples > most);
-        // Algorithm 4 as printed always records its events, and any prefix of nested levels is shown without events.
-        let has_steps = self.parameters.variant == Variant::AsPrinted || self.levels.is_some();
+        // Algorithm 4 as printed always records its events, and any prefix of nested levels and of a stipple is shown without
+        // events.
+        let has_prefixes = self.levels.is_some() || self.ground.by == RadiusBy::Stipple;
+        let has_steps = self.parameters.variant == Variant::AsPrinted || has_prefixes;
         samples.is_some() && !has_steps
     }
 

@@ -4,10 +4,12 @@
 use serde::{Deserialize, Serialize};
 use tilescope_core::Parameters;
 use tilescope_sets::{
-    Expression, PlanarPolygon, RadiusSource, ShapeSource, VaryingError, VaryingRecipe,
+    Expression, Ground, PlanarPolygon, RadiusSource, ShapeSource, Stated, StippleRecipe,
+    VaryingError, VaryingRecipe,
 };
 
-use crate::words::{counted, significant};
+use crate::stipple::{MadeStipple, StippleRequest};
+use crate::words::{counted, grouped, significant};
 
 /// Above this expected size only the result is kept. A sample takes about a hundred events, most of them darts and cuts of
 /// cells: a tape holds the events of this number of samples without leaving any out.
@@ -25,6 +27,8 @@ pub struct GroundRequest {
     pub shape: Option<ShapeSource>,
     /// Where the lower corner of the domain lies in the coordinates of polygons and expressions.
     pub origin: [f64; 2],
+    /// The stipple, if one is asked for: it gives the radius and the shape, which are then `None`.
+    pub stipple: Option<StippleRequest>,
 }
 
 impl GroundRequest {
@@ -56,6 +60,10 @@ impl GroundRequest {
     /// Returns a sentence's part that says what it is: "radius 0.006 + 0.024*x, in a polygon of 5 corners".
     #[must_use]
     pub fn description(&self) -> String {
+        if let Some(stipple) = &self.stipple {
+            let dots = grouped(usize::try_from(stipple.dots).unwrap_or(usize::MAX));
+            return format!("{} in {dots} dots", stipple.image.name());
+        }
         let radius = match &self.radius {
             None | Some(RadiusSource::Constant(_)) => "one radius".to_owned(),
             Some(RadiusSource::Expression { expression, .. }) => {
@@ -110,6 +118,10 @@ impl PortableGround {
     /// Returns a request in this form; `None` if it has an image, a grid or a long polygon.
     #[must_use]
     pub fn of(request: &GroundRequest) -> Option<Self> {
+        // A stipple is of an image.
+        if request.stipple.is_some() {
+            return None;
+        }
         let radius_expression = match &request.radius {
             None => None,
             Some(RadiusSource::Expression { expression, scale }) => {
@@ -156,6 +168,7 @@ impl PortableGround {
             radius,
             shape,
             origin: self.origin,
+            stipple: None,
         }))
     }
 }
@@ -167,14 +180,44 @@ pub struct MadeGround {
     pub asked: (Parameters, GroundRequest),
     /// The least and the greatest radius of its field, in user units.
     pub radii: [f64; 2],
+    /// What the stipple became, if it is one.
+    pub stipple: Option<MadeStipple>,
 }
 
 impl MadeGround {
-    /// Returns the recipe of the set.
+    /// Returns the recipe of the set; of a stipple that of its field and its shape.
     #[must_use]
     pub fn recipe(&self) -> VaryingRecipe {
         let (parameters, request) = &self.asked;
-        request.recipe(parameters)
+        let of_stipple = |(wanted, made): (StippleRecipe, &MadeStipple)| {
+            // It was made, so that it is not refused here.
+            wanted.settled(made.black).ok()
+        };
+        let stipple = self.stipple_recipe().zip(self.stipple.as_ref());
+        let settled = stipple.and_then(of_stipple);
+        settled.unwrap_or_else(|| request.recipe(parameters))
+    }
+
+    /// Returns what the dots were made from, if they are a stipple.
+    #[must_use]
+    pub fn stipple_recipe(&self) -> Option<StippleRecipe> {
+        let (parameters, request) = &self.asked;
+        request.stipple.as_ref()?.recipe(parameters).ok()
+    }
+
+    /// Returns the field and the shape of the set, and what certificates state of the way in which it is made.
+    ///
+    /// # Errors
+    ///
+    /// [`VaryingError`] when they are refused, which those of a made set are not.
+    pub fn ground(&self) -> Result<(Ground, Stated), VaryingError> {
+        let recipe = self.recipe();
+        let ground = recipe.ground()?;
+        let stated = match self.stipple_recipe() {
+            Some(stipple) => stipple.stated(&recipe, &ground),
+            None => recipe.stated_on(&ground),
+        };
+        Ok((ground, stated))
     }
 
     /// Returns the least and the greatest radius as text, or the one radius.
@@ -219,6 +262,7 @@ mod tests {
             radius: Some(radius),
             shape: None,
             origin: [0.0, 0.0],
+            stipple: None,
         };
         let portable = PortableGround::of(&request).expect("neither image nor grid");
         assert_eq!(portable.radius_expression.as_deref(), Some(text.as_str()));

@@ -329,6 +329,12 @@ impl Layers {
         Self(own.fold(0, |bits, layer| bits | 1 << layer as u32))
     }
 
+    /// Returns those other than one layer.
+    #[must_use]
+    pub const fn without(self, layer: Layer) -> Self {
+        Self(self.0 & !(1 << layer as u32))
+    }
+
     /// Returns those that `others` has, too.
     #[must_use]
     pub const fn within(self, others: Self) -> Self {

@@ -41,6 +41,8 @@ pub mod sampling;
 pub mod selection;
 pub mod sentence;
 pub mod session;
+pub mod stipple;
+pub mod stippling;
 pub mod task;
 pub mod typed;
 pub mod units;

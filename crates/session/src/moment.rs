@@ -42,8 +42,8 @@ impl Moment {
     #[must_use]
     pub fn prefix(&self, session: &Session) -> Option<usize> {
         let count = session.summary.count;
-        session.nested.as_ref()?;
-        Some(self.cursor.map_or(count, |cursor| cursor.min(count)))
+        let at = self.cursor.map_or(count, |cursor| cursor.min(count));
+        session.has_prefixes().then_some(at)
     }
 
     /// Returns the status of a sample.
@@ -122,7 +122,7 @@ impl Moment {
     /// are prefixes, have no others either.
     #[must_use]
     pub fn ends_stage(&self, session: &Session) -> bool {
-        session.nested.is_some()
+        session.has_prefixes()
             || self.cursor.is_none_or(|cursor| {
                 let is_last = session.stage_end(session.stage_at(cursor)) == Some(cursor);
                 // A recording that was cut off ends where its last stage goes on.

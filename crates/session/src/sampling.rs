@@ -10,6 +10,7 @@ use crate::jobs::Monitor;
 use crate::nesting;
 use crate::recipe::Recipe;
 use crate::session::{Failure, MakeError, Reporter, Session, keeps_everything};
+use crate::stippling;
 use crate::task::{self, SessionRef, Task};
 use crate::varying;
 
@@ -32,7 +33,10 @@ impl Task for SampleTask {
     fn run(self, monitor: &Monitor) -> Made {
         let Self { recipe, generation } = &self;
         if let Some(request) = &recipe.ground {
-            return varying::sample(recipe, request, *generation, monitor);
+            return match &request.stipple {
+                Some(stipple) => stippling::sample(recipe, request, stipple, *generation, monitor),
+                None => varying::sample(recipe, request, *generation, monitor),
+            };
         }
         Ok(match recipe.nested {
             Some(request) => nesting::sample(recipe, request, *generation, monitor)?,

@@ -5,6 +5,7 @@ use tilescope_core::{Boundary, Stage};
 use crate::moment::ShownMoment;
 use crate::nested::NestedLevels;
 use crate::session::Session;
+use crate::stipple::MadeStipple;
 use crate::units::radii;
 use crate::words::{counted, grouped, share, stage_name};
 
@@ -17,6 +18,7 @@ pub fn name_in(session: &Session, stage: Stage) -> String {
         Stage::Blocks if session.combination.is_some() => "Pieces".to_owned(),
         Stage::Tile if session.combination.is_some() => "Place".to_owned(),
         Stage::Finish if session.nested.is_some() => "Levels".to_owned(),
+        Stage::Finish if session.stipple().is_some() => "Dots".to_owned(),
         Stage::Iterate(k) if session.ground.is_some() => format!("Throw {k}"),
         Stage::Iterate(1) if session.is_exact() => "Levels 0, 1".to_owned(),
         Stage::Iterate(k) if session.is_exact() => format!("Level {k}"),
@@ -34,6 +36,10 @@ pub fn happened(shown: Option<&ShownMoment<'_>>) -> String {
 
     if let Some((nested, count)) = shown.session.nested.as_ref().zip(shown.prefix) {
         return prefix_sentence(shown.session, nested, count);
+    }
+
+    if let Some((stipple, count)) = shown.session.stipple().zip(shown.prefix) {
+        return stipple_sentence(shown.session, stipple, count);
     }
 
     match (shown.debugger, shown.cursor().checked_sub(1)) {
@@ -71,6 +77,23 @@ fn prefix_sentence(session: &Session, nested: &NestedLevels, count: usize) -> St
     format!(
         "The first {} of {all} samples: {begun}. Distances exceed {distance:.2} r, and {covering}",
         grouped(count)
+    )
+}
+
+/// Returns what the first `count` dots of a stipple are, in words.
+fn stipple_sentence(session: &Session, stipple: &MadeStipple, count: usize) -> String {
+    let all = session.summary.count;
+    if count < all {
+        return format!(
+            "The first {} of {} dots: the same image with fewer dots, no two of which are near each other.",
+            grouped(count),
+            grouped(all)
+        );
+    }
+    let made = grouped(usize::try_from(stipple.made).unwrap_or(usize::MAX));
+    format!(
+        "All {} dots: the first of {made} by their arrival, as dense as the image is dark.",
+        grouped(all)
     )
 }
 

@@ -22,10 +22,11 @@ use crate::combination::Combination;
 use crate::ground::MadeGround;
 use crate::index::SampleIndex;
 use crate::jobs::Monitor;
-use crate::layers::{Layers, SessionKind};
+use crate::layers::{Layer, Layers, SessionKind};
 use crate::limits::MAX_STAGED;
 use crate::nested::NestedLevels;
 use crate::recipe::{OwnPattern, Recipe};
+use crate::stipple::MadeStipple;
 use crate::units;
 pub use report::{MakeError, Reporter};
 pub(crate) use report::{StageShare, part_done, share_of};
@@ -176,6 +177,28 @@ impl Session {
         self.combination.is_none() && self.nested.as_ref().is_none_or(is_made)
     }
 
+    /// Returns what the stipple became, if it is one.
+    #[must_use]
+    pub fn stipple(&self) -> Option<&MadeStipple> {
+        self.ground.as_ref()?.stipple.as_ref()
+    }
+
+    /// Returns whether its moments are prefixes, of nested levels or of a stipple: a cursor is then a number of samples.
+    #[must_use]
+    pub fn has_prefixes(&self) -> bool {
+        self.nested.is_some() || self.stipple().is_some()
+    }
+
+    /// Returns the session of a set in a field as a stipple: the end is its only stage.
+    #[must_use]
+    pub fn as_stipple(mut self, made: MadeStipple) -> Self {
+        self.stages = vec![Stage::Finish];
+        if let Some(ground) = &mut self.ground {
+            ground.stipple = Some(made);
+        }
+        self
+    }
+
     /// Returns its kind, which decides the layers and their names.
     #[must_use]
     pub fn kind(&self) -> SessionKind {
@@ -191,6 +214,11 @@ impl Session {
     /// Returns those of the layers that can be drawn of it.
     #[must_use]
     pub fn drawable(&self, layers: Layers) -> Layers {
+        // Dots need not cover every place, and the fewer there are, the more of their image gaps would hide.
+        let layers = match self.stipple() {
+            Some(_) => layers.without(Layer::Gaps),
+            None => layers,
+        };
         match self.kind() {
             kind @ (SessionKind::Nested | SessionKind::Varying) => layers.of_kind(kind),
             SessionKind::Run | SessionKind::Exact | SessionKind::Combination => layers,
@@ -273,7 +301,7 @@ impl Session {
     /// of samples.
     #[must_use]
     pub fn stage_end(&self, index: usize) -> Option<usize> {
-        if self.nested.is_some() {
+        if self.has_prefixes() {
             return Some(self.summary.count);
         }
         let recording = self.recording()?;

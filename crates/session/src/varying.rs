@@ -8,7 +8,7 @@ use tilescope_core::{Locality, Parameters, Run, varying_sample};
 use tilescope_debugger::{DEFAULT_BUDGET, Recording};
 use tilescope_formats::Certificate;
 use tilescope_sets::{
-    GivenGround, GivenRadius, GrayImage, Ground, RadiusSource, ShapeSource, VaryingError,
+    GivenGround, GivenRadius, GrayImage, Ground, RadiusSource, ShapeSource, Tone, VaryingError,
     VaryingRecipe,
 };
 
@@ -17,6 +17,7 @@ use crate::incoming::Incoming;
 use crate::jobs::Monitor;
 use crate::recipe::Recipe;
 use crate::session::{MakeError, Reporter, Session};
+use crate::stipple::{MadeStipple, StippleRequest};
 
 /// Makes the set that a recipe asks for, on the CPU: with its events, unless it has more than [`MAX_RECORDED`] samples.
 ///
@@ -154,6 +155,11 @@ fn certified(
         ..Run::of_points(own, domain, lattice.collect())
     };
 
+    let session = Session::from_run(run, generation);
+    let recipe_of_form = Recipe::from(asked);
+    if let Some((request, made)) = stated_stipple(stated, &recipe) {
+        return Ok(with_ground(session, &recipe_of_form, &request).as_stipple(made));
+    }
     // One radius is among the parameters, as in the form.
     let is_constant = matches!(recipe.radius, RadiusSource::Constant(_));
     let request = GroundRequest {
@@ -161,13 +167,51 @@ fn certified(
         shape: recipe.shape,
         // `of_certificate` gives the corner, so that the default is never used.
         origin: recipe.origin.unwrap_or_default(),
+        stipple: None,
     };
-    let session = Session::from_run(run, generation);
-    Ok(with_ground(session, &Recipe::from(asked), &request))
+    Ok(with_ground(session, &recipe_of_form, &request))
+}
+
+/// Returns the stipple that a certificate states, and what it became; `None` for other sets.
+fn stated_stipple(
+    stated: &Certificate,
+    recipe: &VaryingRecipe,
+) -> Option<(GroundRequest, MadeStipple)> {
+    let prefix = stated.prefix?;
+    let RadiusSource::Density { image, black } = &recipe.radius else {
+        return None;
+    };
+    let white = match &recipe.shape {
+        Some(ShapeSource::Dark { white, .. }) => *white,
+        None => 0.0,
+        Some(ShapeSource::Polygon(_) | ShapeSource::Mask(_)) => return None,
+    };
+    let stipple = StippleRequest {
+        tone: image.tone(),
+        image: image.toned(Tone::default()).ok()?,
+        white,
+        dots: stated.parameters.get("dots")?.as_u64()?,
+        runs_on: stated.parameters.get("run-on")?.as_bool()?,
+    };
+    let request = GroundRequest {
+        radius: None,
+        shape: None,
+        origin: [0.0; 2],
+        stipple: Some(stipple),
+    };
+    let made = MadeStipple {
+        black: *black,
+        made: prefix.made,
+    };
+    Some((request, made))
 }
 
 /// Returns the session with the request that it was made from and the extremes of its radii.
-fn with_ground(mut session: Session, recipe: &Recipe, request: &GroundRequest) -> Session {
+pub(crate) fn with_ground(
+    mut session: Session,
+    recipe: &Recipe,
+    request: &GroundRequest,
+) -> Session {
     let run = session.run();
     // Radii of the field are in units of the lattice, and are shown in the unit of the domain.
     let unit = run.domain.radius() / f64::from(tilescope_core::R);
@@ -182,11 +226,12 @@ fn with_ground(mut session: Session, recipe: &Recipe, request: &GroundRequest) -
     session.ground = Some(MadeGround {
         asked: (recipe.parameters, request.clone()),
         radii,
+        stipple: None,
     });
     session
 }
 
-fn of_ground(error: VaryingError) -> MakeError {
+pub(crate) fn of_ground(error: VaryingError) -> MakeError {
     match error {
         VaryingError::Sample(error) => error.into(),
         other => MakeError::Ground(other.to_string()),

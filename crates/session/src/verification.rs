@@ -40,6 +40,8 @@ pub struct Verdict {
     pub report: Report,
     /// The claim on that prefix, if the session has nested levels.
     pub claim: Option<PrefixClaim>,
+    /// How many dots the whole stipple has, if the session is one: the report is on these or on the first of them.
+    pub stipple: Option<usize>,
     /// The closest pair, if known; indices are of the result.
     pub closest: Option<Conflict>,
     /// The largest empty circle, if known.
@@ -108,6 +110,7 @@ impl Verdict {
         Ok(Self {
             report,
             claim: None,
+            stipple: None,
             closest,
             largest,
         })
@@ -123,15 +126,19 @@ impl Verdict {
         made: &MadeGround,
         monitor: &Monitor,
     ) -> Result<Self, String> {
-        let ground = made.recipe().ground().map_err(|error| error.to_string())?;
+        let (ground, _) = made.ground().map_err(|error| error.to_string())?;
         let control = |progress| monitor.follow(progress);
-        let judged = &ground.varying.judged;
-        let report = judged
-            .verify(points, &VerifyOptions::default(), &control)
-            .map_err(|error| error.to_string())?;
+        let (judged, options) = (&ground.varying.judged, VerifyOptions::default());
+        // The first dots need not cover every place: how far they do is measured.
+        let report = match made.stipple {
+            Some(_) => judged.verify_prefix(points, &options, &control),
+            None => judged.verify(points, &options, &control),
+        };
+        let report = report.map_err(|error| error.to_string())?;
 
         Ok(Self {
             claim: None,
+            stipple: None,
             closest: report.worst_conflicts.first().copied(),
             largest: report.worst_gaps.first().copied(),
             report,
@@ -145,9 +152,14 @@ impl Verdict {
         self.claim.map_or(self.report.conflict_free(), of_claim)
     }
 
-    /// Returns whether no place is farther from all samples than it may be.
+    /// Returns whether no place is farther from all samples than it may be: of a stipple, that its dots cover within a factor
+    /// that can be measured.
     #[must_use]
     pub fn maximal(&self) -> bool {
+        if let Some(all) = self.stipple {
+            // All dots cover within the factor that was measured; fewer dots promise no covering.
+            return self.report.count < all || self.report.gaps == 0;
+        }
         let of_claim = |claim: PrefixClaim| claim.is_covering(&self.report);
         self.claim.map_or(self.report.maximal(), of_claim)
     }
@@ -194,12 +206,12 @@ impl Verdict {
     }
 }
 
-/// The task of verifying a session's result, or a prefix of its nested levels.
+/// The task of verifying a session's result, or a prefix of nested levels or of a stipple.
 #[derive(serde::Serialize, serde::Deserialize)]
 pub struct VerifyTask {
     /// The session whose result is verified.
     pub session: SessionRef,
-    /// How many samples, of nested levels.
+    /// How many samples, of nested levels and of a stipple.
     pub prefix: Option<usize>,
 }
 
@@ -211,7 +223,12 @@ impl Task for VerifyTask {
         let session = &self.session;
         let run = session.run();
         if let Some(made) = &session.ground {
-            return Verdict::on_ground(&run.positions(), made, monitor);
+            let mut points = run.positions();
+            let all = points.len();
+            points.truncate(self.prefix.unwrap_or(all));
+            let verdict = Verdict::on_ground(&points, made, monitor)?;
+            let stipple = session.stipple().map(|_| all);
+            return Ok(Verdict { stipple, ..verdict });
         }
         let region = region(&run.domain);
 

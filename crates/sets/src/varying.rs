@@ -31,7 +31,7 @@ pub use ground::Ground;
 pub use image::{GrayImage, MAX_PIXELS, Tone};
 pub use polygon::{MAX_CORNERS, PlanarPolygon};
 pub use source::{RadiusSource, ShapeSource};
-pub use stipple::{DEFAULT_WHITE, Stipple, StippleRecipe};
+pub use stipple::{DEFAULT_WHITE, Stipple, StippleLook, StippleRecipe, check_white, color_of};
 
 /// Sets of a count are within a hundredth of it.
 const TOLERANCE: u64 = 100;

@@ -20,7 +20,7 @@ use crate::clock::Clock;
 use crate::compare::CompareCommand;
 use crate::curve::CurveNumber;
 use crate::device::EngineChoice;
-use crate::draft::{Choice, Preset};
+use crate::draft::{Choice, Preset, StippleNumber};
 use crate::export::ExportCommand;
 use crate::files::FileCommand;
 use crate::help::HelpPage;
@@ -128,6 +128,12 @@ pub enum FormCommand {
     Expression(String),
     /// Types the radius of white, of an image.
     White(String),
+    /// Types a number of a stipple.
+    Stipple(StippleNumber, String),
+    /// Chooses whether a stipple has its dots where the image is light.
+    Inverted(bool),
+    /// Chooses whether dots of a stipple are made beyond the frame, too, and dropped there.
+    RunOn(bool),
     /// Covers the opaque or the light pixels of the image alone, as a mask.
     CoverImage,
     /// Covers the whole domain again, instead of a shape.

@@ -7,6 +7,7 @@ pub mod beside;
 pub mod browse;
 pub mod form;
 pub mod frames;
+mod ink;
 pub mod picture;
 mod provenance;
 pub mod refusal;
@@ -20,10 +21,12 @@ use tilescope_drawing::picture::{MomentView, PictureView};
 use tilescope_session::moment::Moment;
 
 use tilescope_formats::{Format, Precision};
+use tilescope_sets::StippleLook;
 
 use crate::clock::Clock;
 pub use form::{ExportForm, NumberField};
 pub use frames::MAX_FRAMES;
+pub use ink::{InkCommand, InkForm};
 pub use refusal::ExportRefusal;
 use tilescope_session::task::SessionRef;
 
@@ -157,6 +160,8 @@ pub enum ExportCommand {
     WholeRun(bool),
     /// Chooses the clock that counts the frames of an animation.
     Clock(Clock),
+    /// Chooses how a stipple is drawn.
+    Ink(InkCommand),
     /// Asks for the file in the system's dialog.
     Browse,
     /// Writes the file. If that replaces another file, the first call only asks.
@@ -185,6 +190,17 @@ pub enum ExportContent {
         moment: Option<Moment>,
         /// Number type of the coordinates, if the format leaves a choice.
         precision: Precision,
+        /// How SVG shows a stipple, if it is one.
+        look: Option<StippleLook>,
+    },
+    /// A picture of a stipple as dots of ink on paper.
+    Dots {
+        /// The moment.
+        moment: Moment,
+        /// The colours, and how large the dots are.
+        look: StippleLook,
+        /// The width in pixels; unused for SVG.
+        columns: u32,
     },
     /// A picture of one moment.
     Picture {

@@ -184,6 +184,9 @@ const fn form(command: &FormCommand) -> Rules {
         | FormCommand::GeneratedPattern
         | FormCommand::Expression(_)
         | FormCommand::White(_)
+        | FormCommand::Stipple(..)
+        | FormCommand::Inverted(_)
+        | FormCommand::RunOn(_)
         | FormCommand::CoverImage
         | FormCommand::WholeDomain => Some(UndoPart::Form),
     };
@@ -513,6 +516,7 @@ const fn export(command: &ExportCommand) -> Rules {
         | ExportCommand::Analysis(_)
         | ExportCommand::WholeRun(_)
         | ExportCommand::Clock(_)
+        | ExportCommand::Ink(_)
         | ExportCommand::Browse
         | ExportCommand::Write
         | ExportCommand::Cancel => REVEALING,

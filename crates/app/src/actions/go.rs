@@ -19,7 +19,9 @@ pub(super) fn add(list: &mut List, state: &State) {
         .on_key(Key::Space)
         .refused(no_session(state));
     // Nested levels are gone through level by level.
-    let [first, last] = match state.runs().first.prefix() {
+    let run = &state.runs().first;
+    let [first, last] = match run.prefix() {
+        Some(_) if run.shows_stipple() => ["First dot", "Last dot"],
         Some(_) => ["First level", "Last level"],
         None => ["First stage", "Last stage"],
     };

@@ -27,7 +27,7 @@ pub const LEVELS: [Listed<Option<u32>>; 12] = [
 pub const WITHOUT_IMAGE: usize = 2;
 
 /// The ways in which the radius is given; those of an image come last.
-pub const RADIUS_BY: [Listed<RadiusBy>; 4] = [
+pub const RADIUS_BY: [Listed<RadiusBy>; 5] = [
     (
         RadiusBy::Constant,
         "a number",
@@ -47,6 +47,11 @@ pub const RADIUS_BY: [Listed<RadiusBy>; 4] = [
         RadiusBy::Density,
         "dark of an image",
         "Samples are as dense as the image is dark.",
+    ),
+    (
+        RadiusBy::Stipple,
+        "dots of an image",
+        "A stipple: exactly so many dots, as dense as the image is dark. Any beginning of them is the image with fewer dots.",
     ),
 ];
 

@@ -13,7 +13,7 @@ use tilescope_ui::focus;
 use tilescope_ui::widgets::Known;
 
 use super::context::PanelContext;
-use crate::actions::NO_EVENTS_OF_LEVELS;
+use crate::actions::{NO_EVENTS_OF_DOTS, NO_EVENTS_OF_LEVELS};
 use tilescope_workbench::layout::Panel;
 
 /// Shows the content of a panel, which scrolls independently of other panels of the same tab.
@@ -112,6 +112,7 @@ pub fn no_events(ui: &mut Ui, context: &PanelContext<'_>) {
             "A combination has stages but no events: its sets existed before.".to_owned()
         }
         Some(session) if session.nested.is_some() => NO_EVENTS_OF_LEVELS.to_owned(),
+        Some(session) if session.stipple().is_some() => NO_EVENTS_OF_DOTS.to_owned(),
         // Of the sessions that keep their stages, those above and those of the GPU have no events.
         Some(session) if session.has_stages() => {
             "The GPU's run differs from the CPU's, so that it has no events.".to_owned()

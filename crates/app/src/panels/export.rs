@@ -14,7 +14,7 @@ use super::common::progress;
 use super::sheet::{above_middle, entered, escaped, just_opened, scrolled, select_all};
 use tilescope_workbench::clock::Clock;
 use tilescope_workbench::command::Command;
-use tilescope_workbench::export::{ExportCommand, ExportForm, ExportKind, NumberField};
+use tilescope_workbench::export::{ExportCommand, ExportForm, ExportKind, InkCommand, NumberField};
 use tilescope_workbench::state::{ExportSource, Exports, State};
 
 /// Width of a typed number.
@@ -80,7 +80,19 @@ impl Sheet<'_> {
         ui.add_space(6.0);
         match self.form.kind {
             // A file of samples has numbers and no look.
-            ExportKind::Result | ExportKind::Samples => self.precision(ui),
+            ExportKind::Result | ExportKind::Samples => {
+                self.precision(ui);
+                // Of the formats only SVG shows dots.
+                let is_svg = Format::from_path(&self.form.file()) == Some(Format::Svg);
+                if is_svg && self.source.is_stipple() {
+                    self.ink(ui);
+                }
+            }
+            ExportKind::Picture if self.is_on_paper() => {
+                self.colours(ui);
+                self.ink(ui);
+                self.width(ui);
+            }
             ExportKind::Picture | ExportKind::Scenes => {
                 self.scale(ui);
                 self.colours(ui);
@@ -304,10 +316,74 @@ impl Sheet<'_> {
         });
     }
 
+    /// Returns whether the picture has dots of ink on paper.
+    fn is_on_paper(&self) -> bool {
+        self.form.kind == ExportKind::Picture && self.form.ink.on_paper && self.source.is_stipple()
+    }
+
+    /// Shows the colours of paper and ink, and how large dots are.
+    fn ink(&mut self, ui: &mut Ui) {
+        let ink = &self.form.ink;
+        let paper: fn(String) -> InkCommand = InkCommand::Paper;
+        for (name, id, text, command) in [
+            ("Paper", "export.paper", &ink.paper, paper),
+            ("Ink", "export.ink", &ink.color, InkCommand::Color),
+        ] {
+            self.named(ui, name, |sheet, ui, label| {
+                let mut text = text.clone();
+                let edit = TextEdit::singleline(&mut text)
+                    .id_salt(id)
+                    .hint_text("#rrggbb")
+                    .font(egui::TextStyle::Monospace)
+                    .margin(egui::Margin::symmetric(8, 4))
+                    .desired_width(NUMBER_WIDTH);
+                let response = ui.add(edit).labelled_by(label);
+                response.known_as(id);
+                if response.changed() {
+                    sheet.commands.push(ExportCommand::Ink(command(text)));
+                }
+                let unit = "#rrggbb, black or white; if empty, as the tone asks for";
+                ui.label(RichText::new(unit).color(sheet.palette.muted));
+            });
+        }
+        self.named(ui, "Dots", |sheet, ui, _| {
+            for (by_darkness, name, id) in [
+                (false, "all equal", "export.dots-equal"),
+                (true, "the darker the larger", "export.dots-by-darkness"),
+            ] {
+                let chosen = sheet.form.ink.by_darkness == by_darkness;
+                let command = ExportCommand::Ink(InkCommand::ByDarkness(by_darkness));
+                ui.add(Button::selectable(chosen, name))
+                    .issues(id, command, &mut sheet.commands);
+            }
+        });
+    }
+
+    /// Shows the width of a picture of dots.
+    fn width(&mut self, ui: &mut Ui) {
+        let is_svg = Format::from_path(&self.form.file()) == Some(Format::Svg);
+        self.named(ui, "Width", |sheet, ui, label| {
+            sheet.number(ui, NumberField::Columns, !is_svg, label);
+            let unit = if is_svg {
+                "SVG can be shown at any scale"
+            } else {
+                "pixels"
+            };
+            ui.label(RichText::new(unit).color(sheet.palette.muted));
+        });
+    }
+
     fn colours(&mut self, ui: &mut Ui) {
+        let is_on_paper = self.is_on_paper();
         self.named(ui, "Colours", |sheet, ui, _| {
+            if sheet.form.kind == ExportKind::Picture && sheet.source.is_stipple() {
+                let command = ExportCommand::Ink(InkCommand::OnPaper);
+                ui.add(Button::selectable(is_on_paper, "ink on paper"))
+                    .issues("export.on-paper", command, &mut sheet.commands);
+            }
             for (print, name) in [(false, "as in the window"), (true, "for print")] {
-                let button = Button::selectable(sheet.form.print == print, name);
+                let chosen = sheet.form.print == print && !is_on_paper;
+                let button = Button::selectable(chosen, name);
                 if ui.add(button).clicked() {
                     sheet.commands.push(ExportCommand::Print(print));
                 }
@@ -405,6 +481,7 @@ impl Sheet<'_> {
             NumberField::Scale => (&self.form.scale, self.form.scale().is_err()),
             NumberField::Every => (&self.form.every, self.form.every().is_err()),
             NumberField::Delay => (&self.form.delay, self.form.delay().is_err()),
+            NumberField::Columns => (&self.form.columns, self.form.columns().is_err()),
         };
         let mut text = text.clone();
         let edit = TextEdit::singleline(&mut text)

@@ -27,6 +27,7 @@ pub const CONTENT: Content = Content::of_run(Room::Scrolled, show);
 pub fn show(ui: &mut Ui, context: &PanelContext<'_>, commands: &mut Vec<Command>) {
     let palette = context.palette;
     let heads = match context.run.prefix() {
+        Some(_) if context.run.shows_stipple() => "Dots",
         Some(_) => "Levels",
         None => "Stages",
     };
@@ -41,6 +42,12 @@ pub fn show(ui: &mut Ui, context: &PanelContext<'_>, commands: &mut Vec<Command>
         return table(ui, heads, size, Role::Grid, |ui| {
             levels(ui, context, session, nested, commands);
         });
+    }
+
+    if let Some(stipple) = session.stipple() {
+        let made = usize::try_from(stipple.made).unwrap_or(usize::MAX);
+        name_and_value(ui, "Kept", &grouped(session.summary.count), palette);
+        return name_and_value(ui, "Made", &grouped(made), palette);
     }
 
     // The heads are a row.

@@ -451,6 +451,7 @@ fn controls(ui: &mut Ui, context: &TimeContext<'_>, with_ends: bool, commands: &
     let clock = context.run.clock_name(context.time.playback.clock);
     // Nested levels have no stages.
     let unit = match context.run.prefix() {
+        Some(_) if context.run.shows_stipple() => "dot",
         Some(_) => "level",
         None => "stage",
     };

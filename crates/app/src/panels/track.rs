@@ -53,7 +53,10 @@ pub(super) struct Segment {
 /// Returns the names of a stage, its name in ids, and what a click on it does.
 fn of_stage(session: &Session, stage: Stage, events: usize) -> ([String; 3], String, String) {
     let name = name_in(session, stage);
-    let tip = format!("To the end of stage {name}: {} events", grouped(events));
+    let tip = match session.stipple() {
+        Some(_) => format!("To all {} dots", grouped(session.summary.count)),
+        None => format!("To the end of stage {name}: {} events", grouped(events)),
+    };
     let names = [name.clone(), short(&name), number(&name)];
     (names, Kebab(stage).to_string(), tip)
 }

@@ -106,7 +106,19 @@ fn summary(context: &PanelContext<'_>, palette: &Palette) -> (String, Option<boo
                 (false, false) => "conflicts and gaps".to_owned(),
             };
 
-            let text = verdict.claim.map_or_else(of_result, of_prefix);
+            let of_dots = |all: usize| {
+                let word = if is_valid { "verified" } else { "not valid" };
+                match verdict.report.count {
+                    count if count < all => format!("first {}: {word}", grouped(count)),
+                    _ => format!("prefix: {word}"),
+                }
+            };
+
+            let text = match (verdict.claim, verdict.stipple) {
+                (Some(claim), _) => of_prefix(claim),
+                (None, Some(all)) => of_dots(all),
+                (None, None) => of_result(),
+            };
             // Until the verdict on the prefix at work is there, the one before is shown, muted.
             let color = if context.run.prefix_at_work().is_some() {
                 palette.muted
@@ -140,6 +152,16 @@ fn explanation(context: &PanelContext<'_>) -> String {
 
             format!(
                 "Found by {judges}, which share no code with the sampler. Click to see these samples and their closest pair, or what is wrong.{next}"
+            )
+        }
+        Verification::Done(verdict) if verdict.valid() && verdict.stipple.is_some() => {
+            let covering = verdict.report.covering_factor.map_or_else(
+                || "so few dots promise no covering".to_owned(),
+                |factor| format!("every place is within {factor:.3} times its radius of one"),
+            );
+            format!(
+                "No two of these dots are near each other, and {covering}; verified by {}, which shares no code with the sampler.",
+                Judge::joined(&verdict.report.judges)
             )
         }
         Verification::Done(verdict) if verdict.valid() && is_local(context) => format!(
@@ -179,6 +201,7 @@ pub fn show(ui: &mut Ui, context: &PanelContext<'_>, commands: &mut Vec<Command>
     let unit = (context.run.session.as_ref()).map_or(1.0, |session| session.run().domain.radius());
     match verdict.and_then(|verdict| Some((verdict, verdict.claim?))) {
         Some((verdict, claim)) => guarantee(ui, verdict, claim, unit, palette),
+        None if context.run.shows_stipple() => dots(ui, verdict, palette),
         None => properties(ui, report, palette),
     }
 
@@ -339,6 +362,32 @@ fn properties(ui: &mut Ui, report: Option<&Report>, palette: &Palette) {
         maximal.as_ref(),
         palette,
     );
+}
+
+/// Shows whether dots are conflict-free, and within which factor of the radius they cover: a stipple is a prefix, and not
+/// maximal. Dashes stand for a verdict that is not there yet.
+fn dots(ui: &mut Ui, verdict: Option<&Verdict>, palette: &Palette) {
+    let report = verdict.map(|verdict| &verdict.report);
+    let free = report.map(|report| (report.conflict_free(), conflicts_in(report)));
+    let name = ("Conflict-free", glossary::CONFLICT.meaning);
+    property(ui, name, free.as_ref(), palette);
+
+    // Fewer dots than all promise no covering, so that only that of all can fail.
+    let prefix = verdict.map(|verdict| (verdict.maximal(), "gaps".to_owned()));
+    property(
+        ui,
+        ("Prefix", glossary::PREFIX.meaning),
+        prefix.as_ref(),
+        palette,
+    );
+    let factor = report.map_or_else(
+        || "\u{2013}".to_owned(),
+        |report| match report.covering_factor {
+            Some(factor) => format!("{factor:.4} radii"),
+            None => "not promised".to_owned(),
+        },
+    );
+    row(ui, "Covers within", &factor, palette);
 }
 
 /// Shows whether a prefix of nested levels keeps its promises of distance and covering. `unit` is the length of r in

@@ -3,13 +3,16 @@
 use egui_kittest::Harness;
 use tilescope_app::App;
 use tilescope_core::{RunEvent, Verdict};
+use tilescope_session::incoming::NamedBytes;
 use tilescope_session::layers::Layer;
 use tilescope_session::selection::Selection;
 use tilescope_workbench::Command;
 use tilescope_workbench::command::{
     AppearanceCommand, FormCommand, TimeCommand, ViewCommand, Which, WindowCommand,
 };
-use tilescope_workbench::draft::{Choice, Preset, RadiusBy};
+use tilescope_workbench::draft::{Choice, Preset, RadiusBy, StippleNumber};
+use tilescope_workbench::export::{ExportCommand, ExportKind};
+use tilescope_workbench::files::FileCommand;
 use tilescope_workbench::layout::Panel;
 
 use crate::canvas::{apply, drawn};
@@ -106,6 +109,36 @@ fn the_canvas_shows_disks_of_their_own_radii_the_outline_and_the_outside() {
     let place = session(&harness).position(30);
     let fly = ViewCommand::FlyTo(place, 30.0);
     apply(&mut harness, Command::View(Which::First, fly));
+}
+
+#[test]
+fn a_stipple_has_its_fields_a_slider_of_dots_and_ink_on_paper() {
+    let mut harness = drawn([1_400.0, 900.0], false);
+    let photo = include_bytes!("../../../tilescope/tests/it/images/photo.jpg");
+    let files = vec![NamedBytes::new("photo.jpg", photo)];
+    let dropped = FileCommand::DroppedBytes(files, Vec::new());
+    apply(&mut harness, Command::File(dropped));
+    assert!(find(&harness, "cover-image").is_some() && find(&harness, "stipple-dots").is_none());
+    let by = FormCommand::Choose(Choice::RadiusBy(RadiusBy::Stipple));
+    apply(&mut harness, Command::Form(by));
+    assert!(find(&harness, "cover-image").is_none() && find(&harness, "radius").is_none());
+    for id in ["dots", "contrast", "gamma", "white", "inverted", "run-on"] {
+        assert!(find(&harness, format!("stipple-{id}")).is_some(), "{id}");
+    }
+    let dots = FormCommand::Stipple(StippleNumber::Dots, "700".to_owned());
+    for command in [Command::Form(dots), Command::Run] {
+        apply(&mut harness, command);
+    }
+
+    let said = text(&harness, "status");
+    assert!(said.contains("All 700 dots"), "{said}");
+    apply(&mut harness, Command::Time(TimeCommand::Jump(50)));
+    let said = text(&harness, "status");
+    assert!(said.contains("The first 50 of 700 dots"), "{said}");
+    assert!(find(&harness, "prefix").is_some());
+    let open = ExportCommand::Open(ExportKind::Picture);
+    apply(&mut harness, Command::Export(open));
+    assert!(find(&harness, "export.paper").is_some() && find(&harness, "export.scale").is_none());
 }
 
 #[test]

@@ -7,8 +7,9 @@ use tilescope_sets::{
 };
 
 use super::refusal::part_of;
-use super::{Draft, DraftRefusal, FormPart};
+use super::{Draft, DraftRefusal, FormPart, StippleDraft};
 use crate::ground::{GroundRequest, scaled_text};
+use crate::stipple::StippleRequest;
 use crate::typed;
 use crate::words::{counted, sentence};
 
@@ -34,6 +35,8 @@ pub enum RadiusBy {
     Image,
     /// The darkness of an image, as the density; the radius is that of black.
     Density,
+    /// The darkness of an image, in a given number of dots.
+    Stipple,
 }
 
 /// The field and the shape as they are edited.
@@ -47,6 +50,8 @@ pub struct GroundDraft {
     pub image: Option<GrayImage>,
     /// The radius of white, as typed.
     pub white: String,
+    /// The dots and the tone of a stipple, as typed.
+    pub stipple: StippleDraft,
     /// The area to cover, if it is not the whole domain.
     pub shape: Option<ShapeSource>,
     /// Where the lower corner of the domain lies.
@@ -60,6 +65,7 @@ impl Default for GroundDraft {
             expression: FIRST_EXPRESSION.to_owned(),
             image: None,
             white: String::new(),
+            stipple: StippleDraft::default(),
             shape: None,
             origin: [0.0; 2],
         }
@@ -80,6 +86,14 @@ impl GroundDraft {
         }
 
         let radius = match (self.by, self.image.clone()) {
+            (RadiusBy::Stipple, Some(image)) => {
+                return Some(Ok(GroundRequest {
+                    radius: None,
+                    shape: None,
+                    origin: [0.0; 2],
+                    stipple: Some(self.stipple.request(image)),
+                }));
+            }
             (RadiusBy::Expression, _) => match Expression::parse(&self.expression) {
                 Ok(expression) => Some(RadiusSource::Expression {
                     expression,
@@ -95,13 +109,15 @@ impl GroundDraft {
             // Darkness says how dense samples are, and the radius of the form is that of black.
             (RadiusBy::Density, Some(image)) => Some(RadiusSource::Density { image, black }),
             // Without a field the radius is that of the parameters.
-            (RadiusBy::Constant, _) | (RadiusBy::Image | RadiusBy::Density, None) => None,
+            (RadiusBy::Constant, _)
+            | (RadiusBy::Image | RadiusBy::Density | RadiusBy::Stipple, None) => None,
         };
 
         Some(Ok(GroundRequest {
             radius,
             shape: self.shape.clone(),
             origin: self.origin,
+            stipple: None,
         }))
     }
 }
@@ -165,6 +181,10 @@ impl From<Option<&GroundRequest>> for GroundDraft {
             // The form asks for no grid, and has its one radius among the parameters.
             None | Some(RadiusSource::Constant(_) | RadiusSource::Grid { .. }) => {}
         }
+        if let Some(stipple) = &request.stipple {
+            (draft.by, draft.image) = (RadiusBy::Stipple, Some(stipple.image.clone()));
+            draft.stipple = stipple.into();
+        }
         // A shape may come with any radius. The image of a mask is offered for the radius, too.
         draft.shape.clone_from(&request.shape);
         if let (None, Some(ShapeSource::Mask(mask))) = (&draft.image, &draft.shape) {
@@ -193,9 +213,25 @@ impl Draft {
     /// Chooses how the radius is given. A field seldom goes around, so that the domain becomes bounded, as on the command line.
     pub(super) fn choose_radius_by(&mut self, by: RadiusBy) {
         // Without an image there is nothing to read the radius from.
-        let is_of_image = matches!(by, RadiusBy::Image | RadiusBy::Density);
+        let is_of_image = matches!(by, RadiusBy::Image | RadiusBy::Density | RadiusBy::Stipple);
+        let image = self.ground.image.clone().filter(|_| by != self.ground.by);
         if is_of_image && self.ground.image.is_none() {
             return;
+        }
+        // A stipple has its pixels as the unit of length, as on the command line, and a shape of its own. Other sets have the
+        // unit square, or what of it an image fills.
+        match (image, self.ground.by) {
+            (Some(image), _) if by == RadiusBy::Stipple => {
+                self.remove_shape();
+                self.set_text(Parameter::Width, image.pixels()[0].to_string());
+                self.fit_pixels(&image);
+            }
+            (Some(image), RadiusBy::Stipple) => {
+                let width = Parameter::Width.text(&Parameters::default());
+                self.set_text(Parameter::Width, width);
+                self.set_image(image);
+            }
+            _ => {}
         }
         if by != RadiusBy::Constant && self.ground.by == RadiusBy::Constant {
             self.parameters.boundary = Boundary::Bounded;
@@ -295,6 +331,9 @@ impl Draft {
     /// Returns about how many samples a field and a shape ask for; `None` without such, or if they are refused.
     pub(super) fn ground_samples(&self) -> Option<f64> {
         let request = self.ground_request()?;
+        if let Some(stipple) = &request.stipple {
+            return Some(stipple.dots as f64);
+        }
         let recipe = request.recipe(&self.parameters);
         let samples = recipe.glance().ok()?;
         // Of the whole domain only the share of a mask has samples.
@@ -328,6 +367,14 @@ impl Draft {
             return Some(DraftRefusal { part, reason });
         }
 
+        if let Some(stipple) = &request.stipple {
+            let of_frame = || {
+                let error = framed(stipple, &self.parameters).glance().err()?;
+                refused(FormPart::Field(Parameter::Width), &error)
+            };
+            return self.ground.stipple.refusal(stipple).or_else(of_frame);
+        }
+
         // Each error stands at the field that mends it.
         let error = request.recipe(&self.parameters).glance().err()?;
         let part = match (&error, self.ground.by) {
@@ -339,12 +386,27 @@ impl Draft {
             (VaryingError::Reversed { .. } | VaryingError::Contrast { .. }, RadiusBy::Image) => {
                 FormPart::White
             }
-            (_, RadiusBy::Constant | RadiusBy::Image | RadiusBy::Density) => {
+            // The refusals of a stipple are those above.
+            (_, RadiusBy::Constant | RadiusBy::Image | RadiusBy::Density | RadiusBy::Stipple) => {
                 FormPart::Field(Parameter::Radius)
             }
         };
         refused(part, &error)
     }
+}
+
+/// Returns a recipe that is refused where the sides of the domain do not fit the pixels of a stipple. Its radius is a pixel's
+/// side, which suits any image.
+fn framed(stipple: &StippleRequest, parameters: &Parameters) -> VaryingRecipe {
+    let image = stipple.image.clone();
+    let black = parameters.width / image.pixels()[0] as f64;
+    let request = GroundRequest {
+        radius: Some(RadiusSource::Density { image, black }),
+        shape: None,
+        origin: [0.0; 2],
+        stipple: None,
+    };
+    request.recipe(parameters)
 }
 
 /// The columns and the rows of places at which a polygon is looked at. Chosen, not measured.

@@ -2,7 +2,7 @@
 
 use tilescope_core::{Parameter, ParameterError, Parameters, Variant};
 
-use super::{Draft, RadiusBy, numbers};
+use super::{Draft, RadiusBy, StippleNumber, numbers};
 use crate::limits::{MAX_ON_A_PAGE, MAX_STAGED};
 use crate::words::{capital, grouped, sentence};
 
@@ -19,6 +19,8 @@ pub enum FormPart {
     Expression,
     /// The radius of white, of an image.
     White,
+    /// A number of a stipple.
+    Stipple(StippleNumber),
     /// Choices that exclude each other.
     Choices,
 }
@@ -33,6 +35,7 @@ impl FormPart {
             Self::Exactly => Some("Exactly".to_owned()),
             Self::Expression => Some("Formula".to_owned()),
             Self::White => Some("Of white".to_owned()),
+            Self::Stipple(number) => Some(number.name().to_owned()),
             Self::Choices => None,
         }
     }
@@ -104,10 +107,11 @@ impl Draft {
         refusals
     }
 
-    /// Returns whether the next run uses a parameter: in a field or a shape there is no tiling, and a formula gives the radius itself.
+    /// Returns whether the next run uses a parameter: in a field or a shape there is no tiling, and a formula and the dots of a
+    /// stipple give the radius themselves.
     #[must_use]
     pub fn uses(&self, parameter: Parameter) -> bool {
-        let has_number = self.ground.by != RadiusBy::Expression;
+        let has_number = !matches!(self.ground.by, RadiusBy::Expression | RadiusBy::Stipple);
         match parameter {
             Parameter::Width | Parameter::Height | Parameter::Boundary | Parameter::Seed => true,
             Parameter::Radius => has_number,

@@ -196,6 +196,12 @@ impl GrayImage {
         stated_file(&self.name, &self.digest)
     }
 
+    /// Returns its tone.
+    #[must_use]
+    pub fn tone(&self) -> Tone {
+        self.tone
+    }
+
     /// Returns the grey values of a row and of a column.
     #[must_use]
     pub fn pixels(&self) -> [usize; 2] {

@@ -4,6 +4,10 @@
 //! the beginning of a process of darts is spread over the whole image, the denser the darker. The verifier measures within
 //! which factor of their radii these cover.
 
+mod look;
+
+use std::sync::Arc;
+
 use tilescope_core::memory::{Making, ask_for};
 use tilescope_core::{
     Boundary, Domain, MAXIMAL_DENSITY, Observer, Point, RadiusField, Rect, SampleError, Shape,
@@ -16,8 +20,10 @@ use super::ground::Ground;
 use super::image::GrayImage;
 use super::source::{DENSITY_CAP, RadiusSource, ShapeSource};
 use super::{MAX_TRIES, VaryingRecipe};
-use crate::facts::Facts;
+use crate::facts::{Facts, Stated};
 use crate::made::Made;
+
+pub use look::{StippleLook, color_of};
 
 /// Places lighter than this share of black are white paper, if nothing else is asked for. Without such a limit the largest
 /// radius puts stray dots on white; the noise of a JPEG image beside black letters is mostly below it.
@@ -67,6 +73,24 @@ pub struct Stipple {
     pub black: f64,
     /// Pixels lighter than the largest radius can show, which have that radius.
     pub capped: usize,
+    /// The field and the shape in which the dots were made.
+    pub ground: Ground,
+}
+
+/// Refuses a share of black below which there are no dots, if it is out of range.
+///
+/// # Errors
+///
+/// [`VaryingError::Tone`] with the number and its range.
+pub fn check_white(white: f64) -> Result<(), VaryingError> {
+    if (0.0..=MAX_WHITE).contains(&white) {
+        return Ok(());
+    }
+    Err(VaryingError::Tone {
+        name: "white",
+        value: white,
+        range: 0.0..=MAX_WHITE,
+    })
 }
 
 impl StippleRecipe {
@@ -77,13 +101,7 @@ impl StippleRecipe {
     /// [`VaryingError`] when the numbers are out of range, the image has no dark place or too few pixels for the given
     /// number of dots, and when it is cancelled.
     pub fn make(&self, observer: &mut dyn Observer) -> Result<Stipple, VaryingError> {
-        if !(0.0..=MAX_WHITE).contains(&self.white) {
-            return Err(VaryingError::Tone {
-                name: "white",
-                value: self.white,
-                range: 0.0..=MAX_WHITE,
-            });
-        }
+        check_white(self.white)?;
         // All runs have the same blocks, as the radius changes by some hundredths only.
         let mut black = self.estimate()?;
         let image = self.image.in_blocks(self.block(black))?;
@@ -116,6 +134,26 @@ impl StippleRecipe {
         let count = self.dots;
         best.map(|run| self.finished(run))
             .ok_or(VaryingError::Count { count, nearest })
+    }
+
+    /// Returns the recipe of the field and the shape of a stipple that was made with this radius of black.
+    ///
+    /// # Errors
+    ///
+    /// [`VaryingError::White`] when the image has no dark place.
+    pub fn settled(&self, black: f64) -> Result<VaryingRecipe, VaryingError> {
+        // The blocks follow from the first estimate, as when it was made.
+        let image = self.image.in_blocks(self.block(self.estimate()?))?;
+        Ok(self.recipe(&image, black))
+    }
+
+    /// Returns what certificates state of the way in which a stipple is made on this ground, which is that of `settled`.
+    #[must_use]
+    pub fn stated(&self, settled: &VaryingRecipe, ground: &Ground) -> Stated {
+        let mut parameters = settled.stated_on(ground);
+        parameters.insert("dots".to_owned(), self.dots.into());
+        parameters.insert("run-on".to_owned(), self.runs_on.into());
+        parameters
     }
 
     /// Returns the width of a pixel.
@@ -211,9 +249,7 @@ impl StippleRecipe {
         let made = points.len() as u64;
         points.truncate(usize::try_from(self.dots).unwrap_or(usize::MAX));
 
-        let mut parameters = recipe.stated(&recipe.radius, &ground);
-        parameters.insert("dots".to_owned(), self.dots.into());
-        parameters.insert("run-on".to_owned(), self.runs_on.into());
+        let parameters = self.stated(&recipe, &ground);
         let domain = *ground.field.domain();
         // Darkness goes with the inverse square of the radius, which is limited in two ways.
         let largest = ground.limit.min(DENSITY_CAP * black);
@@ -223,13 +259,14 @@ impl StippleRecipe {
                 set: PointSet::from_points(domain.users_from_lattice(&points)),
                 facts: Facts {
                     radius: ground.varying.judged.radius(),
-                    varying: Some(ground.varying),
+                    varying: Some(Arc::clone(&ground.varying)),
                     made: Some(made),
                     ..Facts::new("reference", parameters, &domain)
                 },
             },
             black,
             capped: self.image.lighter_than(self.white, lightest),
+            ground,
         }
     }
 }

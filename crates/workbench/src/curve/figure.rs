@@ -181,7 +181,7 @@ fn stepped(line: &[[f64; 2]]) -> Vec<[f64; 2]> {
 
 /// Returns the beginnings of stages with their names, of those that have room for it. Nested levels have no stages.
 fn ticks(session: &Session) -> Vec<(f64, String)> {
-    if session.nested.is_some() {
+    if session.has_prefixes() {
         return Vec::new();
     }
     let ends = session.ends();

@@ -9,7 +9,7 @@ use tilescope_formats::Precision;
 use crate::files::missing_folder;
 
 use super::refusal::ExportRefusal;
-use super::{ExportKind, extension, scene_path};
+use super::{ExportKind, InkForm, extension, scene_path};
 use crate::clock::Clock;
 
 /// The smallest scale: pixels for a point of the window.
@@ -18,6 +18,8 @@ pub const MIN_SCALE: f64 = 0.5;
 pub const MAX_SCALE: f64 = 8.0;
 /// The most ticks from frame to frame. Chosen, not measured.
 pub const MAX_EVERY: usize = 10_000_000;
+/// The most pixels that a picture of dots is wide: one of a square image then takes a gigabyte while it is drawn.
+pub const MAX_COLUMNS: u32 = 16_384;
 /// The shortest time for a frame, in ms: viewers slow shorter ones down.
 pub const MIN_DELAY_MS: u32 = 20;
 /// The longest time for a frame, in ms. Chosen, not measured.
@@ -33,6 +35,8 @@ pub enum NumberField {
     Every,
     /// Milliseconds for a frame.
     Delay,
+    /// The width of a picture of dots, in pixels.
+    Columns,
 }
 
 /// The export sheet as it is filled in.
@@ -66,6 +70,10 @@ pub struct ExportForm {
     pub every: String,
     /// Milliseconds for a frame, as typed.
     pub delay: String,
+    /// How a stipple is drawn.
+    pub ink: InkForm,
+    /// The width of a picture of dots in pixels, as typed.
+    pub columns: String,
     /// An existing file, or certificate, that would be replaced.
     pub taken: Option<PathBuf>,
     /// Whether the user has been asked about replacing it.
@@ -87,6 +95,9 @@ impl Default for ExportForm {
             clock: Clock::Event,
             every: String::new(),
             delay: "100".to_owned(),
+            ink: InkForm::default(),
+            // As wide as the command line draws stipples.
+            columns: "1600".to_owned(),
             taken: None,
             asked: false,
         }
@@ -173,6 +184,11 @@ impl ExportForm {
     /// Returns the ticks from frame to frame.
     pub fn every(&self) -> Result<usize, ExportRefusal> {
         within(&self.every, 1..=MAX_EVERY, ExportRefusal::Every)
+    }
+
+    /// Returns the width of a picture of dots.
+    pub fn columns(&self) -> Result<u32, ExportRefusal> {
+        within(&self.columns, 1..=MAX_COLUMNS, ExportRefusal::Columns)
     }
 
     /// Returns the hundredths of a second for a frame.

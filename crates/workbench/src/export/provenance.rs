@@ -30,10 +30,8 @@ pub(crate) fn parameter_map(session: &Session) -> Stated {
     }
 
     if let Some(made) = &session.ground {
-        let recipe = made.recipe();
         // The set was made on this ground, so that it is not refused here.
-        let ground = recipe.ground().map(|ground| recipe.stated_on(&ground));
-        return ground.unwrap_or_default();
+        return made.ground().map(|(_, stated)| stated).unwrap_or_default();
     }
 
     let run = session.run();

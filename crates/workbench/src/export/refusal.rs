@@ -6,7 +6,7 @@ use std::path::PathBuf;
 use tilescope_session::words::{counted, grouped};
 
 use super::beside::MAX_MEASURED;
-use super::form::{MAX_DELAY_MS, MAX_EVERY, MAX_SCALE, MIN_DELAY_MS, MIN_SCALE};
+use super::form::{MAX_COLUMNS, MAX_DELAY_MS, MAX_EVERY, MAX_SCALE, MIN_DELAY_MS, MIN_SCALE};
 use super::frames::MAX_FRAMES;
 use super::picture::MAX_DRAWN;
 
@@ -29,6 +29,9 @@ pub enum ExportRefusal {
     /// Animations need events, and nested levels have none.
     #[error("Nested levels have no events, so that there is no time to animate.")]
     Nested,
+    /// Animations need events, and a stipple has none.
+    #[error("A stipple has no events, so that there is no time to animate.")]
+    Stipple,
     /// No sample covers its disk.
     #[error("No sample covers its disk at this moment.")]
     NoSamples,
@@ -44,6 +47,15 @@ pub enum ExportRefusal {
     /// The extension is none of these.
     #[error("The extension chooses the format: {}.", .0.iter().map(|e| format!(".{e}")).collect::<Vec<_>>().join(" "))]
     Extension(Vec<&'static str>),
+    /// A colour as typed is none.
+    #[error("The colour is \"{0}\"; it must be written as #rrggbb, or as black or white.")]
+    Color(String),
+    /// The width of a picture as typed is not a whole number within the limits.
+    #[error(
+        "The width is \"{0}\" pixels; it must be a whole number from 1 to {most}.",
+        most = grouped(MAX_COLUMNS as usize)
+    )]
+    Columns(String),
     /// The scale as typed is not a number within the limits.
     #[error("The scale is \"{0}\"; it must be a number from {MIN_SCALE} to {MAX_SCALE}.")]
     Scale(String),

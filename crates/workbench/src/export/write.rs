@@ -6,6 +6,7 @@ use std::io::{self, Write};
 use std::ops::ControlFlow;
 use std::path::{Path, PathBuf};
 use tilescope_drawing::brushed::BrushedCause;
+use tilescope_drawing::dots::on_paper;
 use tilescope_drawing::picture::{PictureView, frame};
 
 use serde::{Deserialize, Deserializer, Serialize, Serializer};
@@ -15,8 +16,8 @@ use tilescope_figures::{
     AnimationError, FigureError, Scene, to_pixels, to_png_controlled, to_svg, write_apng, write_gif,
 };
 use tilescope_formats::{
-    ExportContext, ExportError, FormatError, PointSet, Warning, certificate_path, export_bytes,
-    is_valid,
+    Drawing, ExportContext, ExportError, FormatError, PointSet, Warning, certificate_path,
+    export_bytes, is_valid,
 };
 #[cfg(not(target_arch = "wasm32"))]
 use tilescope_formats::{export, write_through, write_whole};
@@ -26,10 +27,11 @@ use super::picture::{described, scene};
 use super::provenance::{method, parameter_map, provenance};
 use super::{ExportContent, ExportJob, extension, scene_path};
 use crate::clock::Clock;
+use tilescope_session::ground::MadeGround;
 use tilescope_session::incoming::NamedBytes;
 use tilescope_session::jobs::Monitor;
 use tilescope_session::moment::Moment;
-use tilescope_sets::{point_set, region};
+use tilescope_sets::{StippleLook, point_set, region};
 
 /// The longest animation that is made in memory, in bytes: a browser's tab crashes when it runs out of memory. Chosen,
 /// not measured.
@@ -147,14 +149,15 @@ impl<'de> Deserialize<'de> for WriteError {
 pub fn write(job: &ExportJob, monitor: &Monitor) -> Result<Written, WriteError> {
     let written = match &job.content {
         ExportContent::Samples { .. } => write_samples(job, monitor),
-        ExportContent::Picture { .. } | ExportContent::Scenes { .. } => pictures(job, monitor)
-            .and_then(|files| {
-                // All are drawn by now, so that a picture that cannot be drawn leaves no files of the others.
-                for (path, bytes) in &files {
-                    write_whole(path, bytes)?;
-                }
-                Ok(what(job))
-            }),
+        ExportContent::Picture { .. }
+        | ExportContent::Scenes { .. }
+        | ExportContent::Dots { .. } => pictures(job, monitor).and_then(|files| {
+            // All are drawn by now, so that a picture that cannot be drawn leaves no files of the others.
+            for (path, bytes) in &files {
+                write_whole(path, bytes)?;
+            }
+            Ok(what(job))
+        }),
         // Frames go to the file one by one, as all of them may not fit into memory.
         ExportContent::Animation { .. } => {
             let written = write_through(&job.path, |file| animate(job, file, monitor));
@@ -177,13 +180,14 @@ pub fn render(job: &ExportJob, monitor: &Monitor) -> Result<Outgoing, WriteError
     let mut files = Vec::new();
     let made = match &job.content {
         ExportContent::Samples { .. } => render_samples(job, &name, &mut files, monitor),
-        ExportContent::Picture { .. } | ExportContent::Scenes { .. } => pictures(job, monitor)
-            .and_then(|made| {
-                for (path, bytes) in made {
-                    files.push(NamedBytes::new(name_of(&path)?, bytes));
-                }
-                Ok(what(job))
-            }),
+        ExportContent::Picture { .. }
+        | ExportContent::Scenes { .. }
+        | ExportContent::Dots { .. } => pictures(job, monitor).and_then(|made| {
+            for (path, bytes) in made {
+                files.push(NamedBytes::new(name_of(&path)?, bytes));
+            }
+            Ok(what(job))
+        }),
         ExportContent::Animation { .. } => {
             // A browser has no file to write to, so that the whole animation is in memory, up to a limit.
             let mut bytes = Limited(Vec::new());
@@ -247,10 +251,11 @@ fn samples(
     context.parameters = parameter_map(session);
     if let Some(made) = &session.ground {
         // The certificate states the field and the shape, in which the set is judged.
-        let ground = made
-            .recipe()
+        let (ground, _) = made
             .ground()
             .map_err(|error| WriteError::Ground(error.to_string()))?;
+        // The beginning of a larger set is certified as such.
+        context.made = made.stipple.map(|stipple| stipple.made);
         // The radius is the least one, as the command line states it.
         context.radius = ground.varying.judged.radius();
         (context.origin, context.varying) = (ground.origin, Some(ground.varying));
@@ -258,13 +263,15 @@ fn samples(
 
     let mut moment = None;
     // Pictures and animations have no samples, and do not come here.
+    let mut look = None;
     if let ExportContent::Samples {
         moment: wanted,
         precision,
+        look: chosen,
     } = &job.content
     {
         context.precision = *precision;
-        moment = wanted.as_ref();
+        (moment, look) = (wanted.as_ref(), chosen.as_ref());
     }
 
     if let Some(nested) = &session.nested {
@@ -284,8 +291,68 @@ fn samples(
         }
         None => point_set(run, &run.result),
     };
+    // Of the formats only SVG shows dots on paper.
+    let look = look.zip(session.ground.as_ref());
+    context.drawing = look.and_then(|(look, made)| drawing(look, made, &context, &set));
     let is_result = moment.is_none();
     Ok((set, context, is_result))
+}
+
+/// Returns how pictures show these dots of a stipple.
+fn drawing(
+    look: &StippleLook,
+    made: &MadeGround,
+    context: &ExportContext,
+    set: &PointSet,
+) -> Option<Drawing> {
+    let judged = &context.varying.as_ref()?.judged;
+    let is_inverted = made.asked.1.stipple.as_ref()?.tone.is_inverted;
+    let black = made.stipple?.black;
+    Some(look.drawing(black, judged, &set.points, is_inverted))
+}
+
+/// Returns the picture of a stipple as dots of ink on paper, as a file of this extension.
+fn picture_of_dots(
+    job: &ExportJob,
+    (moment, look, columns): (&Moment, &StippleLook, u32),
+    monitor: &Monitor,
+) -> Result<Vec<u8>, WriteError> {
+    monitor.set_activity("drawing");
+    go_on(monitor)?;
+    let session = &*job.session;
+    let of_ground = |why: String| WriteError::Ground(why);
+    let none = || of_ground("this set is no stipple".to_owned());
+    let made = session.ground.as_ref().ok_or_else(none)?;
+    let (ground, _) = made
+        .ground()
+        .map_err(|error| of_ground(error.to_string()))?;
+
+    let run = session.run();
+    let set = point_set(run, &moment.samples(session));
+    let context = ExportContext {
+        varying: Some(ground.varying),
+        ..ExportContext::new(region(&run.domain), run.domain.radius())
+    };
+    let drawing = drawing(look, made, &context, &set).ok_or_else(none)?;
+    let judged = context.varying.as_ref().map(|varying| &varying.judged);
+    let own = |at| judged.map_or(1.0, |judged| judged.radius_at(at));
+    let dots = set
+        .points
+        .iter()
+        .map(|&at| (at, drawing.dots.radius(own(at))));
+    let colors = [drawing.paper, drawing.ink];
+    let mut scene = on_paper(context.region.size(), columns, colors, dots);
+    scene.metadata = provenance(session);
+
+    // The scene is laid out in pixels already.
+    let scale = 1.0;
+    match extension(&job.path).as_deref() {
+        Some("svg") => Ok(to_svg(&scene)?.into_bytes()),
+        _ => match to_png_controlled(&scene, scale, &mut |_, _| flow(monitor)) {
+            Err(FigureError::Cancelled) => Err(WriteError::Cancelled),
+            bytes => Ok(bytes?),
+        },
+    }
 }
 
 /// Writes the samples and their certificate beside them.
@@ -334,6 +401,14 @@ fn render_samples(
 /// Returns the files of a picture or of the scenes; all are drawn before the first one is written.
 fn pictures(job: &ExportJob, monitor: &Monitor) -> Result<Vec<(PathBuf, Vec<u8>)>, WriteError> {
     let (shown, causes, scale, is_one) = match &job.content {
+        ExportContent::Dots {
+            moment,
+            look,
+            columns,
+        } => {
+            let picture = picture_of_dots(job, (moment, look, *columns), monitor)?;
+            return Ok(vec![(job.path.clone(), picture)]);
+        }
         ExportContent::Picture {
             shown,
             causes,

@@ -170,8 +170,20 @@ impl Exports {
         }
 
         match form.kind {
+            ExportKind::Result | ExportKind::Samples if source.is_stipple() => {
+                form.ink.look()?;
+                Ok(match form.kind {
+                    ExportKind::Result => counted(session.summary.count, "dot", "dots"),
+                    _ => source.moment_name(),
+                })
+            }
             ExportKind::Result => Ok(counted(session.summary.count, "sample", "samples")),
             ExportKind::Samples => Ok(source.moment_name()),
+            ExportKind::Picture if form.ink.on_paper && source.is_stipple() => {
+                form.ink.look()?;
+                let columns = grouped(form.columns()? as usize);
+                Ok(format!("{}, {columns} pixels wide", source.moment_name()))
+            }
             ExportKind::Picture => {
                 let (shown, scale) = checked_view(form, source)?;
                 let pictures = 1;
@@ -251,7 +263,15 @@ impl Exports {
             ExportKind::Result | ExportKind::Samples => ExportContent::Samples {
                 moment: (source.run.moment()).filter(|_| form.kind == ExportKind::Samples),
                 precision: form.precision,
+                look: source.is_stipple().then(|| form.ink.look()).transpose()?,
             },
+            ExportKind::Picture if form.ink.on_paper && source.is_stipple() => {
+                ExportContent::Dots {
+                    moment: source.run.moment().ok_or(ExportRefusal::NoSession)?,
+                    look: form.ink.look()?,
+                    columns: form.columns()?,
+                }
+            }
             ExportKind::Picture => {
                 let (shown, scale) = checked_view(form, source)?;
                 ExportContent::Picture {
@@ -312,6 +332,12 @@ impl ExportSource<'_> {
         self.run.session.as_ref().ok_or(ExportRefusal::NoSession)
     }
 
+    /// Returns whether a stipple is exported, which is drawn as dots on paper.
+    #[must_use]
+    pub fn is_stipple(&self) -> bool {
+        self.run.shows_stipple()
+    }
+
     /// Returns why no export of a kind is possible now, whatever the sheet says.
     #[must_use]
     pub fn kind_refusal(&self, kind: ExportKind) -> Option<ExportRefusal> {
@@ -323,6 +349,7 @@ impl ExportSource<'_> {
                 Some(ExportRefusal::Combination)
             }
             ExportKind::Animation if session.nested.is_some() => Some(ExportRefusal::Nested),
+            ExportKind::Animation if session.stipple().is_some() => Some(ExportRefusal::Stipple),
             ExportKind::Animation if session.recording().is_none() => Some(ExportRefusal::NoEvents),
             ExportKind::Samples if !moment.has_samples(session) => Some(ExportRefusal::NoSamples),
             ExportKind::Scenes if self.scenes().is_empty() => Some(ExportRefusal::NoScenes),
@@ -513,7 +540,9 @@ fn fill_in(form: &mut ExportForm, command: ExportCommand) {
             form.asked = false;
         }
         ExportCommand::Precision(precision) => form.precision = precision,
-        ExportCommand::Print(print) => form.print = print,
+        ExportCommand::Print(print) => (form.print, form.ink.on_paper) = (print, false),
+        ExportCommand::Ink(command) => form.ink.apply(command),
+        ExportCommand::Type(NumberField::Columns, text) => form.columns = text,
         ExportCommand::Legend(legend) => form.legend = legend,
         ExportCommand::Analysis(analysis) => form.analysis = analysis,
         ExportCommand::Type(NumberField::Scale, text) => form.scale = text,

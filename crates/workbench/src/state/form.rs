@@ -89,6 +89,11 @@ impl Form {
         if radius(&ground).flatten() != radius(&of_made).flatten() {
             names.push("radius as a function");
         }
+        let stipple =
+            |ground: &Option<GroundRequest>| ground.as_ref().and_then(|it| it.stipple.clone());
+        if stipple(&ground) != stipple(&of_made) {
+            names.push("stipple");
+        }
         if shape(&ground) != shape(&of_made) {
             names.push("shape");
         }
@@ -126,6 +131,9 @@ impl Form {
             // The field gives the radius at each place, and the shape says where samples are.
             FormCommand::Expression(text) => self.draft.ground.expression = text,
             FormCommand::White(text) => self.draft.ground.white = text,
+            FormCommand::Stipple(number, text) => self.draft.ground.stipple.set_text(number, text),
+            FormCommand::Inverted(inverted) => self.draft.ground.stipple.is_inverted = inverted,
+            FormCommand::RunOn(runs_on) => self.draft.ground.stipple.runs_on = runs_on,
             FormCommand::CoverImage => self.draft.cover_image(),
             FormCommand::WholeDomain => self.draft.remove_shape(),
 

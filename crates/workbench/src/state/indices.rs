@@ -41,7 +41,11 @@ impl RunView {
                 if at == count {
                     return None;
                 }
-                let what = session?.nested.as_ref().map_or(EVENT, |_| SAMPLE);
+                let what = if session?.has_prefixes() {
+                    SAMPLE
+                } else {
+                    EVENT
+                };
                 (what, at, count)
             }
             Numbered::Stage(index) => {

@@ -47,6 +47,8 @@ impl Time {
             TimeCommand::ShowStage(index) => run.show_stage(index),
             TimeCommand::StepBack => self.tick(Direction::Backwards, run, context),
             TimeCommand::StepForward => self.tick(Direction::Forwards, run, context),
+            // A stipple has one stage, which is all of its dots: it begins with the first one.
+            TimeCommand::FirstStage if run.shows_stipple() => run.jump(1),
             TimeCommand::FirstStage => run.show_stage(0),
             TimeCommand::LastStage => run.show_stage(usize::MAX),
             TimeCommand::TogglePlay => self.toggle_play(run),

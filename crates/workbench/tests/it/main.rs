@@ -20,3 +20,4 @@ mod nested;
 mod parts;
 mod runs;
 mod script;
+mod stipple;

@@ -17,7 +17,9 @@ use super::super::choices::{
 use super::super::engine;
 use super::{FormContext, changed_mark, field_width, labelled};
 use tilescope_workbench::command::{Command, FormCommand};
-use tilescope_workbench::draft::{self, Choice, DraftRefusal, FormPart, Preset, RadiusBy};
+use tilescope_workbench::draft::{
+    self, Choice, DraftRefusal, FormPart, Preset, RadiusBy, StippleNumber,
+};
 use tilescope_workbench::link::link_key;
 
 /// Shows the fields of all parameters.
@@ -117,6 +119,11 @@ impl Fields<'_> {
                 self.image_name(ui);
                 self.number(ui, Parameter::Radius);
             }
+            RadiusBy::Stipple => {
+                self.image_name(ui);
+                self.stipple(ui);
+                return self.costs(ui);
+            }
         }
         self.expected(ui);
     }
@@ -133,6 +140,36 @@ impl Fields<'_> {
             (FormPart::Expression, "radius-expression"),
             command,
         );
+    }
+
+    /// Shows how many dots a stipple has, and how dark its image is.
+    fn stipple(&mut self, ui: &mut Ui) {
+        let draft = &self.context.form.draft.ground.stipple;
+        for number in StippleNumber::ALL {
+            let mut text = draft.text(number).to_owned();
+            let id = format!("stipple-{}", Kebab(number));
+            self.free_text(
+                ui,
+                (number.name(), number.meaning()),
+                &mut text,
+                (FormPart::Stipple(number), &id),
+                |text| FormCommand::Stipple(number, text),
+            );
+        }
+
+        let (mut inverted, mut runs_on) = (draft.is_inverted, draft.runs_on);
+        let switch = ui.checkbox(&mut inverted, "Inverted");
+        switch.known_as("stipple-inverted");
+        let why = "Dots where the image is light, as ink on black paper.";
+        if switch.on_hover_text(why).changed() {
+            self.issue(FormCommand::Inverted(inverted));
+        }
+        let switch = ui.checkbox(&mut runs_on, "Run on beyond the frame");
+        switch.known_as("stipple-run-on");
+        let why = "Makes dots beyond the frame, too, and drops them there: at the border there are a few more dots otherwise.";
+        if switch.on_hover_text(why).changed() {
+            self.issue(FormCommand::RunOn(runs_on));
+        }
     }
 
     /// Shows the radius of white.
@@ -198,7 +235,9 @@ impl Fields<'_> {
     /// Shows the area to cover, if it is not the whole domain, and offers the image as a mask, if there is one.
     fn shape(&mut self, ui: &mut Ui) {
         let ground = &self.context.form.draft.ground;
-        if ground.image.is_some() && !ground.is_mask() {
+        // A stipple has a shape of its own: the places that are not white.
+        let is_stipple = ground.by == RadiusBy::Stipple;
+        if ground.image.is_some() && !ground.is_mask() && !is_stipple {
             let command = Command::Form(FormCommand::CoverImage);
             let why = "Covers the opaque pixels of the image alone; if all are opaque, those that are lighter than half grey. Then the radius is one number; an image of as many pixels that is dropped on the window gives it again.";
             ui.link("Cover the image as a mask")

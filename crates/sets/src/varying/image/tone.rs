@@ -37,7 +37,12 @@ impl Default for Tone {
 }
 
 impl Tone {
-    pub(super) fn check(&self) -> Result<(), VaryingError> {
+    /// Refuses numbers out of range.
+    ///
+    /// # Errors
+    ///
+    /// [`VaryingError::Tone`] with the number and its range.
+    pub fn check(&self) -> Result<(), VaryingError> {
         let checked = [
             ("gamma", self.gamma, GAMMAS),
             ("contrast", self.contrast, CONTRASTS),

@@ -1,4 +1,4 @@
-//! The prefix of nested levels: how many samples are shown, and having these verified in the background as the number
+//! The prefix of nested levels or of a stipple: how many samples are shown, and having these verified in the background as the number
 //! moves. A verdict keeps the number that it is about, and is not taken for that of another.
 
 use tilescope_debugger::Direction;
@@ -31,11 +31,18 @@ pub struct Prefix {
 }
 
 impl RunView {
-    /// Returns how many samples are shown, if the session has nested levels.
+    /// Returns how many samples are shown, if the session has nested levels or is a stipple.
     #[must_use]
     pub fn prefix(&self) -> Option<usize> {
         let session = self.session.as_ref()?;
-        session.nested.as_ref().map(|_| self.prefix.count)
+        session.has_prefixes().then_some(self.prefix.count)
+    }
+
+    /// Returns whether a stipple is shown.
+    #[must_use]
+    pub fn shows_stipple(&self) -> bool {
+        let session = self.session.as_ref();
+        session.is_some_and(|session| session.stipple().is_some())
     }
 
     /// Shows all samples of a session, whose verification begins elsewhere.
@@ -132,13 +139,15 @@ impl RunView {
             return self.finish_verification(outcome);
         }
 
-        // Only work on a large prefix is stopped: work on a small one ends by itself in less than a tenth of a second.
-        let is_stale = |(of, _): &(usize, _)| *of != count && *of > MAX_AT_ONCE;
+        // Only work on a large prefix is stopped: work on a small one ends by itself in less than a tenth of a second. Each
+        // verdict on dots makes the field of the image again, which takes longer.
+        let at_once = session.nested.as_ref().map_or(0, |_| MAX_AT_ONCE);
+        let is_stale = |(of, _): &(usize, _)| *of != count && *of > at_once;
         if self.prefix.work.as_ref().is_some_and(is_stale) {
             self.prefix.work = None;
         }
 
-        let is_due = count <= MAX_AT_ONCE || self.prefix.rested_secs >= REST_SECS;
+        let is_due = count <= at_once || self.prefix.rested_secs >= REST_SECS;
         if count != self.prefix.judged && self.prefix.work.is_none() && is_due {
             let judging = VerifyTask {
                 session: SessionRef(std::sync::Arc::clone(session)),

@@ -33,6 +33,11 @@ impl RunView {
             return texts;
         }
 
+        if let Some(count) = self.prefix() {
+            let dots = counted(session.summary.count, "dot", "dots");
+            return vec![format!("{} of {dots}", grouped(count))];
+        }
+
         let blocks = || self.shown().map_or(0, |shown| Made::at(&shown).leaves);
         let count = match session.stages[self.stage] {
             Stage::Blocks if session.combination.is_some() => counted(blocks(), "piece", "pieces"),
@@ -88,6 +93,7 @@ impl RunView {
     #[must_use]
     pub fn clock_name(&self, clock: Clock) -> &'static str {
         match (clock, self.kind()) {
+            (Clock::Event, SessionKind::Varying) if self.prefix().is_some() => "dot",
             (Clock::Event, SessionKind::Nested) => "sample",
             (Clock::Stage, SessionKind::Nested) => "level",
             _ => clock.name(),
@@ -115,7 +121,7 @@ impl RunView {
         let Some(session) = &self.session else {
             return;
         };
-        if session.nested.is_some() {
+        if session.has_prefixes() {
             let end = session.ends().get(index).copied();
             // A stage beyond the last one is all of the set.
             return self.show_prefix(end.unwrap_or(usize::MAX));

@@ -135,7 +135,7 @@ impl RunView {
     pub(in crate::state) fn verify(&mut self, context: &Context) {
         if let Some(session) = self.session.clone() {
             let judging = VerifyTask {
-                prefix: session.nested.as_ref().map(|_| session.summary.count),
+                prefix: session.has_prefixes().then_some(session.summary.count),
                 session: SessionRef(session),
             };
             self.verification = Verification::Pending(task::start(&context.wake, judging));
