@@ -14,6 +14,7 @@ use tilescope_sets::{
 
 use crate::options::SetArguments;
 use crate::paths::InFile;
+use crate::solid::refuse;
 
 /// A field and a shape.
 #[derive(Debug, Default, Args)]
@@ -70,6 +71,13 @@ impl GroundArguments {
             .into_iter()
             .find(|(_, is_given)| *is_given)
             .map(|(name, _)| name)
+    }
+
+    /// Refuses the first option that is given, as `whose` has no use for it.
+    pub fn refuse(&self, whose: &str) -> Result<()> {
+        let is_given = true;
+        let given = self.option().map(|name| (name, is_given));
+        refuse(given.as_slice(), whose)
     }
 
     /// Returns the files that are read.

@@ -31,6 +31,7 @@ mod make;
 mod nested;
 mod options;
 mod output;
+mod own_radii;
 mod parameters;
 mod paths;
 mod progress;

@@ -127,7 +127,7 @@ pub struct SetArguments {
     #[arg(long)]
     pub no_certificate: bool,
     /// The columns of x and y in a text table, each by its name, or by its number from 1. Other columns are then not looked
-    /// at; without this option a column z must be 0
+    /// at, but for one named radius where samples have radii of their own; without this option a column z must be 0
     #[arg(long, num_args = 2, value_names = ["A", "B"])]
     pub columns: Option<Vec<String>>,
     /// Which set of a file that holds several, from 0

@@ -17,7 +17,6 @@ use crate::options::SetArguments;
 use crate::paths::{InFile, named};
 use crate::progress::verifying;
 use crate::sample_arguments::{leave_out_origin, save_unverified};
-use crate::solid::refuse;
 use crate::{output, verdict_code};
 
 /// The name of the column that has the ranks.
@@ -64,12 +63,7 @@ fn check_threshold(below: f64) -> Result<()> {
 /// has.
 pub fn refuse_others(set: &SetArguments, ground: &GroundArguments) -> Result<()> {
     set.refuse_domain("to which its levels belong")?;
-    let is_given = true;
-    let ground = ground.option().map(|name| (name, is_given));
-    refuse(
-        ground.as_slice(),
-        "sets with ranks have one radius and no shape",
-    )
+    ground.refuse("sets with ranks have one radius and no shape")
 }
 
 /// Returns the ranks in a file of this format, if it has a column of them.

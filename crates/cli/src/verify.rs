@@ -15,7 +15,7 @@ use crate::ground::GroundArguments;
 use crate::options::{JudgeArguments, SetArguments, hinted};
 use crate::paths::{InFile, named};
 use crate::progress::verifying;
-use crate::{interrupt, output, ranks, solid, thinned, verdict_code};
+use crate::{interrupt, output, own_radii, ranks, solid, thinned, verdict_code};
 
 /// Arguments of `tilescope verify`.
 #[derive(Debug, Args)]
@@ -46,7 +46,8 @@ pub struct VerifyArguments {
 
 const EXAMPLES: &str = "\
 Without a certificate the radius must be given; sides and boundary that are not given are those of
-the periodic unit square. Only the region and the radius are taken from a certificate; the tolerance is
+the periodic unit square. If none is given and the file has a column named radius, that no two samples are
+near is judged by their own radii; covering cannot be judged without the field. Only the region and the radius are taken from a certificate; the tolerance is
 always 2^-15. Of a set whose radius varies, or that covers a shape, the certificate states an expression
 and polygons; images must be given. A stipple is the beginning of a set: it may cover within more than the
 radius, as its certificate states, and that factor is measured again. A file does not show how its set was
@@ -103,6 +104,11 @@ pub fn run(arguments: &VerifyArguments) -> Result<u8> {
         Err(error) if matches!(error.downcast_ref(), Some(CheckError::Thinned)) => {
             return judge_thinned();
         }
+        // The radii of the samples say less than a field, and are asked only where no radius is given.
+        Err(error) if matches!(error.downcast_ref(), Some(CheckError::NoRadius)) => {
+            let judged = own_radii::judge(file, set, arguments.json)?;
+            return judged.ok_or(error);
+        }
         outcome => outcome?,
     };
     let corner = origin(given_origin, &check);
@@ -138,6 +144,9 @@ fn in_space(arguments: &VerifyArguments) -> Result<u8> {
 /// Judges the first `count` samples by the levels that the certificate states, and prints the verdict.
 fn prefix(arguments: &VerifyArguments, count: usize) -> Result<u8> {
     let (file, set) = (&arguments.file, &arguments.set);
+    arguments
+        .ground
+        .refuse("sets with nested levels have one radius and no shape")?;
     // The file is not compared with its certificate, which is about all samples: a fault behind the first `count` says
     // nothing about these. They are judged by the certificate's claim alone.
     let read = set.read_as(file, set.set, CertificateUse::AsStated)?;

@@ -223,7 +223,7 @@ pub fn decode(bytes: &[u8], hint: &Hint<'_>) -> Result<ReadSet, FormatError> {
 
     // The program in a browser has no use for the radii of a file: its page would load their readers for nothing.
     let asks_radii = hint.varying && !cfg!(target_arch = "wasm32");
-    let radii = asks_radii.then(|| radii::read(bytes, format));
+    let radii = asks_radii.then(|| radii::read(bytes, format, hint.columns));
 
     // Provenance is left out with the certificate, which alone says of which run it is.
     if hint.certificate == CertificateUse::LeftOut {

@@ -9,10 +9,17 @@ use crate::format::Format;
 /// The name of the column, and of the property of features.
 pub(super) const RADIUS: &str = "radius";
 
-/// Returns the radius of each point, if the file has a column of that name.
-pub(super) fn read(bytes: &[u8], format: Format) -> Result<Option<Vec<f64>>, FormatError> {
+/// Returns the radius of each point, if the file has a column of that name. `columns` are those of x and y in a text table,
+/// where they are chosen: neither of them is a radius.
+pub(super) fn read(
+    bytes: &[u8],
+    format: Format,
+    columns: Option<[&str; 2]>,
+) -> Result<Option<Vec<f64>>, FormatError> {
+    let is_coordinate = |chosen: [&str; 2]| chosen.iter().any(|name| name.trim() == RADIUS);
     let radii = match format {
-        Format::Csv | Format::Xyz => if_any(table::column(bytes, format, None, RADIUS))?,
+        Format::Csv | Format::Xyz if columns.is_some_and(is_coordinate) => None,
+        Format::Csv | Format::Xyz => if_any(table::column(bytes, format, columns, RADIUS))?,
         Format::PlyAscii | Format::PlyBinary => if_any(ply::column(bytes, format, RADIUS))?,
         Format::Json | Format::GeoJson => of_features(bytes),
         Format::PsaText
@@ -94,9 +101,9 @@ mod tests {
                 format,
                 Format::Csv | Format::PlyAscii | Format::PlyBinary | Format::GeoJson
             );
-            let found = read(&bytes(&with), format).expect("a file");
+            let found = read(&bytes(&with), format, None).expect("a file");
             assert_eq!(found, has_columns.then(|| radii.clone()), "{format}");
-            let found = read(&bytes(&Columns::default()), format).expect("a file");
+            let found = read(&bytes(&Columns::default()), format, None).expect("a file");
             assert_eq!(found, None, "{format}");
 
             // Other files are not even asked for ranks.
@@ -116,16 +123,27 @@ mod tests {
 
     #[test]
     fn tables_of_others_have_it_anywhere_and_what_is_no_radius_is_refused() {
-        let table = |text: &str| read(text.as_bytes(), Format::Csv);
+        let table = |text: &str| read(text.as_bytes(), Format::Csv, None);
         let first = table("Radius;x;y\n0.5;1;2\n0.25;3;4\n").expect("a table");
         assert_eq!(first, Some(vec![0.5, 0.25]));
         assert_eq!(table("x,y,size\n1,2,3\n").expect("a table"), None);
+
+        // Where other columns are those of x and y, the radii are read all the same.
+        let survey = "name,easting,northing,radius\na,1,2,0.5\nb,3,4,0.25\n";
+        let chosen = |columns| read(survey.as_bytes(), Format::Csv, Some(columns));
+        for columns in [["easting", "northing"], ["2", "3"]] {
+            let found = chosen(columns).expect("a table");
+            assert_eq!(found, Some(vec![0.5, 0.25]), "{columns:?}");
+        }
+        let found = chosen(["easting", "radius"]).expect("a table");
+        assert_eq!(found, None);
+
         let refused = |text: &str| table(text).expect_err("no radius").to_string();
         assert!(refused("x,y,radius\n1,2,0\n").contains("the radius of a point is 0; it must be"));
         assert!(refused("x,y,radius\n1,2,wide\n").contains("wide"));
 
         let shared = br#"{"type": "FeatureCollection", "features": [{"type": "Feature", "properties": {"radius": 1},
             "geometry": {"type": "MultiPoint", "coordinates": [[0, 0], [1, 1]]}}]}"#;
-        assert_eq!(read(shared, Format::GeoJson).expect("points"), None);
+        assert_eq!(read(shared, Format::GeoJson, None).expect("points"), None);
     }
 }

@@ -511,3 +511,79 @@ fn what_cannot_be_made_is_refused_by_name_and_nothing_is_written() {
         0,
     );
 }
+
+#[test]
+fn radii_of_samples_without_a_certificate_show_conflicts_and_no_covering() {
+    let folder = tempdir().unwrap();
+    let line = "sample --radius-expression 0.02+0.03*x --boundary bounded --out a.csv --json";
+    let made = run(&folder, line, 0);
+    fs::remove_file(folder.path().join("a.csv.certificate.json")).unwrap();
+    for domain in ["", "--width 1 --height 1"] {
+        let found = run(&folder, &format!("verify a.csv {domain} --json"), 0);
+        assert_eq!(found["count"], made["count"]);
+        assert_eq!(
+            (&found["conflict_free"], &found["maximal"]),
+            (&json!(true), &json!(null))
+        );
+    }
+    let said = tilescope(&folder)
+        .args(["verify", "a.csv"])
+        .assert()
+        .success();
+    said.stdout(contains("covering       not judged").and(contains("maximal").not()));
+    // With its field the same file has a whole verdict, and with one radius another one.
+    let field = "verify a.csv --radius-expression 0.02+0.03*x --boundary bounded --json";
+    assert_eq!(run(&folder, field, 0)["valid"], true);
+    run(
+        &folder,
+        "verify a.csv --radius 0.05 --boundary bounded --json",
+        1,
+    );
+
+    // Radii 1 and 3 keep 1.5 apart: at 1.6 there is none in conflict, and at 1.4 there are two.
+    let survey = |x: f64| {
+        let text = format!("easting,northing,radius\n0,0,1\n{x},0,3\n9,9,1\n");
+        fs::write(folder.path().join("b.csv"), text).unwrap();
+    };
+    let line = "verify b.csv --columns easting northing --json";
+    survey(1.6);
+    assert_eq!(run(&folder, line, 0)["conflicts"], 0);
+    survey(1.4);
+    let found = run(&folder, line, 1);
+    assert_eq!(found["conflicting"], json!([[0, 1]]));
+    // Around a torus of 10 the last sample is near the first.
+    survey(1.6);
+    let around =
+        "verify b.csv --columns easting northing --boundary periodic --width 9.5 --height 9.5";
+    assert_eq!(run(&folder, &format!("{around} --json"), 1)["conflicts"], 1);
+    let line = "verify b.csv --columns easting northing --width 5 --height 9.5";
+    refused(&folder, line, "sample 2 at 9 9 lies outside");
+    // Without radii there is nothing to judge by, and a radius that is none is refused.
+    fs::write(folder.path().join("c.csv"), "x,y\n0,0\n").unwrap();
+    refused(&folder, "verify c.csv", "give --radius");
+    fs::write(folder.path().join("c.csv"), "x,y,radius\n0,0,-1\n").unwrap();
+    refused(&folder, "verify c.csv", "the radius of a point is -1");
+}
+
+#[test]
+fn a_prefix_of_levels_refuses_fields_shapes_and_masks() {
+    let folder = tempdir().unwrap();
+    image(&folder, "grey.png", [8, 8], |x, _| x);
+    run(
+        &folder,
+        "sample --levels 3 --radius 0.05 --out a.csv --json",
+        0,
+    );
+    run(&folder, "verify a.csv --prefix 20 --json", 0);
+    for option in [
+        "--mask grey.png",
+        "--density-image grey.png",
+        "--radius-image grey.png",
+        "--radius-expression 0.05",
+        "--shape park.geojson",
+    ] {
+        let name = option.split(' ').next().unwrap();
+        let line = format!("verify a.csv --prefix 20 {option}");
+        refused(&folder, &line, &format!("{name}: sets with nested levels"));
+    }
+}
