@@ -4,6 +4,7 @@ import assert from "node:assert/strict";
 import { readFile, writeFile } from "node:fs/promises";
 import path from "node:path";
 import { test } from "node:test";
+import { controls } from "./controls.mjs";
 import { PATIENCE_MS, ask, folder, load, native, shows, state, stored, typing } from "./harness.mjs";
 import { reused } from "./shared.mjs";
 
@@ -125,6 +126,42 @@ test("a polygon and an image that are dropped become sets, and a damaged image i
   await drop(page, [{ name: "half.png", base64: GREY.slice(0, 60) }]);
   const refused = await state(page, (told) => told.notice?.includes("half.png"));
   assert.equal(refused.positions_digest, before);
+});
+
+test("a dropped image is stippled, and the native program has the same dots and verifies them", async (t) => {
+  const made = await folder(t);
+  const { page } = await reused(t);
+  let before = (await state(page)).positions_digest;
+  const settled = async () => {
+    const told = await state(page, (told) => told.ready && told.verified !== null && told.positions_digest !== before);
+    before = told.positions_digest;
+    return told;
+  };
+  await drop(page, [{ name: "grey.png", base64: GREY }]);
+  await settled();
+  const tree = controls(page);
+  await tree.getByRole("combobox", { name: "Radius by" }).click();
+  await tree.getByRole("button", { name: "dots of an image" }).click();
+  await tree.getByRole("textbox", { name: "Dots" }).fill("300");
+  await page.keyboard.press("Enter");
+  const told = await settled();
+  assert.equal(told.verified, true);
+
+  const image = path.join(made, "grey.png");
+  await writeFile(image, Buffer.from(GREY, "base64"));
+  const stipple = JSON.parse(await native("stipple", image, "--dots", "300", "--json"));
+  assert.equal(told.positions_digest, stipple.positions_digest);
+
+  // What the page exports is judged with its image again.
+  const coming = page.waitForEvent("download", { timeout: PATIENCE_MS });
+  await page.keyboard.press("Control+e");
+  await typing(page);
+  await page.keyboard.press("Enter");
+  for (const { name, bytes } of stored(await readFile(await (await coming).path()))) {
+    await writeFile(path.join(made, name), bytes);
+  }
+  const verdict = JSON.parse(await native("verify", path.join(made, "tilescope.csv"), "--density-image", image, "--json"));
+  assert.deepEqual([verdict.passed, verdict.prefix.kept], [true, 300]);
 });
 
 test("a file dropped beside the canvas does not replace the page", async (t) => {

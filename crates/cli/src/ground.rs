@@ -14,7 +14,6 @@ use tilescope_sets::{
 
 use crate::options::SetArguments;
 use crate::paths::InFile;
-use crate::solid::refuse;
 
 /// A field and a shape.
 #[derive(Debug, Default, Args)]
@@ -75,9 +74,10 @@ impl GroundArguments {
 
     /// Refuses the first option that is given, as `whose` has no use for it.
     pub fn refuse(&self, whose: &str) -> Result<()> {
-        let is_given = true;
-        let given = self.option().map(|name| (name, is_given));
-        refuse(given.as_slice(), whose)
+        match self.option() {
+            Some(name) => bail!("{name}: {whose}; leave it out"),
+            None => Ok(()),
+        }
     }
 
     /// Returns the files that are read.

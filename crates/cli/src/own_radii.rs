@@ -119,6 +119,7 @@ fn to_text(read: &ReadSet, radii: &[f64], region: Option<Region>, found: &Thinne
     } else {
         "NOT VALID"
     };
+
     let mut out = format!(
         "{}: {domain}, r = {least} to {greatest}, the column radius\n\n\
          samples        {}\n\

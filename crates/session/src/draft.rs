@@ -3,6 +3,7 @@
 
 mod choice;
 mod ground;
+mod polygon;
 mod preset;
 mod refusal;
 mod stipple;

@@ -193,6 +193,7 @@ fn stated_stipple(
         dots: stated.parameters.get("dots")?.as_u64()?,
         runs_on: stated.parameters.get("run-on")?.as_bool()?,
     };
+
     let request = GroundRequest {
         radius: None,
         shape: None,

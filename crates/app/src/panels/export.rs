@@ -346,6 +346,7 @@ impl Sheet<'_> {
                 ui.label(RichText::new(unit).color(sheet.palette.muted));
             });
         }
+
         self.named(ui, "Dots", |sheet, ui, _| {
             for (by_darkness, name, id) in [
                 (false, "all equal", "export.dots-equal"),
