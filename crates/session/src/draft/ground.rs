@@ -223,14 +223,11 @@ impl Draft {
         // A stipple has its pixels as the unit of length, as on the command line, and a shape of its own. Other sets have the
         // unit square, or what of it an image fills.
         match (image, self.ground.by) {
-            (Some(image), _) if by == RadiusBy::Stipple => {
-                self.remove_shape();
-                self.set_text(Parameter::Width, image.pixels()[0].to_string());
-                self.fit_pixels(&image);
-            }
+            (Some(image), _) if by == RadiusBy::Stipple => self.measure_in_pixels(&image),
             (Some(image), RadiusBy::Stipple) => {
                 let width = Parameter::Width.text(&Parameters::default());
                 self.set_text(Parameter::Width, width);
+                self.ground.by = RadiusBy::Density;
                 self.set_image(image);
             }
             _ => {}
@@ -290,6 +287,13 @@ impl Draft {
         }
     }
 
+    /// Makes the pixels of an image the unit of length, and covers the whole domain.
+    fn measure_in_pixels(&mut self, image: &GrayImage) {
+        self.remove_shape();
+        self.set_text(Parameter::Width, image.pixels()[0].to_string());
+        self.fit_pixels(image);
+    }
+
     /// Makes the domain one that pixels fill: bounded, and as high as follows from the width, since pixels are squares.
     fn fit_pixels(&mut self, image: &GrayImage) {
         let [columns, rows] = image.pixels();
@@ -299,8 +303,15 @@ impl Draft {
     }
 
     /// Takes the density from an image, whose pixels fill the domain: the height follows from the width, and the radius
-    /// of black is such that there are some thousand samples. A mask of as many pixels stays.
+    /// of black is such that there are some thousand samples. A mask of as many pixels stays. Where
+    /// a stipple is chosen, the image is stippled instead.
     pub fn set_image(&mut self, image: GrayImage) {
+        if self.ground.by == RadiusBy::Stipple {
+            self.measure_in_pixels(&image);
+            self.ground.image = Some(image);
+            return;
+        }
+
         self.fit_pixels(&image);
         let pixels = image.pixels();
         (self.ground.by, self.ground.image) = (RadiusBy::Density, Some(image));
@@ -397,11 +408,11 @@ impl Draft {
     }
 }
 
-/// Returns a recipe that is refused where the sides of the domain do not fit the pixels of a stipple. Its radius is a pixel's
-/// side, which suits any image.
+/// Returns a recipe that is refused where the sides of the domain do not fit the pixels of a stipple. Its radius is a
+/// quarter of a pixel's side, which suits images from 1 to 16,383 pixels wide: sides are from 4 r to 65,532 r long.
 fn framed(stipple: &StippleRequest, parameters: &Parameters) -> VaryingRecipe {
     let image = stipple.image.clone();
-    let black = parameters.width / image.pixels()[0] as f64;
+    let black = 0.25 * parameters.width / image.pixels()[0] as f64;
     let request = GroundRequest {
         radius: Some(RadiusSource::Density { image, black }),
         shape: None,
@@ -474,6 +485,33 @@ mod tests {
         assert_eq!(again.ground_request(), Some(request));
         draft.remove_shape();
         assert_eq!(draft.ground_request(), None);
+    }
+
+    #[test]
+    fn a_stipple_is_measured_in_pixels_and_stays_one_with_another_image() {
+        let image = |columns| GrayImage::from_grey(columns, vec![9_000; 8]).unwrap();
+        let size = |draft: &Draft| [draft.parameters.width, draft.parameters.height];
+        let mut draft = Draft::default();
+        draft.choose(Choice::RadiusBy(RadiusBy::Stipple));
+        assert_eq!(draft.ground.by, RadiusBy::Constant, "there is no image");
+        draft.set_image(image(4));
+        assert_eq!(
+            (draft.ground.by, size(&draft)),
+            (RadiusBy::Density, [1.0, 0.5])
+        );
+        draft.choose(Choice::RadiusBy(RadiusBy::Stipple));
+        assert_eq!((draft.refusals(), size(&draft)), (vec![], [4.0, 2.0]));
+        draft.set_image(image(8));
+        assert_eq!(
+            (draft.ground.by, size(&draft)),
+            (RadiusBy::Stipple, [8.0, 1.0])
+        );
+        draft.choose(Choice::RadiusBy(RadiusBy::Image));
+        assert_eq!(
+            (draft.ground.by, size(&draft)),
+            (RadiusBy::Image, [1.0, 0.125])
+        );
+        assert_eq!(draft.refusals(), []);
     }
 
     #[test]
