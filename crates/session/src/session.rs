@@ -509,8 +509,12 @@ impl Session {
     pub fn usual_radius(&self) -> f64 {
         let locality = self.run().locality.as_ref();
         locality.map_or(1.0, |locality| {
-            // The geometric mean suits small and large ones alike.
             let [least, greatest] = locality.field.extremes().map(units::radii);
+            // In a stipple, larger symbols would run together where the image is dark, which is what it shows.
+            if self.stipple().is_some() {
+                return least;
+            }
+            // The geometric mean suits small and large ones alike.
             (least * greatest).sqrt()
         })
     }

@@ -106,8 +106,8 @@ fn linked_radius(recipe: &Recipe) -> f64 {
         radius,
         ..
     } = recipe.parameters;
-    let of_ground = recipe.ground.as_ref().and_then(|it| it.radius.as_ref());
-    let is_used = of_ground.is_none();
+    let gives_radii = |it: &GroundRequest| it.radius.is_some() || it.stipple.is_some();
+    let is_used = !recipe.ground.as_deref().is_some_and(gives_radii);
     // Every link may ask for a radius with 50 r or more in the shorter side and at most about 70,000 samples, 0.7 on
     // each r x r. These bounds are well within those of links; chosen, not measured.
     let suits = width.min(height) >= 50.0 * radius && width * height <= 1e5 * radius * radius;

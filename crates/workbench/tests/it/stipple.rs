@@ -16,7 +16,7 @@ use tilescope_workbench::draft::{Choice, FormPart, RadiusBy, StippleNumber};
 use tilescope_workbench::export::{ExportCommand, ExportKind, InkCommand, NumberField};
 use tilescope_workbench::files::FileCommand;
 use tilescope_workbench::state::ExportSource;
-use tilescope_workbench::{Command, State, state};
+use tilescope_workbench::{Command, State, link, state};
 
 use crate::exporting::{export, notice_text, write};
 
@@ -108,6 +108,9 @@ fn a_moment_is_a_prefix_and_the_verdict_that_of_one() {
     assert_eq!((shown.stages.len(), shown.ends()), (1, vec![900]));
     assert_eq!(state.runs().first.cursor(), Some((900, 900)));
     assert!(!shown.drawable(Layers::default()).has(Layer::Gaps));
+    // Symbols are as large as the dots of black allow, and larger where fewer dots are shown.
+    let least = shown.ground.as_ref().expect("a ground").radii[0];
+    assert!((shown.usual_radius() * shown.run().domain.radius() / least - 1.0).abs() < 1e-6);
     assert_eq!(shown.run().positions(), of_command(1.0).made.set.points);
 
     let verdict = state.runs().first.verdict().expect("a verdict");
@@ -250,7 +253,10 @@ fn a_stipple_is_undone_kept_nowhere_and_refused_at_its_fields() {
     assert_eq!(state.form().remark(&state.runs().first, state.gpu()), None);
     let said = state.runs().first.save_refusal().expect("a refusal");
     assert!(said.contains("image"), "{said}");
-    assert!(state.link().left_out.concat().contains("image"));
+    // A link leaves the image out, and asks for a run that is possible in the same domain.
+    let link = state.link();
+    assert!(link.left_out.concat().contains("image"));
+    assert_eq!(link::read(&link.fragment).1.text(), "");
     assert_eq!(state::session_to_keep(&state), None);
 
     let white = FormCommand::Stipple(StippleNumber::White, "0.9".to_owned());
