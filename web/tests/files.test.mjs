@@ -140,10 +140,10 @@ test("a dropped image is stippled, and the native program has the same dots and 
   await drop(page, [{ name: "grey.png", base64: GREY }]);
   await settled();
   const tree = controls(page);
-  await tree.getByRole("combobox", { name: "Radius by" }).click();
-  await tree.getByRole("button", { name: "dots of an image" }).click();
-  await tree.getByRole("textbox", { name: "Dots" }).fill("300");
-  await page.keyboard.press("Enter");
+  await tree.getByRole("combobox", { name: "Radius by", exact: true }).press("Enter");
+  await tree.getByRole("option", { name: "dots of an image" }).press("Enter");
+  await tree.getByRole("textbox", { name: "Dots", exact: true }).fill("300");
+  await tree.getByRole("button", { name: "Run to apply" }).press("Enter");
   const told = await settled();
   assert.equal(told.verified, true);
 
@@ -155,8 +155,7 @@ test("a dropped image is stippled, and the native program has the same dots and 
   // What the page exports is judged with its image again.
   const coming = page.waitForEvent("download", { timeout: PATIENCE_MS });
   await page.keyboard.press("Control+e");
-  await typing(page);
-  await page.keyboard.press("Enter");
+  await tree.getByRole("button", { name: "Download file and certificate" }).press("Enter");
   for (const { name, bytes } of stored(await readFile(await (await coming).path()))) {
     await writeFile(path.join(made, name), bytes);
   }
