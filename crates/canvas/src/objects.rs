@@ -171,7 +171,9 @@ impl<'a> View<'a> {
         }
 
         let mut found = Vec::new();
-        index.visit(self.low, self.high, 0.0, |seen| {
+        // Only samples whose middle is in view are listed.
+        let around_view = 0.0;
+        index.visit(self.low, self.high, around_view, |seen| {
             if shown.standing(seen.id) != Standing::Absent {
                 found.extend(self.near(seen.id as usize, seen.position));
             }

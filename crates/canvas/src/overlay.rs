@@ -92,7 +92,7 @@ fn bar(subject: &Subject<'_>) -> (f64, f32) {
 fn local_position(subject: &Subject<'_>, position: DVec2) -> Option<String> {
     let unit = own_unit(subject)?;
     let session = subject.shown.session;
-    let (_, request) = &session.ground.as_ref()?.asked;
+    let (_parameters, request) = &session.ground.as_ref()?.asked;
     let DVec2 { x, y } = position * unit + DVec2::from(request.origin);
     let text = format!("x {x:>9.5}  y {y:>9.5}");
 

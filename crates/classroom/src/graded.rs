@@ -45,7 +45,7 @@ impl OpenLesson {
 pub struct Outcome {
     /// How many questions the lesson has.
     pub gates: usize,
-    /// How many of them the learner has answered rightly at the first try, in the best of their tries.
+    /// How many of them have full marks, for a right answer at the first try, whenever the lesson was taken.
     pub right: usize,
     /// The steps whose questions are to be taken again: name and title.
     pub again: Vec<(String, String)>,

@@ -348,7 +348,7 @@ fn plot(curves: &[&Curve], sign: char) -> String {
         format!("{:.1},{:.1}", at[0], at[1])
     };
 
-    let line = |points: &str, style: &str| {
+    let polyline = |points: &str, style: &str| {
         format!("<polyline points=\"{points}\" fill=\"none\" stroke=\"{style}\"/>")
     };
 
@@ -361,7 +361,7 @@ fn plot(curves: &[&Curve], sign: char) -> String {
     // Grey lines at the power 0 and at 1, that of white noise.
     for level in [0.0, 1.0] {
         let ends = [place([0.0, level]), place([REACH[0], level])].join(" ");
-        svg.push_str(&line(&ends, "#999"));
+        svg.push_str(&polyline(&ends, "#999"));
     }
 
     // Round numbers within the plot: one at either end would be cut off.
@@ -381,7 +381,7 @@ fn plot(curves: &[&Curve], sign: char) -> String {
     for curve in curves {
         let inside = curve.iter().filter(|[x, _]| *x <= REACH[0]);
         let points: Vec<String> = inside.map(|&at| place(at)).collect();
-        svg.push_str(&line(&points.join(" "), "#1f5fd0"));
+        svg.push_str(&polyline(&points.join(" "), "#1f5fd0"));
     }
 
     svg.push_str("</svg>");

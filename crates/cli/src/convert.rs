@@ -142,8 +142,8 @@ fn read(arguments: &ConvertArguments) -> Result<(PointSet, ExportContext)> {
     let (set, mut context) = match checked {
         // Without a certificate the smallest distance may have to serve as the radius.
         Err(CheckError::NoRadius | CheckError::NoRegion(_)) => uncertified(arguments)?,
-        read => {
-            let (set, check) = read.map_err(hinted).in_file(path)?;
+        outcome => {
+            let (set, check) = outcome.map_err(hinted).in_file(path)?;
             let format = check.detection.format;
             let mut context = certified(check, path)?;
             // Ranks stand in a column of the file, beside the levels that its certificate states.

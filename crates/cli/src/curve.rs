@@ -99,9 +99,9 @@ pub fn run(arguments: &CurveArguments) -> Result<u8> {
         numbers_named(&arguments.numbers).context("--numbers")?
     };
 
-    let course = course(arguments)?;
+    let followed = course(arguments)?;
     // More samples than a spectrum can follow are refused here, before the first number is computed.
-    let maker = CurveMaker::new(Arc::new(course), &numbers, arguments.moments)?;
+    let maker = CurveMaker::new(Arc::new(followed), &numbers, arguments.moments)?;
     let table = made(maker)?.csv();
     match &arguments.out {
         Some(path) => write_whole(path, table.as_bytes())?,
@@ -152,6 +152,7 @@ fn course(arguments: &CurveArguments) -> Result<Course> {
             ask_for_whole(Making::Sequential, &run.parameters)?;
             Ok(Course::of_run(&run, &mut watch)?)
         }
+        // With a count the other methods have only an estimate of the radius, which is near enough to ask for memory.
         SamplingMethod::Reference => {
             ask_for_whole(Making::Reference, &recipe.parameters)?;
             Ok(Course::of_reference(&recipe, &mut watch)?)

@@ -99,16 +99,16 @@ pub fn run(arguments: &DrawArguments) -> Result<u8> {
         WIDTHS.end()
     );
 
-    let (scene, count) = match arguments.slice {
+    let (laid_out, count) = match arguments.slice {
         Some(slice) => of_plane(arguments, slice)?,
         None => of_set(arguments)?,
     };
     let bytes = if is_svg {
-        tilescope_figures::to_svg(&scene)?.into_bytes()
+        tilescope_figures::to_svg(&laid_out)?.into_bytes()
     } else {
         // The scene is laid out in pixels already.
         let scale = 1.0;
-        match to_png_controlled(&scene, scale, &mut |_, _| interrupt::flow()) {
+        match to_png_controlled(&laid_out, scale, &mut |_, _| interrupt::flow()) {
             // Only a request to end cancels the picture, and the check below reports it.
             Err(FigureError::Cancelled) => Vec::new(),
             drawn => drawn?,
@@ -193,7 +193,7 @@ fn picture_options(
 fn scene(arguments: &DrawArguments, read: &ReadSet, region: Region) -> Result<Scene> {
     let given = &arguments.set;
     let (set, certificate) = (&read.set, read.certificate.as_ref());
-    let own_radii = own_radii(arguments, read)?;
+    let radius_of_each = own_radii(arguments, read)?;
     // Where the radius varies, the certificate's radius is not used: disks of one radius would be wrong.
     let stated = certificate
         .map(|c| &c.radius)
@@ -221,7 +221,7 @@ fn scene(arguments: &DrawArguments, read: &ReadSet, region: Region) -> Result<Sc
         Some(provenance.block).filter(|block| *block != Provenance::NO_BLOCK)
     };
     let provenance = set.provenance.as_ref();
-    let is_varying = certificate.is_some_and(Certificate::is_varying) || own_radii.is_some();
+    let is_varying = certificate.is_some_and(Certificate::is_varying) || radius_of_each.is_some();
     ensure!(
         !arguments.gaps || !is_varying && !arguments.ground.is_given(),
         "--gaps: where the radius varies a sample covers no disk, and beyond a shape nothing is covered, so that parts of \
@@ -229,7 +229,7 @@ fn scene(arguments: &DrawArguments, read: &ReadSet, region: Region) -> Result<Sc
     );
     let arcs = (arguments.gaps).then(|| exposed(set, region, radius));
 
-    let radii = match (&own_radii, radius) {
+    let radii = match (&radius_of_each, radius) {
         (Some(own), _) => DiskRadii::Own(own),
         (None, Some(radius)) => DiskRadii::Equal(radius),
         (None, None) => DiskRadii::Unknown,
@@ -352,9 +352,9 @@ fn blocks(certificate: &Certificate) -> Option<Vec<Rect>> {
 
     // Cuts are drawn from the seed for a domain and a leaf, whatever else is random: these are the blocks of the set's own run.
     let (domain, leaf) = (parameters.validate().ok()?, parameters.leaf_units().ok()?);
-    let blocks = stages::blocks::split(&domain, leaf, Key::from_seed(parameters.seed));
+    let tree = stages::blocks::split(&domain, leaf, Key::from_seed(parameters.seed));
     let corner = |p| domain.user_from_lattice(p);
-    let leaves = blocks.leaves.iter();
+    let leaves = tree.leaves.iter();
     let rects = leaves.map(|block| Rect::new(corner(block.rect.min), corner(block.rect.max)));
     Some(rects.collect())
 }

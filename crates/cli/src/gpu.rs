@@ -88,8 +88,8 @@ pub fn run(arguments: &GpuArguments) -> Result<u8> {
     let tested: Vec<TestedAdapter> = reports.map(test).collect();
     interrupt::check("the last test")?;
 
-    let adapters = || tested.iter().map(TestedAdapter::json).collect::<Vec<_>>();
-    let json = || json!({ "adapters": adapters(), "drivers": drivers });
+    let objects = || tested.iter().map(TestedAdapter::json).collect::<Vec<_>>();
+    let json = || json!({ "adapters": objects(), "drivers": drivers });
     let mut texts: Vec<String> = tested.iter().map(TestedAdapter::text).collect();
     if let Some(drivers) = &drivers {
         texts.push(format!("No GPU was found.\n{}\n", drivers.text()));

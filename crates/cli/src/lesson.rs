@@ -355,8 +355,8 @@ fn check_all(arguments: &CheckArguments, window: FromWindow) -> Result<u8> {
     let sources: Vec<Source> = if arguments.files.is_empty() {
         shipped::all().iter().map(Source::of_shipped).collect()
     } else {
-        let read = arguments.files.iter().map(|file| Source::of_file(file));
-        read.collect::<Result<_>>()?
+        let each = arguments.files.iter().map(|file| Source::of_file(file));
+        each.collect::<Result<_>>()?
     };
 
     let (mut objects, mut text, mut is_fine) = (Vec::new(), String::new(), true);
@@ -400,7 +400,7 @@ fn reported(source: Source, seeds: u64, window: FromWindow) -> Result<Report> {
             });
         }
     };
-    // All questions in the runs of so many seeds: their faults, and the mean scores of three kinds of learners.
+    // Every question is asked in the runs of all seeds: their faults, and the mean scores of three kinds of learners.
     let found = checked(&lesson, seeds)?;
     // A letter that is missing is no fault: the lesson may be for machines whose fonts have it.
     let original = lesson.texts().concat();

@@ -210,10 +210,10 @@ fn with_file_named(
     };
     let text = first.to_string_lossy().into_owned();
     let is_file = Path::new(first).is_file();
-    // A command comes before a file of its name, which is reached as ./NAME.
     // clap adds `help` only when it parses, so that it is not among the commands yet.
     let is_command = command.find_subcommand(first).is_some() || text == "help";
 
+    // A command comes before a file of its name, which is reached as ./NAME.
     if text.starts_with('-') || is_command {
         return Ok(words);
     }

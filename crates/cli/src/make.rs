@@ -98,8 +98,8 @@ pub fn whole(run: &Settled, backend: &Backend, mut watch: Stopwatch) -> Result<W
     let (made, backend) = if is_sequential {
         (run.sequential(sources, &mut watch)?, backend.clone())
     } else {
-        let bands = bands(run, backend, sources)?;
-        let finished = block_on(bands.finish(&mut watch)).map_err(of_engine)?;
+        let begun = bands(run, backend, sources)?;
+        let finished = block_on(begun.finish(&mut watch)).map_err(of_engine)?;
         // The engine that was asked for may have given way to another one.
         let (sampled, summary, backend) = finished;
         (run.made(&sampled, summary), backend)

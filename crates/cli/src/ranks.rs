@@ -256,8 +256,8 @@ pub fn set_below(
         view.finest_threshold(0.0)
     );
 
-    // The last of the levels that are left has a threshold below 1. Over it, ranks are those of a run of these levels
-    // alone, which go up to 1.
+    // The last of the levels that are left has a threshold below 1. Divided by it, ranks are those of a run of these
+    // levels alone, which go up to 1.
     let finest = view.finest_threshold(below);
     let ranks = ranks.into_iter().map(|rank| rank / finest).collect();
     let before = ranked

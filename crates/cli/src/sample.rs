@@ -38,13 +38,13 @@ pub fn run(arguments: &SampleArguments) -> Result<u8> {
         return window::run(arguments, window);
     }
 
-    let outcome = if let Some(nested) = arguments.nested.request()? {
+    let finished = if let Some(nested) = arguments.nested.request()? {
         finish(arguments, nested::make(arguments, nested)?)?
     } else {
         outcome(arguments)?
     };
-    output::report(arguments.json, || outcome.json(), || outcome.text())?;
-    Ok(outcome.code())
+    output::report(arguments.json, || finished.json(), || finished.text())?;
+    Ok(finished.code())
 }
 
 /// Makes a set of one radius in a rectangle, and returns its report.

@@ -176,8 +176,8 @@ impl SampleArguments {
         self.format.or_else(named)
     }
 
-    /// Returns whether the set is made band by band: where the method, the engine and the format can do so, if it is
-    /// large, if it is resumed, and if it is not verified. Fails for `--resume` where they cannot.
+    /// Returns whether the set is made band by band. Where the method, the engine and the format can do so, large sets
+    /// are, and those that are resumed or not verified. Fails for `--resume` where they cannot.
     pub fn streams(&self, expected: f64) -> Result<bool> {
         let is_kdrt = self.method() == SamplingMethod::Kdrt;
         let makes_bands = is_kdrt && self.engine.makes_bands(self.run.asked.variant);

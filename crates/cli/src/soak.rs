@@ -194,7 +194,7 @@ fn text(sum: &Tally) -> String {
     out
 }
 
-/// Random draws of a round.
+/// Random draws of a round. Each has a number of its own, so that a new one changes no other.
 struct Dice(Key);
 
 /// What a round may have besides the usual settings. Each is switched off in half of the rounds, so that there are rounds with
@@ -287,8 +287,7 @@ fn pattern(dice: &Dice, leaf: f64, seed: u64) -> PatternSpec {
 
 /// Draws the parameters of a round.
 fn parameters(dice: &Dice, seed: u64) -> Parameters {
-    // A draw has an index of its own, so that a new one changes no other. A maximal set has about 0.7 samples for each
-    // r^2.
+    // A maximal set has about 0.7 samples for each r^2. Aspects are chosen, not measured.
     let area = dice.scale(0, ROUND_SAMPLES) / 0.7;
     let aspect = if dice.has(Feature::Aspect) {
         dice.scale(1, [0.05, 20.0])
@@ -350,12 +349,12 @@ fn round_or_fault(arguments: &SoakArguments, index: u64) -> Tally {
     // The two words of the round's key are also the 64 bits of its seed.
     let [low, high] = key.words();
     let dice = Dice(key);
-    let parameters = parameters(&dice, u64::from(low) | u64::from(high) << 32);
+    let drawn = parameters(&dice, u64::from(low) | u64::from(high) << 32);
 
-    let command = || match arguments.method {
-        SoakMethod::Kdrt => command(&parameters),
-        SoakMethod::Exact => exact::command(&parameters),
-        SoakMethod::Solid => solid::command(&parameters, &dice),
+    let repeating_command = || match arguments.method {
+        SoakMethod::Kdrt => command(&drawn),
+        SoakMethod::Exact => exact::command(&drawn),
+        SoakMethod::Solid => solid::command(&drawn, &dice),
         // Its images and its polygon are in no file that a command could name.
         SoakMethod::Varying => format!(
             "tilescope soak --method varying --seed {} --round {index}",
@@ -364,10 +363,10 @@ fn round_or_fault(arguments: &SoakArguments, index: u64) -> Tally {
     };
     let options = arguments.judge.options();
     let made = match arguments.method {
-        SoakMethod::Kdrt => round(&parameters, &dice, &options),
-        SoakMethod::Exact => exact::round(&parameters, &dice, &options),
-        SoakMethod::Solid => solid::round(&parameters, &dice, &options),
-        SoakMethod::Varying => varying::round(&parameters, &dice, &options, &command()),
+        SoakMethod::Kdrt => round(&drawn, &dice, &options),
+        SoakMethod::Exact => exact::round(&drawn, &dice, &options),
+        SoakMethod::Solid => solid::round(&drawn, &dice, &options),
+        SoakMethod::Varying => varying::round(&drawn, &dice, &options, &repeating_command()),
     };
     match made {
         Ok(round) => round,
@@ -375,7 +374,7 @@ fn round_or_fault(arguments: &SoakArguments, index: u64) -> Tally {
         Err(error) => Tally {
             rounds: 1,
             failed: 1,
-            commands: vec![format!("{error:#}: {}", command())],
+            commands: vec![format!("{error:#}: {}", repeating_command())],
             ..Tally::default()
         },
     }

@@ -228,7 +228,8 @@ impl Certificate {
     /// # Errors
     ///
     /// [`FormatError::Certificate`] when it is too large, of a newer version or not JSON, when it lacks a field, has an
-    /// unknown one, has one twice or has one of another type, and when it has a part that this version cannot judge.
+    /// unknown one, has one twice or has one of another type, when `digest` or `covering_radius` is null and must not
+    /// be, and when it has a part that its version lacks or that this program cannot judge.
     pub fn from_bytes(bytes: &[u8], name: &str) -> Result<Self, FormatError> {
         let fault = |reason: String| FormatError::Certificate {
             name: name.to_owned(),
@@ -258,10 +259,9 @@ impl Certificate {
         Ok(stated)
     }
 
-    /// Parameters that the certificate states a second time, as the region or the radius: the name of the parameter,
-    /// the name of the difference if the two are not the same, and the value stated as region or radius. A radius that
-    /// varies is a parameter of another name, so that a parameter `radius` is of a set of one radius, which is the
-    /// least.
+    /// The parameters that the certificate states a second time, as its region, depth or radius: each with its name,
+    /// the field under which a difference of the two is reported, and the value of the region, depth or radius. Only a
+    /// set of one radius has a parameter `radius`, which is then the least.
     pub(crate) fn known_parameters(&self) -> Vec<(&'static str, &'static str, Value)> {
         let region = &self.region;
         let depth = self
@@ -399,8 +399,8 @@ impl Certificate {
         self.parts().find(is_other).or(levels)
     }
 
-    /// Refuses a certificate of a newer version, one that has a part in version 1 or none in version 2, and one with a part that
-    /// no judge of this program takes into account.
+    /// Refuses a certificate of a newer version, one that has a part in version 1 or none in version 2, one without a
+    /// covering radius that judges measure, and one with a part that no judge of this program takes into account.
     pub(crate) fn check_version(&self, name: &str) -> Result<(), FormatError> {
         let version = self.format_version;
         refuse_unknown_version(version, name)?;

@@ -278,7 +278,7 @@ pub fn check_bytes(
 
     // The digest is of the positions as they are in the file; the judges get those in the domain.
     let mut set = read.set;
-    let positions_digest = positions_digest(&set.points);
+    let stored_digest = positions_digest(&set.points);
     for point in &mut set.points {
         *point = judged.mapping.domain_from_file(*point);
     }
@@ -301,7 +301,7 @@ pub fn check_bytes(
         format: detection.format,
         precision,
         digest: stated.map(|_| bytes_digest(data)),
-        positions_digest,
+        positions_digest: stored_digest,
         count: set.len() as u64,
     };
     Ok((
@@ -513,8 +513,10 @@ fn implied_verdict(stated: &Certificate) -> bool {
     let is_counted = stated.is_counted();
     // A prefix covers within its factor of the radius, and not within the radius: there only the number of gaps counts.
     let has_no_limit = is_counted || stated.prefix.is_some();
+    // A single point of a bounded region has no distance, and no conflict.
+    let min_distance = stated.min_distance.unwrap_or(f64::INFINITY);
     stated.conflicts == 0
-        && (is_counted || stated.min_distance.unwrap_or(f64::INFINITY) >= radius)
+        && (is_counted || min_distance >= radius)
         && stated.gaps == 0
         && (has_no_limit
             || stated

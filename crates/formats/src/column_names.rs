@@ -125,11 +125,11 @@ pub(crate) fn one(wanted: &str, names: &[String], count: usize) -> Result<usize,
     // A column may be called `2`: names are looked for before numbers.
     let column = named.or_else(number);
     column.filter(|&column| column < count).ok_or_else(|| {
-        let named = match names {
+        let by_name = match names {
             [] => String::new(),
             names => format!("{}, or by number ", list(names)),
         };
-        format!("there is no column \"{wanted}\"; the columns are {named}1 to {count}")
+        format!("there is no column \"{wanted}\"; the columns are {by_name}1 to {count}")
     })
 }
 

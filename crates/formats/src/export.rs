@@ -286,12 +286,14 @@ pub(crate) fn export_through(
     context: &ExportContext,
     control: Control<'_>,
 ) -> Result<ExportedBytes, ExportError> {
-    let target = target(name, context)?;
+    let wanted = target(name, context)?;
 
     check_order(context)?;
     let set = ordered(set, context);
     let columns = context.columns(&set.points);
-    let encoded = encode_certified(&set, &target, None, &columns)?;
+    // The certificate, which JSON holds inside, follows once there is a verdict.
+    let no_certificate = None;
+    let encoded = encode_certified(&set, &wanted, no_certificate, &columns)?;
     // Levels, ranks and radii are not decoded: that they were stored shows only by the bytes.
     let expected = (!columns.is_empty()).then(|| bytes_digest(&encoded));
     let mut data = store(encoded)?;
@@ -303,25 +305,25 @@ pub(crate) fn export_through(
     }
 
     // Only positions that were decoded from the stored bytes are judged and certified.
-    let decoded = decode_own(&data, target.format)?;
-    compare(&set, &decoded, &target)?;
-    let stored = target.mapping().positions(&decoded.set.points);
-    let report = judge(&stored, &target, context, control)?;
-    let levels = judged_levels(&stored, &report, &target, context, control)?;
-    let rounded = rounding(&set.points, &stored, &report, &target, context, control)?;
+    let decoded = decode_own(&data, wanted.format)?;
+    compare(&set, &decoded, &wanted)?;
+    let stored = wanted.mapping().positions(&decoded.set.points);
+    let report = judge(&stored, &wanted, context, control)?;
+    let levels = judged_levels(&stored, &report, &wanted, context, control)?;
+    let rounded = rounding(&set.points, &stored, &report, &wanted, context, control)?;
 
     let digest = positions_digest(&decoded.set.points);
     // The decoded set is dropped before more bytes are encoded, so that both are not in memory at once.
     drop(decoded);
 
-    let mut stated = certificate(name, &target, context, &report, rounded, digest);
+    let mut stated = certificate(name, &wanted, context, &report, rounded, digest);
     stated.levels = levels;
 
     // JSON holds its certificate, so that it is written again, with the same positions. It is read back again, too.
-    if target.format == Format::Json {
-        data = store(encode_certified(&set, &target, Some(&stated), &columns)?)?;
-        let again = decode_own(&data, target.format)?;
-        compare(&set, &again, &target)?;
+    if wanted.format == Format::Json {
+        data = store(encode_certified(&set, &wanted, Some(&stated), &columns)?)?;
+        let again = decode_own(&data, wanted.format)?;
+        compare(&set, &again, &wanted)?;
         if again.certificate.as_ref() != Some(&stated) {
             return Err(ExportError::ReadBack {
                 written: "a certificate".to_owned(),
@@ -334,7 +336,7 @@ pub(crate) fn export_through(
     stated.digest = Some(bytes_digest(&data));
     Ok(ExportedBytes {
         certificate_bytes: stated.to_bytes()?,
-        warnings: warnings(set.provenance.is_some(), target.format, &stated),
+        warnings: warnings(set.provenance.is_some(), wanted.format, &stated),
         data,
         certificate: stated,
         report,
@@ -429,8 +431,8 @@ fn judged_levels(
     Ok(found.iter().map(CertifiedLevel::of).collect())
 }
 
-/// Measures how storing changed the positions. Where that may have changed the verdict, the original positions are
-/// verified, too.
+/// Measures how storing changed the positions; `None` if it moved none. Where that may have changed the verdict, the
+/// original positions are verified, too.
 fn rounding(
     original: &[[f64; 2]],
     stored: &[[f64; 2]],

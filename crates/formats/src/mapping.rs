@@ -93,13 +93,13 @@ impl Mapping {
             return stored.into();
         };
 
-        let extent = extent(region);
-        let limit = extent / self.scale + self.origin;
+        let sides = extent(region);
+        let limit = sides / self.scale + self.origin;
         // Positions outside the region are left as they are; only storing must not move one out of it.
         let (moves, to) = match region.boundary {
-            Boundary::Periodic => (point.cmplt(extent) & stored.cmpge(limit), self.origin),
+            Boundary::Periodic => (point.cmplt(sides) & stored.cmpge(limit), self.origin),
             Boundary::Bounded => (
-                point.cmple(extent) & stored.cmpgt(limit),
+                point.cmple(sides) & stored.cmpgt(limit),
                 stored.map(|value| self.next_down(value)),
             ),
         };
@@ -116,14 +116,14 @@ impl Mapping {
             return point.into();
         };
 
-        let extent = extent(region);
+        let sides = extent(region);
         // The upper corner of the region, as a file stores it.
-        let limit = extent / self.scale + self.origin;
+        let limit = sides / self.scale + self.origin;
         // A stored position within the region must not leave it because the product is rounded. On a torus such a
         // position moves to 0, which is the same place; in a bounded region it moves to the border.
         let (moves, to) = match region.boundary {
-            Boundary::Periodic => (point.cmpge(extent) & stored.cmplt(limit), DVec2::ZERO),
-            Boundary::Bounded => (point.cmpgt(extent) & stored.cmple(limit), extent),
+            Boundary::Periodic => (point.cmpge(sides) & stored.cmplt(limit), DVec2::ZERO),
+            Boundary::Bounded => (point.cmpgt(sides) & stored.cmple(limit), sides),
         };
 
         DVec2::select(moves, to, point).into()

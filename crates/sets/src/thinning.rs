@@ -173,17 +173,22 @@ pub fn thin(cloud: &Cloud<'_>, control: Control<'_>) -> Result<Vec<bool>, ThinEr
         None => bounds(cloud.points),
     };
     let extent = size[0].max(size[1]);
-    let radius = least;
     // An infinite extent fails, too.
-    if extent / radius > MAX_EXTENT_RADII {
-        return Err(ThinError::Extent { extent, radius });
+    if extent / least > MAX_EXTENT_RADII {
+        return Err(ThinError::Extent {
+            extent,
+            radius: least,
+        });
     }
     // A point is compared with the nearest image of another one, and never with its own images, of which a radius
     // longer than a side would reach one.
     if let Some(sides) = cloud.period() {
-        let (radius, side) = (greatest, sides[0].min(sides[1]));
-        if radius > side {
-            return Err(ThinError::Wide { radius, side });
+        let side = sides[0].min(sides[1]);
+        if greatest > side {
+            return Err(ThinError::Wide {
+                radius: greatest,
+                side,
+            });
         }
     }
 

@@ -42,12 +42,12 @@ impl CellOrder {
     /// Returns the order of `points`: the same for the same points. They may have nested levels, whose ends are
     /// `nested`.
     pub fn new(domain: &Domain, points: &[Point], nested: &[usize]) -> Self {
-        let size = size(domain);
-        let side = (size.element_product() / MAX_CELLS).sqrt().max(MIN_CELL);
+        let extent = size(domain);
+        let side = (extent.element_product() / MAX_CELLS).sqrt().max(MIN_CELL);
         let mut order = Self {
             side,
-            cells: size.to_array().map(|length| (length / side) as usize + 1),
-            size,
+            cells: extent.to_array().map(|length| (length / side) as usize + 1),
+            size: extent,
             ..Self::default()
         };
 

@@ -502,6 +502,7 @@ impl Classroom {
 
         Some(PictureKey {
             name,
+            // Only the file of the open lesson may change: a lesson of the next part comes with the program.
             hash: lesson.hash.clone(),
             index,
             style: PictureStyle { size: NEXT, dark },

@@ -99,6 +99,7 @@ impl Measure {
 
     /// Returns the mean over the sets in which the measure is defined; `of` has at least one set.
     pub fn mean(of: &[&Self]) -> Result<Self, MeasureError> {
+        // Each set has one number to be averaged.
         let mut average = Average::new(1);
         let [mut least, mut most] = [f64::INFINITY, f64::NEG_INFINITY];
         for value in of.iter().filter_map(|measure| measure.value) {

@@ -68,7 +68,7 @@ fn subject(gain: &Gain) -> &str {
 /// Returns a picture with the mean scores before and after of each row, and the gain.
 fn picture(name: &str, rows: &[Gain]) -> Result<String> {
     let group = |gain: &Gain| {
-        let text = match gain.interval {
+        let gain_text = match gain.interval {
             Some([low, high]) => format!("gain {} ({low:.2} to {high:.2})", gain.shown()),
             None => format!("gain {}", gain.shown()),
         };
@@ -94,7 +94,7 @@ fn picture(name: &str, rows: &[Gain]) -> Result<String> {
                 bar(
                     "after",
                     gain.after,
-                    format!("{:.0}%, {text}", 100.0 * gain.after),
+                    format!("{:.0}%, {gain_text}", 100.0 * gain.after),
                     color_after,
                 ),
             ],

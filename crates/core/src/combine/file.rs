@@ -128,7 +128,7 @@ impl Layout {
         // First the samples of the result alone, so that a domain that is too large is refused before any piece is
         // looked at.
         let mut expected = domain.area_radii() * MAXIMAL_DENSITY;
-        limit(expected)?;
+        refuse_too_many(expected)?;
 
         for (k, (entry, rect)) in self.pieces.iter().zip(rects).enumerate() {
             let source = entry
@@ -145,7 +145,7 @@ impl Layout {
             });
         }
 
-        limit(expected)?;
+        refuse_too_many(expected)?;
 
         Ok(PlacedLayout {
             domain,
@@ -228,7 +228,7 @@ impl Layout {
 }
 
 /// Refuses more samples than a result and the sets made for it may have.
-fn limit(expected: f64) -> Result<(), LayoutError> {
+fn refuse_too_many(expected: f64) -> Result<(), LayoutError> {
     if expected > MAX_SEQUENTIAL_SAMPLES {
         return Err(LayoutError::TooManySamples { expected });
     }

@@ -159,7 +159,8 @@ fn placed(domain: &Domain, pieces: &[Piece], clips: Vec<Clip>) -> Glued {
 
         tiles.push(Tile {
             // As for blocks, a tile starts with the place of the set on the corner of the enlarged rectangle. The
-            // caller may have given any 32-bit point as the start of a periodic set.
+            // caller may have given any 32-bit point as the start of a periodic set: a corner below the least number
+            // becomes that number.
             start: Point::new(
                 piece.start.x.saturating_sub(R),
                 piece.start.y.saturating_sub(R),

@@ -81,7 +81,7 @@ fn empty(domain: Domain, pieces: &[Piece], options: &CombineOptions) -> Run {
         order: options.order,
         insertion: options.insertion,
         search: options.search,
-        // Nothing is tiled, so that all else is without effect.
+        // No pattern is made and no block is clipped from one: the other parameters are without effect.
         ..Parameters::default()
     };
 

@@ -341,7 +341,7 @@ impl AsPrinted {
             false
         });
 
-        // The grid has no order, and Algorithm 3 inserts at once, so that the result depends on it.
+        // The grid visits samples in no certain order, on which the result would depend: Algorithm 3 inserts at once.
         members.sort_unstable_by_key(|m| m.id);
         members
     }

@@ -14,7 +14,8 @@ struct Number(f64);
 
 impl fmt::Display for Number {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        // Very small and very large numbers would have long rows of zeros: they are written with an exponent.
+        // Very small and very large numbers would have long rows of zeros: they are written with an exponent. The two
+        // bounds are chosen, not measured.
         let size = self.0.abs();
         let is_short = (1e-5..1e16).contains(&size) || size == 0.0;
         if !is_short {

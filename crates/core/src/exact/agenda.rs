@@ -58,7 +58,7 @@ impl Agenda {
         of_level.push(Arriving { dart, what });
     }
 
-    /// Begins a level, and returns how much arrives with it as far as that is known.
+    /// Begins a level, and returns how many questions are known to arrive with it.
     pub(crate) fn begin(&mut self, level: u32) -> usize {
         // Nearly everything is known when a level begins: to sort it once costs less than a heap of all. The first bits of
         // arrivals are sorted, each with its index in one word.
@@ -184,21 +184,22 @@ fn sort_words(words: impl Iterator<Item = u64> + Clone, count: usize, out: &mut 
     let bits = count.next_power_of_two().ilog2();
     let bucket = |word: u64| ((word & ((1 << LEVEL_BITS) - 1)) >> (LEVEL_BITS - bits)) as usize;
 
-    let mut ends = vec![0_u32; (1 << bits) + 1];
+    // Each count stands one place behind its bucket, so that the sums are where the buckets begin.
+    let mut next_free = vec![0_u32; (1 << bits) + 1];
     for word in words.clone() {
-        ends[bucket(word) + 1] += 1;
+        next_free[bucket(word) + 1] += 1;
     }
     let mut sum = 0;
-    for end in &mut ends {
-        sum += *end;
-        *end = sum;
+    for begin in &mut next_free {
+        sum += *begin;
+        *begin = sum;
     }
 
     out.clear();
     out.resize(count, 0);
     for word in words {
-        // The entry is the bucket's first free place. It starts at the bucket's begin and stops at its end.
-        let at = &mut ends[bucket(word)];
+        // Each word takes the first free place of its bucket.
+        let at = &mut next_free[bucket(word)];
         out[*at as usize] = word;
         *at += 1;
     }

@@ -116,8 +116,8 @@ impl MarkedCells {
         }
     }
 
-    /// Marks the cells of a piece that a disk around `place` may touch, and appends those not marked before to `out`. Cells
-    /// that `is_closed` are left out; it gets a cell's column and row in the pattern.
+    /// Marks the cells of a piece that the disk of radius r around `place` may touch, and appends those not marked
+    /// before to `out`. Cells that `is_closed` are left out; it gets a cell's column and row in the pattern.
     #[inline]
     pub(crate) fn mark_disk(
         &mut self,

@@ -367,6 +367,7 @@ impl<'a> ExactTiling<'a> {
         let tile = &self.tiles[sample.tile as usize];
         let pieces = tile.first_piece..tile.end_piece;
         for piece in pieces {
+            // No cell is left out here: those that a sample covers are dropped when they are cut.
             let is_closed = |_, _| false;
             self.cells
                 .mark_disk(piece, dart.place, is_closed, &mut self.fresh);
@@ -392,6 +393,7 @@ impl<'a> ExactTiling<'a> {
         if T::ENABLED {
             recorder.record(RunEvent::Dart {
                 point: dart.place,
+                // Its turn in the order of arrival has come.
                 ranked: true,
                 verdict: self.verdict(dart, tile, is_covered),
             });
@@ -528,6 +530,7 @@ impl<'a> ExactTiling<'a> {
             if T::ENABLED {
                 recorder.record(RunEvent::Dart {
                     point: dart.place,
+                    // A first look, before its turn.
                     ranked: false,
                     verdict: self.verdict(&dart, piece.tile, is_covered),
                 });

@@ -115,8 +115,8 @@ pub(super) fn read_head(bytes: &[u8]) -> Result<(NpyHeader, u64), FormatError> {
     };
 
     let at = FilePlace::Offset(cursor.offset());
-    let header = header(cursor.take(length)?, at)?;
-    Ok((header, cursor.offset()))
+    let found = header(cursor.take(length)?, at)?;
+    Ok((found, cursor.offset()))
 }
 
 /// Returns the points of data that are not simply rows of two coordinates: all x stand before all y, or rows have a z.
@@ -132,7 +132,7 @@ fn scattered(data: &[u8], header: &NpyHeader, any_z: bool) -> Result<Vec<[f64; 2
         (columns, 1)
     };
 
-    let read = |row: usize, column: usize| {
+    let number = |row: usize, column: usize| {
         let at = size * (row * next_row + column * next_column);
         let value = coordinate(&data[at..at + size], header.precision, header.endian);
         binary::finite(value, FORMAT, row as u64)
@@ -140,9 +140,9 @@ fn scattered(data: &[u8], header: &NpyHeader, any_z: bool) -> Result<Vec<[f64; 2
 
     let point = |row| {
         if columns == 3 && !any_z {
-            planar(read(row, 2)?, FORMAT, FilePlace::Point(row as u64))?;
+            planar(number(row, 2)?, FORMAT, FilePlace::Point(row as u64))?;
         }
-        Ok([read(row, 0)?, read(row, 1)?])
+        Ok([number(row, 0)?, number(row, 1)?])
     };
     (0..count).map(point).collect()
 }

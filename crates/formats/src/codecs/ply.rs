@@ -58,8 +58,8 @@ impl PlyColumns {
         })
     }
 
-    /// Adds the point of a row to the set, with its provenance if there are columns for it. `value` returns the row's number in
-    /// a column.
+    /// Adds the point of a row to the set, with its provenance if there are columns for it. `value` returns the number
+    /// that stands in a column of the row.
     fn take(
         &self,
         set: &mut PointSet,
@@ -217,7 +217,8 @@ fn read_binary(
         vertex: vertex.clone(),
         endian,
     };
-    table.take(data, 0, &mut set)?;
+    let first_vertex = 0;
+    table.take(data, first_vertex, &mut set)?;
     Ok(set)
 }
 
@@ -313,13 +314,13 @@ pub(super) fn keep(
     kept: &[bool],
 ) -> Result<(Vec<u8>, Vec<String>), FormatError> {
     let header = parse(bytes, format)?;
-    let elements = elements(&bytes[..header.data_offset], format)?;
+    let outlined = elements(&bytes[..header.data_offset], format)?;
     let mut out = Vec::with_capacity(bytes.len() / 2);
-    keep_header(&bytes[..header.data_offset], &elements, kept, &mut out);
+    keep_header(&bytes[..header.data_offset], &outlined, kept, &mut out);
 
     // Elements have their rows in the order in which the header lists them.
     let mut rest = &bytes[header.data_offset..];
-    for element in &elements {
+    for element in &outlined {
         let length = element.length(rest, header.encoding)?;
         let stays = |row: usize| {
             !element.numbers_vertices
@@ -346,7 +347,7 @@ pub(super) fn keep(
         };
     }
     out.extend_from_slice(rest);
-    let referring = elements.iter().filter(|element| element.numbers_vertices);
+    let referring = outlined.iter().filter(|element| element.numbers_vertices);
     let left_out = referring.map(|it| format!("{} ({} rows)", quote(&it.name), it.count));
     Ok((out, left_out.collect()))
 }

@@ -82,6 +82,7 @@ impl Layout {
         Ok(match format {
             // UTF-16, of which `as_utf8` makes a copy, is converted as a whole, and then split into lines.
             Format::Csv if matches!(as_utf8(start), Cow::Owned(_)) => None,
+            // A table reads its own header, so that its rows begin with the file.
             Format::Csv => {
                 let kind = RowKind::Text(Box::new(TextTable::new(format, columns)));
                 Some(Self::new(format, kind, Precision::Double, 0, None))

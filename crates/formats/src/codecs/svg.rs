@@ -123,7 +123,8 @@ fn circles(document: &Document<'_>) -> Result<Vec<[f64; 2]>, FormatError> {
                 // Circles of which only some are turned have no common units.
                 let are_alike = index == 0 || upward.is_some() == turned.is_some();
                 let mixed = upward.or(turned).filter(|_| !are_alike);
-                if let Some(mover) = mover.filter(|_| upward.is_none()).or(mixed) {
+                let elsewhere = mover.filter(|_| upward.is_none());
+                if let Some(mover) = elsewhere.or(mixed) {
                     return Err(moved(mover, index));
                 }
 

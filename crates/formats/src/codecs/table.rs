@@ -241,8 +241,10 @@ impl TextTable {
 
         if is_remark(line) {
             if let Some(names) = names::in_remark(line) {
-                let line = self.line + 1;
-                self.remark = Header { names, line };
+                self.remark = Header {
+                    names,
+                    line: self.line + 1,
+                };
             }
         // Only the first line can state the separator: in a later line the same text would be a row.
         } else if self.line == 0
@@ -260,9 +262,10 @@ impl TextTable {
             let fields = self.fields(line, separator, place)?;
             // The first row of text may be a header, and then a number alone the count of points. Everything else is a row.
             if self.header.names.is_empty() && is_header(&fields) {
-                let names = fields.iter().map(|field| names::name(field)).collect();
-                let line = self.line + 1;
-                self.header = Header { names, line };
+                self.header = Header {
+                    names: fields.iter().map(|field| names::name(field)).collect(),
+                    line: self.line + 1,
+                };
                 self.separator = Some(separator);
             } else if let Some(count) = self.count_line(&fields) {
                 self.stated = Some(count);
@@ -355,7 +358,8 @@ impl TextTable {
             places: [0, 1],
             z: None,
             count: found.max(names.len()),
-            // Between blanks a missing field is not seen, so that its neighbour would take its place.
+            // Between blanks a missing field is not seen, so that its neighbour would take its place. Without names the
+            // first row says how many fields each row has.
             exact: separator == Separator::Blank || names.is_empty(),
             quoted: QuotedRow::new(separator),
         };

@@ -95,7 +95,8 @@ impl Place {
     ///
     /// # Errors
     ///
-    /// [`FormatError::Io`]; the old file and its certificate are then as they were.
+    /// [`FormatError::Io`]; the old file and its certificate are then as they were, unless the new file could not be
+    /// taken back, or all that failed is to make the renaming durable.
     pub fn put(&self, new: &Path, certificate: Option<&[u8]>) -> Result<(), FormatError> {
         // The new certificate is written first, under a temporary name.
         let stated_path = hidden(&self.certificate, "new");

@@ -100,11 +100,11 @@ impl SolidFile {
         depth: Option<f64>,
     ) -> Result<Self, CheckError> {
         let beside = certificate.filter(|_| !overrides.without_certificate);
-        let stated = beside.map(|bytes| {
+        let read_beside = beside.map(|bytes| {
             let name = format!("{name}{}", crate::CERTIFICATE_SUFFIX);
             Certificate::from_bytes(bytes, &name)
         });
-        let stated = stated.transpose()?;
+        let stated = read_beside.transpose()?;
 
         let raw = codec::decode(data, &hint(name, overrides.format, overrides.set))?;
         let (format, precision) = (raw.detection.format, raw.precision);
@@ -266,7 +266,6 @@ fn differences(
 /// Compares the stated measures with those of the judges.
 fn measures(list: &mut Differences, stated: &Certificate, verdict: &SolidVerdict) {
     let report = &verdict.report;
-    // Each is compared with the number that was measured now.
     let measured = [
         ("min_distance", stated.min_distance, report.min_distance),
         (

@@ -113,7 +113,8 @@ pub(crate) fn export_through(
     let data = store(codec::encode(&written, format, precision)?)?;
 
     // Only positions that were decoded from the stored bytes are judged and certified.
-    let decoded = codec::decode(&data, &hint("", Some(format), None))?;
+    let (no_name, only_set) = ("", None);
+    let decoded = codec::decode(&data, &hint(no_name, Some(format), only_set))?;
     compare(&written, &decoded)?;
     // Three copies of a large set are enough.
     drop(written);
@@ -160,7 +161,8 @@ fn compare(written: &[[f64; 3]], decoded: &SolidRaw) -> Result<(), ExportError> 
     }
 }
 
-/// Measures how storing changed the positions. Where that may have changed the verdict, the original ones are judged, too.
+/// Measures how storing changed the positions; `None` if it moved none. Where that may have changed the verdict, the
+/// original ones are judged, too.
 fn rounding(
     original: &[[f64; 3]],
     stored: &[[f64; 3]],
@@ -180,15 +182,15 @@ fn rounding(
     }
 
     // Where the stored set is valid, storing has made neither conflicts nor gaps, whatever the original had.
-    let target = target(name, &context.planar)?;
+    let written = target(name, &context.planar)?;
     let (mut made_conflicts, mut made_gaps) = (false, false);
     if !verdict.valid() {
-        let before = context.judge(original, target.format, control)?.report;
+        let before = context.judge(original, written.format, control)?.report;
         made_conflicts = before.conflict_free() && !verdict.report.conflict_free();
         made_gaps = before.maximal() && !verdict.report.maximal();
     }
     Ok(Some(statement(
-        &target,
+        &written,
         largest_shift,
         made_conflicts,
         made_gaps,

@@ -261,6 +261,7 @@ impl StreamExport {
         let taken = self.partial.take_over(head, checkpoint.bytes, |bytes| {
             // Before the first point there are no rows.
             let Some(rows) = rows.as_mut() else {
+                // Before the first point there are no rows to be read.
                 return Ok(bytes.len());
             };
             // A row may go on in the next block: the bytes left unused come again with it.

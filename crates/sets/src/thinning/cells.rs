@@ -233,17 +233,17 @@ impl Layer {
         before(band)..before(band + 1)
     }
 
-    /// Appends the cells that are at most `steps` rows and columns from a place.
+    /// Calls `add` with each cell that is at most `steps` rows and columns from a place.
     pub fn add_around(&self, at: Place, steps: u32, mut add: impl FnMut(u32)) {
-        let rows = self.grid.around(1, at.row, steps);
-        let columns = self.grid.around(0, at.column, steps);
+        let row_spans = self.grid.around(1, at.row, steps);
+        let column_spans = self.grid.around(0, at.column, steps);
         // Cells of a row follow each other, so that one search finds all that are near.
-        for row in rows
+        for row in row_spans
             .into_iter()
             .flatten()
             .flat_map(|(low, high)| low..=high)
         {
-            for (low, high) in columns.into_iter().flatten() {
+            for (low, high) in column_spans.into_iter().flatten() {
                 let [low_key, high_key] = [low, high].map(|column| Place { column, row }.key());
                 let (begin, end) = self.row(row);
                 let keys = &self.keys[begin..end];

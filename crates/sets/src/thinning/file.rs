@@ -257,7 +257,7 @@ impl ThinRecipe {
             | ThinningPriority::Order
             | ThinningPriority::Random { .. } => Vec::new(),
         };
-        // None without ranks, and none for the order of the file.
+        // There are no ranks if none are asked for, nor for the order of the file, where a point's index is its rank.
         let in_order = with_ranks.then(|| ranks(&self.priority, points.len(), &column));
 
         let (name, value) = self.radius.stated();

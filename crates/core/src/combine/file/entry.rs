@@ -139,7 +139,7 @@ impl PieceEntry {
         let domain = Domain::of_rect(rect, boundary)?;
         Ok(match self.method.unwrap_or(PieceMethod::Kdrt) {
             PieceMethod::Reference => PieceSource::Reference { seed, own: domain },
-            // All but the seed is as when a piece gives no parameter.
+            // No parameter is given: the lengths are those of the rectangle, and all but the seed has its default.
             PieceMethod::Kdrt => PieceSource::Run {
                 parameters: Box::new(Parameters {
                     seed,
@@ -200,8 +200,8 @@ fn parameters(
     }
 
     let merged: Parameters = serde_json::from_value(all).map_err(form)?;
-    // A combination is glued by stages that keep the origin and fate of every sample, as the sequential engine does: it
-    // has the same limit of samples.
+    // The set of a piece is held in memory as a whole, and so has the limit of samples of a set by the sequential
+    // engine (`Pattern::of_run` asks for it, too).
     merged.validate_sequential()?;
     Ok(merged)
 }

@@ -62,13 +62,13 @@ impl<const TAGS: bool> Region<TAGS> {
 
         // The margin of another block ends r inside a block, so that none of its samples comes within r of one deeper
         // than 2 r. Where margins yield to own samples, only the own ones of other blocks matter, and r is deep enough.
-        let depth = if matches!(turns, Turns::OwnFirst) {
+        let depth = i64::from(if matches!(turns, Turns::OwnFirst) {
             R
         } else {
             2 * R
-        };
+        });
 
-        let (depth, target) = (i64::from(depth), self.frame.tiled());
+        let target = self.frame.tiled();
 
         // Nothing can eliminate the samples of the interiors: they are copied without a test.
         for block in &blocks {
@@ -244,6 +244,7 @@ impl<const TAGS: bool> Region<TAGS> {
             return true;
         }
 
+        // Cells have sides of r: a sample that covers (x, y) lies in its cell or in one of the eight around it.
         let stride = self.frame.stride();
         let rows = [cell - stride, cell, cell + stride];
         rows.into_iter()

@@ -275,7 +275,8 @@ impl Clipper {
                 // The lower side is taken off the stack first: its blocks come first in the order.
                 stack.extend([cut.upper, cut.lower]);
             } else {
-                clip_start(&node.block, &self.variant_of(&node.block).1.shape)?;
+                let (_, variant) = self.variant_of(&node.block);
+                clip_start(&node.block, &variant.shape)?;
             }
         }
         Ok(())
@@ -308,7 +309,7 @@ impl Clipper {
         stack.push((Node::root(&self.domain, self.key), 0, 0));
         let mut sequence = 0;
 
-        while let Some((node, split, leaf)) = stack.pop() {
+        while let Some((node, first_split, first_leaf)) = stack.pop() {
             let images = Images::of(&node.block.rect, frame, &target);
             // Blocks lie in their nodes: a node that does not reach into the frame has no block that does.
             if images.is_empty() {
@@ -320,15 +321,19 @@ impl Clipper {
                 let lower_leaves = self
                     .counts
                     .as_ref()
-                    .map_or(0, |counts| counts[split as usize]);
+                    .map_or(0, |counts| counts[first_split as usize]);
 
                 // In `counts` the node's own split comes first, then the `lower_leaves - 1` splits of the lower side,
                 // then those of the upper one. The lower side is pushed last, to be visited first: it has the smaller
                 // indices.
-                stack.push((cut.upper, split + lower_leaves, leaf + lower_leaves));
-                stack.push((cut.lower, split + 1, leaf));
+                stack.push((
+                    cut.upper,
+                    first_split + lower_leaves,
+                    first_leaf + lower_leaves,
+                ));
+                stack.push((cut.lower, first_split + 1, first_leaf));
             } else {
-                self.push_images(&node.block, &images, sequence, leaf, out)?;
+                self.push_images(&node.block, &images, sequence, first_leaf, out)?;
                 sequence += 1;
             }
         }

@@ -128,7 +128,7 @@ impl<const TAGS: bool> Region<TAGS> {
         // The first detection checks every cell that is reached by then. Later ones pass reached cells by, so that
         // these are checked when they are marked.
         let (unchecked, checked) = (false, true);
-        self.spread(simd, &mut gaps, rules, unchecked);
+        self.mark_reached(simd, &mut gaps, rules, unchecked);
         self.first_detection(simd, &mut gaps, rules);
 
         let mut iteration = 1;
@@ -142,7 +142,7 @@ impl<const TAGS: bool> Region<TAGS> {
             }
 
             iteration += 1;
-            self.spread(simd, &mut gaps, rules, checked);
+            self.mark_reached(simd, &mut gaps, rules, checked);
             self.detect_again(simd, &mut gaps, inserted_before, rules);
         }
 
@@ -159,7 +159,13 @@ impl<const TAGS: bool> Region<TAGS> {
     /// `check` the newly reached cells become hot here if they are open; otherwise detection does so. The field
     /// `spread` counts the unsure cells whose surroundings are marked.
     #[inline(always)]
-    fn spread<S: Simd>(&mut self, simd: S, gaps: &mut GapBuffers, rules: &Rules, check: bool) {
+    fn mark_reached<S: Simd>(
+        &mut self,
+        simd: S,
+        gaps: &mut GapBuffers,
+        rules: &Rules,
+        check: bool,
+    ) {
         let reach = rules.reach();
         // Cells that become unsure on the way are left to the next call.
         let end = self.unsure.len();
@@ -183,7 +189,7 @@ impl<const TAGS: bool> Region<TAGS> {
         self.spread = end;
     }
 
-    /// Returns whether a cell that had an open pixel at the first detection still has one.
+    /// Returns whether a cell that had an open pixel at the first detection may still have one.
     #[inline(always)]
     fn is_still_open<S: Simd>(
         &self,

@@ -52,7 +52,7 @@ pub(crate) struct MeasuredPixel {
     pub nearest: f32,
     /// Whether one sample covers it.
     pub covered: bool,
-    /// The samples that may make a candidate in it: those about as near as the nearest.
+    /// The samples that may make a candidate in it, those about as near as the nearest: a bit for each gathered sample.
     pub sites: u64,
 }
 
@@ -60,7 +60,7 @@ pub(crate) struct MeasuredPixel {
 const SURELY_COVERED: f32 = (R_SQUARED - 8_192) as f32;
 
 /// Room for all samples that are about as near to a pixel as the nearest one: a disk of 3.6 r holds fewer than 64 that
-/// are r apart.
+/// are r apart. (64 would do: the last entry stays unused.)
 pub(crate) const MAX_SITES: usize = 65;
 
 /// A square of a cell: its lowest corner and its side.

@@ -107,7 +107,7 @@ impl<const TAGS: bool> Region<TAGS> {
             let whole = bottom && row < depth || top && row >= rows - depth;
             let start = self.frame.cell(0, row);
             let cells = &mut self.flags[start..start + columns as usize];
-            // All of a row at the lower or upper rim, the ends of the others.
+            // A row at the lower or upper rim is flagged as a whole, any other row at its ends.
             if whole {
                 set(cells, flag);
                 continue;
@@ -205,8 +205,8 @@ impl<const TAGS: bool> Region<TAGS> {
         }
     }
 
-    /// Makes `found` rectangles of cells that hold all unsure cells of the window and do not overlap; cells at most
-    /// `near` from a rectangle are joined to it.
+    /// Fills `found` with rectangles of cells, which do not overlap and hold all unsure cells of the window. Rectangles
+    /// with at most `near` cells between them are joined.
     pub(crate) fn unsure_in_window(&self, near: i32, found: &mut Vec<Rect>) {
         let window = self.frame.window_cells();
         found.clear();
@@ -291,7 +291,7 @@ impl<const TAGS: bool> Region<TAGS> {
                 let sorted = [a, b, c, last];
                 let xs = sorted.map(|slot| x | slot as i32 & (R - 1));
                 let ys = sorted.map(|slot| y | (slot >> CELL_BITS) as i32);
-                let points = [0, 1, 2, 3].map(|k| Point::new(xs[k], ys[k]));
+                let points = [0, 1, 2, 3].map(|s| Point::new(xs[s], ys[s]));
                 line[count..count + 4].copy_from_slice(&points);
                 count += held(slots);
             }

@@ -82,7 +82,8 @@ impl<const TAGS: bool> Region<TAGS> {
         }
     }
 
-    /// Returns the active cells of the first level, at least all that hold uncovered points.
+    /// Returns the active cells of the first level: at least all that hold places which lost samples left bare, except
+    /// in reached cells. Those of the reached cells that may have an open place become hot.
     fn first_cells<S: Simd>(
         &mut self,
         simd: S,

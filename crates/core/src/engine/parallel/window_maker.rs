@@ -122,7 +122,7 @@ fn samples_of_window<M: WindowMaker>(
         Ok(found.points)
     };
 
-    // One piece is in canonical order already.
+    // One piece is in canonical order already, and takes so little time that the observer is not asked.
     if let [piece] = pieces.as_slice() {
         return compute(piece);
     }

@@ -146,7 +146,7 @@ impl ExactTiling<'_> {
                 Some(pattern) => Origin::Tiled {
                     block: self.tiles[sample.tile as usize].block,
                     pattern,
-                    // Blocks have no margins in exact tiling.
+                    // The samples of margins are not laid down in exact tiling.
                     own: true,
                 },
                 None => Origin::Inserted {

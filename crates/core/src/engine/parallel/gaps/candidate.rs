@@ -71,13 +71,13 @@ impl<const TAGS: bool> Region<TAGS> {
             return;
         }
 
-        // The definition asks that no sample covers the place, and that none is nearer to it than its sites by more than
-        // the slack.
+        // The definition asks that no sample covers the place, and that the squared distance of none is less than the
+        // nearest site's by more than the slack.
         let square = |site: &I64Vec2| site.distance_squared(place);
         // A place has at least one site.
         let nearest_square = sites.iter().map(square).min().unwrap_or(0);
-        // Squares are whole numbers: a sample covers the place if its square is at most R^2, so that one search with
-        // the larger limit decides about both.
+        // A sample covers the place if its square is at most R^2, which for whole numbers is less than R^2 + 1: one
+        // search below the larger limit decides about both.
         let limit = (nearest_square - NEARER_SLACK).max(R_SQUARED + 1);
 
         let gathered = if searched.wide {

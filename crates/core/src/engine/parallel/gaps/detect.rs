@@ -116,8 +116,8 @@ impl<const TAGS: bool> Region<TAGS> {
         unsure: &mut Vec<usize>,
     ) {
         let pixel = at.pixel;
-        // Sites may be that far from the pixel's centre, and thus outside the gathered cells.
-        if pixel.nearest + 2.0 * HALF_DIAGONAL + SITE_SLACK >= GATHERED {
+        // Some sites may lie outside the gathered cells.
+        if farthest_site(pixel.nearest) >= GATHERED {
             self.search_wide(simd, gaps, rules, at, detectors, unsure);
         // Three sites make a candidate; on a closed border two do, or one.
         } else if pixel.sites.count_ones() >= 3 || !self.frame.periodic {
@@ -184,14 +184,14 @@ impl<const TAGS: bool> Region<TAGS> {
         gaps.unsure = cells;
     }
 
-    /// Appends the open pixels for which the sample at (x, y) may be one of a candidate's.
+    /// Appends the open pixels in which the sample at (x, y) may be a site of a candidate.
     #[inline(always)]
     fn concerned_pixels(&self, gaps: &GapBuffers, x: i32, y: i32, todo: &mut Vec<(u32, u8)>) {
         let words = self.words();
         let (column, row) = (x >> CELL_BITS, y >> CELL_BITS);
 
-        // Samples three cells away are at least 2 r away: two cells suffice while no pixel sees as far.
-        let reach = if gaps.farthest + 2.0 * HALF_DIAGONAL + SITE_SLACK < GATHERED {
+        // Samples three cells away are at least 2 r away: two cells suffice while no pixel has sites as far away.
+        let reach = if farthest_site(gaps.farthest) < GATHERED {
             2
         } else {
             reach_cells(self.frame.periodic)
@@ -225,14 +225,22 @@ impl<const TAGS: bool> Region<TAGS> {
                     let (cx, cy) = centre(pixel.number);
                     let squared = (dx - cx) * (dx - cx) + (dy - cy) * (dy - cy);
                     // A pixel that the sample covers as a whole has no open place left. `nearest` was measured before
-                    // later insertions, which can only make it smaller: no pixel sees farther than `sees_to`.
+                    // later insertions, which can only make it smaller: no site is farther away than `farthest`.
                     let covered_to = R as f32 - HALF_DIAGONAL;
-                    let sees_to = pixel.nearest + 2.0 * HALF_DIAGONAL + SITE_SLACK;
-                    if squared > covered_to * covered_to && squared <= sees_to * sees_to {
+                    let farthest = farthest_site(pixel.nearest);
+                    if squared > covered_to * covered_to && squared <= farthest * farthest {
                         todo.push((cell as u32, pixel.number));
                     }
                 }
             }
         }
     }
+}
+
+/// Returns the largest distance of a candidate's site from the centre of the candidate's pixel, to which the nearest
+/// sample is at `nearest`. A place of the pixel is up to half a diagonal farther from that sample, and up to half a
+/// diagonal from the centre, and all its sites are about as far from it.
+#[inline(always)]
+fn farthest_site(nearest: f32) -> f32 {
+    nearest + 2.0 * HALF_DIAGONAL + SITE_SLACK
 }
