@@ -37,7 +37,7 @@ pub struct AnalyzeArguments {
     /// The point sets, in any formats
     #[arg(required = true, value_name = "FILE")]
     files: Vec<PathBuf>,
-    /// Average all FILEs, and all sets of those that hold several: mean curves with bands, numbers with standard errors
+    /// Average all FILEs, and all planar sets of those that hold several: mean curves with bands, numbers with standard errors
     #[arg(long)]
     average: bool,
     /// Compare the sets with this one, or with the average of several: it is drawn dashed, and differences
@@ -45,7 +45,7 @@ pub struct AnalyzeArguments {
     #[arg(long, value_name = "FILE", num_args = 1..)]
     against: Vec<PathBuf>,
     /// The largest frequency of spectra, as nu = |k| / sqrt(N) [default: 2.5, or 1023 cycles along a side
-    /// if 2.5 takes more than 2 GiB of memory]
+    /// if 2.5 takes more than 2 GiB of memory]; in space |k| / cbrt(N / volume), 2.5 by default
     #[arg(long, value_name = "NU")]
     frequencies: Option<f64>,
     #[command(flatten)]
@@ -74,7 +74,8 @@ Sets in space, those with a certificate of one or with --depth, have the power b
 nu = |k| / cbrt(N / volume), and g(r) over the distance in radii; they are not compared with --against.
 
 With --average all sets must have the domain of the first and its number of samples to within 10 %;
-frequencies are the first one's, and nu is taken with the mean number of samples.
+frequencies are the first one's, and nu is taken with the mean number of samples; in space it is the mean of the
+sets' own.
 
 Examples:
   tilescope analyze set.csv

@@ -4,7 +4,6 @@
 use tilescope_core::stages::detect::Sites;
 use tilescope_core::{Insertion, Parameters, RunEvent, Stage, TilingMethod, Variant, Verdict};
 
-use crate::event::NONE;
 use crate::listing::{LineId, Listings};
 
 /// Finds the lines of a run's events.
@@ -143,7 +142,7 @@ const fn exact(run_event: &RunEvent) -> (&'static str, u8) {
         RunEvent::Tiled { .. } => ("exact", 3),
         // A blocker without an id lies beyond the border of the block, whose clip lacks it from the beginning, and the
         // dart is woken with the clip. Other darts are woken by a loss.
-        RunEvent::Wake { behind, .. } => ("exact", if behind == NONE { 4 } else { 9 }),
+        RunEvent::Wake { behind, .. } => ("exact", if behind == u32::MAX { 4 } else { 9 }),
         RunEvent::Iteration { .. } => ("exact", 5),
         RunEvent::Dart { ranked: false, .. } => ("exact", 6),
         RunEvent::Keep { .. } => ("exact", 7),

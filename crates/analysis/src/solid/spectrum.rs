@@ -96,8 +96,8 @@ impl SolidSpectrum {
     ///
     /// # Errors
     ///
-    /// [`SolidError::Measure`] if `most` is not between a cycle along the shortest side and 65,536 cycles along the longest;
-    /// points and regions that cannot be judged are refused as by [`verify_solid`](crate::verify_solid).
+    /// [`SolidError::Measure`] if one side is more than 65,536 times another, or `most` is not between a cycle along the shortest
+    /// side and 65,536 cycles along the longest; points and regions that cannot be judged are refused as by [`verify_solid`](crate::verify_solid).
     pub fn of(
         points: &[[f64; 3]],
         region: SolidRegion,
@@ -106,6 +106,9 @@ impl SolidSpectrum {
     ) -> Result<Self, SolidError> {
         check_points(points, region)?;
         let unit = (points.len() as f64 / region.volume()).cbrt();
+        // In a longer box a cycle along the short side would be more of them along the long one.
+        let ratio = region.longest() / region.shortest();
+        check_range("the ratio of two sides", ratio, [1.0, MOST_CYCLES])?;
         let limits = [1.0 / region.shortest(), MOST_CYCLES / region.longest()];
         check_range(
             "the largest frequency",
@@ -114,7 +117,7 @@ impl SolidSpectrum {
         )?;
 
         let last = (most * unit * region.shortest()).floor() as usize;
-        let draws = (WORK / (points.len() * last) as f64) as usize;
+        let draws = (WORK / (points.len() as f64 * last as f64)) as usize;
         let draws = draws.clamp(FEWEST_DRAWN, MOST_DRAWN);
         let shells = (1..=last).map(|number| Shell { region, number });
         let chosen: Vec<Vec<Frequency>> = shells.map(|shell| shell.frequencies(draws)).collect();
@@ -165,9 +168,9 @@ impl Shell {
         let [x, y, z] = frequency;
         let is_first_of_two = (z, y, x) > (0, 0, 0);
         // The taper of bounded regions has power there.
-        let is_tapers =
+        let is_of_taper =
             !self.region.is_periodic() && frequency.iter().all(|&cycles| cycles.abs() <= 1);
-        is_first_of_two && !is_tapers && self.range().contains(&self.magnitude(frequency))
+        is_first_of_two && !is_of_taper && self.range().contains(&self.magnitude(frequency))
     }
 
     /// Returns all frequencies of the shell, or as many as are to be drawn.
@@ -200,15 +203,22 @@ impl Shell {
             if found.len() == draws {
                 break;
             }
-            // A place of the shell, all of them alike, is rounded to the nearest frequency.
+            // A place is drawn evenly in the upper half of the shell, and rounded to the nearest frequency.
             let cubed = start.powi(3) + random.unit() * (end.powi(3) - start.powi(3));
             let (height, turn) = (random.unit(), TAU * random.unit());
             let across = (1.0 - height * height).sqrt();
             let direction = [across * turn.cos(), across * turn.sin(), height];
-            let frequency = [0, 1, 2].map(|axis| {
+            let [x, y, z] = [0, 1, 2].map(|axis| {
                 let cycles = cubed.cbrt() * direction[axis] * size[axis] / shortest;
                 cycles.round() as i64
             });
+            // Only half of the cell of a frequency without cycles along z is drawn from. Places that belong to its opposite
+            // make up for that.
+            let frequency = if (z, y, x) < (0, 0, 0) {
+                [-x, -y, -z]
+            } else {
+                [x, y, z]
+            };
             if self.has(frequency) && known.insert(frequency) {
                 found.push(frequency);
             }
@@ -282,7 +292,8 @@ fn powers(
     };
     let rows = [0, 1, 2].map(|axis| most(axis) + 1);
     let table: usize = rows.iter().sum();
-    // At least as many samples as vectors have room for, however large the tables are.
+    // At least as many samples as vectors have room for, however large the tables are. With more than a thousand, tables
+    // of small sets would no longer be shorter than the set: chosen, not measured.
     let at_once = (TABLE / table).clamp(16, 1024);
 
     let mut sums = vec![[0.0; 2]; frequencies.len()];
@@ -446,6 +457,25 @@ mod tests {
         assert!((shell.power - 2.0 * mean).abs() > 4.0 * shell.standard_error);
     }
 
+    /// In a flat box a large part of a shell has no cycles along the short side.
+    #[test]
+    fn frequencies_are_drawn_alike() {
+        let region = region([20.0, 20.0, 1.0], Boundary::Periodic);
+        let shell = Shell { region, number: 1 };
+        let flat = |all: &[Frequency]| {
+            let level = all.iter().filter(|[_, _, z]| *z == 0).count();
+            level as f64 / all.len() as f64
+        };
+        let cube = (0..61_i64.pow(2)).map(|i| [i % 61 - 30, i / 61 - 30]);
+        let whole: Vec<Frequency> = cube
+            .flat_map(|[x, y]| (0..=1).map(move |z| [x, y, z]))
+            .filter(|&one| shell.has(one))
+            .collect();
+        let (drawn, all) = (flat(&shell.drawn(MOST_DRAWN)), flat(&whole));
+        // Four standard errors of a share of 256.
+        assert!(all > 0.3 && (drawn - all).abs() < 0.125, "{drawn} {all}");
+    }
+
     #[test]
     fn noise_has_the_power_1_in_all_directions() {
         for boundary in [Boundary::Periodic, Boundary::Bounded] {
@@ -472,6 +502,13 @@ mod tests {
         };
         assert!(refused(0.4).starts_with("the largest frequency is 0.4, which is not between 0.5"));
         assert!(refused(f64::NAN).contains("NaN"));
+        let long = self::region([1e6, 1.0, 1.0], Boundary::Periodic);
+        let found = SolidSpectrum::of(&points, long, 1.0, &|_| ControlFlow::Continue(()));
+        let text = found.unwrap_err().to_string();
+        assert!(
+            text.starts_with("the ratio of two sides is 1000000"),
+            "{text}"
+        );
         let cancelled = SolidSpectrum::of(&points, region, 1.0, &|_| ControlFlow::Break(()));
         assert_eq!(cancelled, Err(SolidError::Cancelled));
     }

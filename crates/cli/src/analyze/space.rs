@@ -260,7 +260,7 @@ impl InSpace {
     }
 }
 
-const NOTES: &str = "<p>Powers are means over shells of frequencies, of which large shells have 256 drawn ones. Frequencies are \
+const NOTES: &str = "<p>Powers are means over shells of frequencies, of which large shells have up to 256 drawn ones (down to 32 of large sets, and fewer in flat boxes). Frequencies are \
 given as nu = |k| / cbrt(N / volume). Shaded bands hold the true mean with probability 0.95: those of one set follow from the \
 scatter between its frequencies, and those of an average from the spread between sets.</p>\n";
 

@@ -1,16 +1,14 @@
 //! The measures of one set in space.
 
-use std::ops::ControlFlow;
 use std::path::Path;
 
-use anyhow::{Context, Result, ensure};
+use anyhow::{Result, ensure};
 use tilescope_analysis::{
-    JudgeChoice, SolidCorrelation, SolidRegion, SolidShell, SolidSpectrum, SolidVerdict,
-    VerifyOptions, measure_solid,
+    JudgeChoice, SolidCorrelation, SolidError, SolidRegion, SolidShell, SolidSpectrum,
+    SolidVerdict, VerifyOptions, measure_solid,
 };
 
 use crate::analyze::measure::{Form, Measure};
-use crate::interrupt;
 use crate::options::SetArguments;
 use crate::paths::InFile;
 use crate::progress::watched;
@@ -84,7 +82,12 @@ impl Request<'_> {
         let spectrum = watched("spectrum", |control| {
             SolidSpectrum::of(points, region, most / unit, control)
         })
-        .context("--frequencies")?;
+        .map_err(|error| match error {
+            SolidError::Measure(_) if self.most.is_some() => {
+                anyhow::Error::from(error).context("--frequencies")
+            }
+            other => other.into(),
+        })?;
         let correlation = watched("pairs", |control| {
             SolidCorrelation::of(points, region, bin * bins as f64, bins, control)
         })?;
@@ -94,13 +97,13 @@ impl Request<'_> {
                 judges: JudgeChoice::Subdivision,
                 ..VerifyOptions::default()
             };
-            measure_solid(points, region, radius, false, &options, control)
+            let is_prefix = false;
+            measure_solid(points, region, radius, is_prefix, &options, control)
         });
-        if interrupt::flow() == ControlFlow::Break(()) {
-            judged.as_ref().map_err(Clone::clone)?;
-        }
-
-        let verdict = judged.ok();
+        let verdict = match judged {
+            Err(SolidError::Period { .. } | SolidError::BadRadius { .. }) => None,
+            other => Some(other?),
+        };
         Ok(Measured {
             name: path.display().to_string(),
             region,
