@@ -19,6 +19,8 @@ pub struct PanelContext<'a> {
     pub is_compared: bool,
     /// The layers that the open question of a lesson hides.
     pub hidden_layers: Layers,
+    /// Whether a question of a lesson is open.
+    pub is_veiled: bool,
 }
 
 impl<'a> PanelContext<'a> {
@@ -33,6 +35,7 @@ impl<'a> PanelContext<'a> {
             hidden_layers: state
                 .lessons()
                 .hidden_layers(state.runs().first.current_stage()),
+            is_veiled: state.lessons().veil().is_some(),
         }
     }
 }
@@ -49,6 +52,8 @@ pub struct TimeContext<'a> {
     pub curve: ShownCurve,
     /// The panel below the canvas of a window too small for tiles.
     pub drawer: &'a Drawer,
+    /// Whether a question of a lesson is open.
+    pub is_veiled: bool,
 }
 
 impl<'a> TimeContext<'a> {
@@ -61,6 +66,7 @@ impl<'a> TimeContext<'a> {
             time: state.time(),
             curve: state.appearance().curve,
             drawer: &state.window().drawer,
+            is_veiled: state.lessons().veil().is_some(),
         }
     }
 }

@@ -38,7 +38,7 @@ pub fn show(ui: &mut Ui, context: &PanelContext<'_>, commands: &mut Vec<Command>
         ui.spacing_mut().item_spacing.y = 2.0;
         ui.spacing_mut().interact_size.y = 18.0;
         match (id, context.run.place, context.run.shown()) {
-            (Some(id), _, Some(shown)) => sample(ui, &shown, id, palette, commands),
+            (Some(id), _, Some(shown)) => sample(ui, context, &shown, id, commands),
             (None, Some(at), Some(shown)) => {
                 place(ui, &shown, at, palette);
                 gap(ui, context, &shown, at);
@@ -193,11 +193,12 @@ fn gap(ui: &mut Ui, context: &PanelContext<'_>, shown: &ShownMoment<'_>, at: DVe
 /// Shows where a sample comes from, and its state at this moment and in the end.
 fn sample(
     ui: &mut Ui,
+    context: &PanelContext<'_>,
     shown: &ShownMoment<'_>,
     id: u32,
-    palette: &Palette,
     commands: &mut Vec<Command>,
 ) {
+    let palette = context.palette;
     let session = shown.session;
     let run = session.run();
     row(ui, "Id", &grouped(id as usize), palette);
@@ -206,8 +207,9 @@ fn sample(
     if let Some(nested) = &session.nested {
         let level = nested.level_of(id as usize);
         row(ui, "Added by level", &level.to_string(), palette);
-        // Files of levels have ranks in a column that is not read with the points.
-        if let Some(rank) = nested.ranks.get(id as usize) {
+        // Files of levels have ranks in a column that is not read with the points. An open question may be about ranks.
+        let rank = nested.ranks.get(id as usize);
+        if let Some(rank) = rank.filter(|_| !context.is_veiled) {
             row(ui, "Rank", &format!("{rank:.6}"), palette);
         }
         return;

@@ -208,7 +208,7 @@ pub fn show(ui: &mut Ui, context: &TimeContext<'_>, commands: &mut Vec<Command>)
 /// Shows the counts of the moment at the end of a row.
 fn counts(ui: &mut Ui, context: &TimeContext<'_>) {
     ui.with_layout(Layout::right_to_left(Align::Center), |ui| {
-        let counts = joined(ui.ctx(), context.run.moment_texts());
+        let counts = joined(ui.ctx(), context.run.moment_texts(context.is_veiled));
         let text = RichText::new(counts).monospace();
         ui.label(text.color(context.palette.muted))
             .known_as("counts");
@@ -397,7 +397,12 @@ pub fn more(ui: &mut Ui, context: &TimeContext<'_>, commands: &mut Vec<Command>)
     // The sentence below the canvas may be cut off.
     ui.label(RichText::new(said(ui.ctx(), context)).size(COMPACT_SIZE))
         .known_as("status-whole");
-    for (k, text) in context.run.moment_texts().into_iter().enumerate() {
+    for (k, text) in context
+        .run
+        .moment_texts(context.is_veiled)
+        .into_iter()
+        .enumerate()
+    {
         ui.label(
             RichText::new(ui.words(text))
                 .monospace()

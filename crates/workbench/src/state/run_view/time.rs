@@ -13,9 +13,10 @@ use crate::state::effects::Context;
 use tilescope_session::moment::Moment;
 
 impl RunView {
-    /// Returns the description of the moment: the number of blocks or samples, the event or stage, and the iteration.
+    /// Returns the description of the moment: the number of blocks or samples, the event or stage, and the iteration. While
+    /// a question of a lesson is open, `is_veiled`, it does not say below which number ranks are.
     #[must_use]
-    pub fn moment_texts(&self) -> Vec<String> {
+    pub fn moment_texts(&self, is_veiled: bool) -> Vec<String> {
         let Some(session) = &self.session else {
             return Vec::new();
         };
@@ -27,8 +28,9 @@ impl RunView {
                 format!("{} of {samples}", grouped(count)),
                 format!("radius {:.2} r", nested.disk_radius(count) / radius),
             ];
-            // A program that has the ranks gets the same samples by this number.
-            let threshold = nested.threshold(count);
+            // A program that has the ranks gets the same samples by this number. Beside the count it would answer
+            // questions about ranks: moving the slider there would be enough.
+            let threshold = nested.threshold(count).filter(|_| !is_veiled);
             texts.extend(threshold.map(|threshold| format!("ranks below {threshold}")));
             return texts;
         }

@@ -25,7 +25,10 @@ fn shown(state: &State) -> (usize, usize) {
 
 /// Returns the number below which the ranks of the samples shown are, as it stands beside the slider.
 fn threshold(state: &State) -> f64 {
-    let texts = state.runs.first.moment_texts();
+    let texts = state
+        .runs
+        .first
+        .moment_texts(state.lessons().veil().is_some());
     let text = texts.last().expect("a text of the moment");
     let number = text.strip_prefix("ranks below ");
     number
@@ -93,4 +96,32 @@ fn an_open_question_holds_the_levels_up_to_its_moment() {
     lesson(&mut state, LessonCommand::GiveUp);
     let (count, whole) = shown(&state);
     assert!(count == all && whole > 3 * all, "{count} {whole}");
+}
+
+#[test]
+fn no_text_of_the_moment_names_ranks_while_a_question_is_open() {
+    let mut state = settled();
+    lesson(&mut state, LessonCommand::Open("ranks".to_owned()));
+    lesson(&mut state, LessonCommand::Go("fewer-samples".to_owned()));
+    let names_ranks = |state: &State| {
+        let texts = state
+            .runs
+            .first
+            .moment_texts(state.lessons().veil().is_some());
+        assert!(texts.len() >= 2, "{texts:?}");
+        texts.iter().any(|text| text.starts_with("ranks below"))
+    };
+
+    // The question asks how many samples have ranks below 0.3, which the slider would tell.
+    let (_, all) = shown(&state);
+    for count in [all, all / 3] {
+        state.apply(Command::Time(TimeCommand::Jump(count)));
+        assert!(!names_ranks(&state), "{count}");
+    }
+
+    // Giving up asks once whether to.
+    lesson(&mut state, LessonCommand::GiveUp);
+    assert!(!names_ranks(&state));
+    lesson(&mut state, LessonCommand::GiveUp);
+    assert!(names_ranks(&state));
 }

@@ -366,7 +366,7 @@ fn told(state: &State) -> String {
         state.link(),
         session.summary,
         session.stages,
-        run.moment_texts(),
+        run.moment_texts(state.lessons().veil().is_some()),
         debugger.watch_values(u64::MAX),
         events.collect::<Vec<String>>(),
     )

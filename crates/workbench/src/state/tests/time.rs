@@ -224,7 +224,7 @@ fn counts_equal_those_of_the_tape() {
                 "sample"
             };
             let expected = tilescope_session::words::counted(number, noun, &format!("{noun}s"));
-            let texts = state.runs.first.moment_texts();
+            let texts = state.runs.first.moment_texts(false);
             assert_eq!(texts[0], expected, "{stage:?} {cursor}");
             // The number of the last event equals the number of events that have happened.
             let last = cursor
