@@ -245,8 +245,20 @@ impl Now {
         })
     }
 
+    /// Refuses to compare nested levels with another run. The other run would have stages, and be another set than the
+    /// one that is shown, whatever its parameters.
+    fn refuse_levels(&self) -> Found<()> {
+        match self.recording.levels() {
+            Some(_) => Err(wrong(
+                "nested levels cannot be compared with another run here",
+            )),
+            None => Ok(()),
+        }
+    }
+
     /// Returns the result of the run with other parameters, such as `leaf=10 seed=3`.
     fn set_with(&self, changes: &str) -> Found<Arc<PointSet>> {
+        self.refuse_levels()?;
         cached(&self.runs, changes.to_owned(), || {
             self.spend(RUN)?;
             let run = sample(&self.changed(changes)?, &mut Unobserved)
@@ -638,6 +650,7 @@ impl Now {
     }
 
     fn same_points(&self, engine: &str) -> Found<bool> {
+        self.refuse_levels()?;
         if engine != "parallel" {
             return Err(wrong(format!(
                 "there is no engine \"{engine}\" to compare with; there is parallel"
@@ -651,6 +664,7 @@ impl Now {
     }
 
     fn parts_at(&self, changes: &str) -> Found<Dynamic> {
+        self.refuse_levels()?;
         self.spend(RUN)?;
         let parameters = self.changed(changes)?;
         let other = Recording::new(&parameters, DEFAULT_BUDGET, &mut Unobserved)

@@ -48,9 +48,9 @@ reach_of_detectors(): how far a gap detector of elimination is at most from the 
 block_size(b): the sides of a block, [width, height]
 parameter(name): a parameter of the run
 measure(name): a number of the valid samples by its name in the JSON of `tilescope analyze`, such as density, packing, min_distance_r, peak
-measure_with(name, changes): the same of the result with other parameters, such as "leaf=10"
-same_points(engine): whether an engine ("parallel") makes the same points
-parts_at(changes): the number of the event in which the run with other parameters first differs
+measure_with(name, changes): the same of the result with other parameters, such as "leaf=10"; not of nested levels
+same_points(engine): whether an engine ("parallel") makes the same points; not of nested levels
+parts_at(changes): the number of the event in which the run with other parameters first differs; not of nested levels
 "#;
 
 /// Returns the functions that expressions may call: how each is called, and its meaning.

@@ -281,6 +281,24 @@ fn claims_that_do_not_hold_are_faults_at_their_lines() {
 }
 
 #[test]
+fn nested_levels_are_not_compared_with_a_run() {
+    for claim in [
+        "claim: measure_with(\"density\", \"leaf=10\") > 0",
+        "claim: same_points(\"parallel\")",
+        "claim: exists(parts_at(\"leaf=10\"))",
+    ] {
+        let of_levels = claiming(claim).replace("moment: end of tile", "levels: 2");
+        let error = fault(&of_levels).unwrap_or_else(|| panic!("{claim}: no fault"));
+        assert!(
+            error.message.contains("nested levels cannot be compared"),
+            "{claim}: {error}"
+        );
+        // The control: a run with stages is compared.
+        assert_eq!(fault(&claiming(claim)), None, "{claim}");
+    }
+}
+
+#[test]
 fn a_claim_that_no_run_tests_is_a_fault() {
     let text = claiming("claim: true").replace("\n\nclaim", "\nwhere: false\nclaim");
     let lesson = Lesson::read("test", &text).unwrap();
