@@ -186,6 +186,19 @@ impl Field {
         })
     }
 
+    /// Returns the value as a whole number between limits.
+    pub fn whole(&self, limits: [u32; 2]) -> Result<u32, LessonError> {
+        let [low, high] = limits;
+        let Self { key, value, .. } = self;
+        let number = value.parse::<u32>().ok();
+        number.filter(|x| (low..=high).contains(x)).ok_or_else(|| {
+            let value = shortened(value);
+            self.wrong(format!(
+                "\"{key}\" is {value}; allowed are whole numbers from {low} to {high}"
+            ))
+        })
+    }
+
     /// Returns the field with a part of its value.
     pub fn part(&self, value: &str) -> Self {
         let value = value.to_owned();

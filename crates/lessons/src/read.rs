@@ -430,7 +430,7 @@ fn levels(scene: &mut SceneSpec, fields: &Fields) -> Result<(), LessonError> {
         scene.levels = match field.value.as_str() {
             "none" => None,
             _ => Some(NestedRequest {
-                levels: field.number([1.0, f64::from(MAX_LEVELS)])? as u32,
+                levels: field.whole([1, MAX_LEVELS])?,
                 order_within: WithinLevel::default(),
                 exactly: None,
             }),

@@ -11,7 +11,7 @@ use crate::scene::Scene;
 use crate::text::{ChoiceOption, Text};
 
 /// The most steps of a `trace`. Chosen, not measured.
-const MAX_TRACED: usize = 12;
+const MAX_TRACED: u32 = 12;
 
 pub(super) const ROW: KindRow = KindRow {
     name: "trace",
@@ -34,7 +34,9 @@ struct TraceGate {
 fn read(fields: &Fields) -> Result<Arc<dyn GateKind>, LessonError> {
     Ok(Arc::new(TraceGate {
         events: fields.need("events")?.query()?,
-        steps: fields.number_or("steps", 6.0, [1.0, MAX_TRACED as f64])? as usize,
+        steps: fields
+            .optional("steps", |field| field.whole([1, MAX_TRACED]))?
+            .unwrap_or(6) as usize,
         options: fields.options()?,
     }))
 }

@@ -105,7 +105,14 @@ fn the_next_step_keeps_levels_and_density() {
 #[test]
 fn faults_of_levels_are_named() {
     for (fields, wanted) in [
-        ("levels: 0", "allowed are numbers from 1"),
+        (
+            "levels: 0",
+            "\"levels\" is 0; allowed are whole numbers from 1",
+        ),
+        (
+            "levels: 2.5",
+            "\"levels\" is 2.5; allowed are whole numbers from 1",
+        ),
         ("levels: 8", "levels"),
         ("order-within: random", "needs \"levels: ...\""),
         ("density: x", "needs \"levels: ...\""),
