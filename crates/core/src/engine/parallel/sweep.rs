@@ -183,15 +183,15 @@ impl<P: WindowMaker> Sweep<P> {
     }
 
     /// Runs to the end and returns the samples of all remaining bands, and the summary of the whole run. Reserves
-    /// memory for their points at the beginning.
+    /// memory for their points and tags at the beginning.
     ///
     /// Fails as [`Self::step`], and with [`SampleError::Memory`] where there is not as much memory.
     pub fn finish(
         mut self,
         observer: &mut dyn Observer,
     ) -> Result<(Sampled, Summary), SampleError> {
-        // Too large a set is refused here, before it is computed. Tags, and points beyond the expected number, take
-        // further memory as they come.
+        // Too large a set is refused here, before it is computed. Samples beyond the expected number take further
+        // memory as they come.
         let expected = self.plane.domain().area_radii() * RESERVED_DENSITY;
         let mut joined = JoinedSamples::default();
         joined.reserve(expected as usize, self.sources)?;
@@ -314,7 +314,8 @@ impl JoinedSamples {
         let tags = if with_tags { count } else { 0 };
         let taken = (self.points.try_reserve(count)).and_then(|()| self.tags.try_reserve(tags));
         taken.map_err(|_| NoMemory {
-            bytes: (count * size_of::<Point>() + tags * size_of::<u64>()) as u64,
+            // Where addresses have 32 bits, the sum may be larger than any of them.
+            bytes: count as u64 * size_of::<Point>() as u64 + tags as u64 * size_of::<u64>() as u64,
         })
     }
 
