@@ -414,7 +414,7 @@ impl Search<'_> {
             let in_first = self.part(first, kept, near.clone());
             (in_first, self.part(second, kept, near))
         } else {
-            // Each thread has a stack of its own.
+            // Both threads add to the kept points and take them off again: each works on a copy of its own.
             let part = |points: &mut [Placed]| {
                 let mut kept = kept[near.clone()].to_vec();
                 let all = 0..kept.len();

@@ -133,7 +133,7 @@ pub(crate) fn sample(subject: &Subject<'_>, id: u32) -> [String; 2] {
         Origin::Tiled { block, .. } => {
             format!("from the margin of {word} {}", grouped(block as usize))
         }
-        // With its events such a set has the throws of its darts as iterations.
+        // A set in a field or a shape that is recorded with its events has the throws of its darts as iterations.
         Origin::Inserted { iteration, .. } if shown.session.ground.is_some() => {
             format!("of throw {iteration}")
         }

@@ -178,7 +178,7 @@ fn marks(
         })
         .collect();
 
-    // Nothing else stands in the picture that labels would have to leave free.
+    // Nothing else stands in the picture of which labels would have to keep clear.
     let taken: &[Rect] = &[];
     for (mark, label) in drawn.into_iter().zip(places(&labelled, taken, frame)) {
         let ink = color(match mark.kind {

@@ -107,8 +107,8 @@ fn passes_text(run: &GpuRun, copy_rate: f64) -> String {
 fn to_json(rates: &GpuRates, gpu: &Gpu, arguments: &BenchArguments) -> Value {
     let seconds = |row: &EngineRate| row.times.iter().map(|one| one.seconds).collect::<Vec<_>>();
 
-    // Rows come in pairs, one for each leaf: that of all threads, then that of the GPU. A single one at the end, which
-    // there is not, would be null. Of three quartiles the middle one is the median.
+    // Rows come in pairs, one for each leaf: that of all threads, then that of the GPU. A row without its partner,
+    // which does not occur, would be null. Of three quartiles the middle one is the median.
     let row = |pair: &[EngineRate]| {
         let [on_threads, on_gpu] = pair else {
             return Value::Null;

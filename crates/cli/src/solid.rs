@@ -58,7 +58,7 @@ fn overrides(set: &SetArguments, file: &Path) -> Result<Overrides> {
         PLANAR,
     )?;
 
-    // A width and a height that are not given are those of the certificate, if there is one.
+    // A width, a height or a boundary that is not given is that of the certificate, if there is one.
     let stated = solid_certificate(file).filter(|_| !set.no_certificate);
     let is_given = set.width.is_some() || set.height.is_some() || set.boundary.is_some();
     let of_stated = stated.map(|stated| stated.region);

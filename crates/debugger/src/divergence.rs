@@ -58,8 +58,8 @@ pub enum Divergence {
     },
 }
 
-/// Returns the difference of the domains or else the first event at which two recordings differ. If tests were left out of either tape, only events that are
-/// never left out are compared.
+/// Returns the difference of the domains or else the first event at which two recordings differ. If tests were left out
+/// of either tape, only events that are never left out are compared.
 #[must_use]
 pub fn first_divergence(a: &Recording, b: &Recording) -> Divergence {
     if let Some(different) = domains(a.domain(), b.domain()) {

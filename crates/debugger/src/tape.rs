@@ -124,7 +124,7 @@ impl Tape {
         }
 
         self.chunks = whole;
-        // Nothing is left out of a tape that has ended.
+        // From a tape that has ended no more events are left out.
         self.thinned = self.chunks.len();
     }
 

@@ -176,8 +176,9 @@ impl<'a> Scene<'a> {
         let size = self.session.size_radii();
         let margin = drawn_around(self.session);
         let steps = |k: usize| {
-            // The box moved by the first step ends where the margin begins, and moved by the last one begins where it
-            // ends. There is one copy on each side, however wide the margin.
+            // The first step is the least at which the moved box still reaches the margin's lower end, the last one
+            // the greatest at which it still reaches the upper end. There is at most one copy on each side, however
+            // wide the margin.
             let (from, to) = if margin > 0.0 {
                 let first = ((-margin - high[k]) / size[k]).ceil();
                 let last = ((size[k] + margin - low[k]) / size[k]).floor();

@@ -249,7 +249,8 @@ impl Field {
         }
     }
 
-    /// Returns the seeds of `seeds first..last`, both ends included. Refuses none, and more than [`MAX_SEEDS`].
+    /// Returns the seeds of `seeds first..last`, both ends included. Refuses a range without seeds, or with more than
+    /// [`MAX_SEEDS`].
     pub fn seeds(&self) -> Result<std::ops::RangeInclusive<u64>, LessonError> {
         // The word "seeds" may be left out.
         let after = self.value.strip_prefix("seeds");

@@ -79,7 +79,8 @@ pub fn read<'py>(
             },
         )
     };
-    // Returns the field and the shape of the certificate or of the arguments, and has the file judged in them.
+    // Returns the field and the shape of the certificate or of the arguments, and sets the overrides by which the file
+    // is judged in them.
     let ground_by = |overrides: &mut Overrides| -> PyResult<Option<Ground>> {
         let format = overrides.format;
         let stated = certificate

@@ -108,7 +108,7 @@ pub fn check(
     let with_ground = |overrides: &mut Overrides| -> PyResult<()> {
         let stated = certificate(&path, overrides.format);
         let ground = Ground::of_file(stated.as_ref(), &given, field.as_ref())?;
-        // A domain with a shape may lie where the shape lies, which no argument of the caller says.
+        // Without a given origin the domain begins at the corner of its field or shape.
         overrides.origin = given.origin.or(ground.as_ref().map(Ground::corner));
         overrides.varying = ground.map(|ground| ground.varying);
         Ok(())
@@ -118,8 +118,8 @@ pub fn check(
         with_ground(&mut asked)?;
     }
     let mut outcome = judged(&asked)?;
-    // A file whose certificate states a field or a shape, which few have, is read a second time: the field that is
-    // missing is found by the certificate.
+    // Few certificates state a field or a shape. Only then is the file read a second time, now with what its
+    // certificate states.
     if let Err(CheckError::NoField) = outcome {
         with_ground(&mut asked)?;
         outcome = judged(&asked)?;

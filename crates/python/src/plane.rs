@@ -177,8 +177,8 @@ impl PythonPlane {
         }
     }
 
-    /// Returns the window between two corners in lattice points, of which a radius is `R` long. Refuses a window
-    /// without a place of the domain, or with too many samples.
+    /// Returns the window, in lattice points, between two corners in user units. Refuses a window without a place of
+    /// the domain, or with too many samples.
     fn checked_window(&self, corners: &Bound<'_, PyAny>) -> PyResult<Window> {
         let [left, bottom, right, top] = rectangle("the window", corners)?;
         let domain = self.domain();

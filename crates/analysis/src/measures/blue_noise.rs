@@ -92,7 +92,8 @@ impl PowerCurve {
 
         let bins = (BINS_EACH * most).ceil() as usize;
         let pairs = PairCorrelation::of(points, region, most, bins, control)?;
-        // They end at nu = 6: oscillations count over 5 from the first power near 1, which blue noise has below nu = 1.
+        // Frequencies end at nu = 6: oscillations count over 5 from the first power near 1, which blue noise has below
+        // nu = 1.
         let frequencies = (1..=600).map(|i| 0.01 * f64::from(i)).collect();
         Self::of_pairs(&pairs, frequencies).map(Some)
     }

@@ -478,7 +478,7 @@ fn add_bare_edges(
 ) {
     let size = region.size();
     for edge in 0..12 {
-        // Four edges lie along each axis: the bits of `side` say at which end of either other axis.
+        // Four edges lie along each axis: the two bits of `side` say at which end of each of the other two axes.
         let (axis, side) = (edge / 4, edge % 4);
         let [first, second] = [(axis + 1) % 3, (axis + 2) % 3];
         let mut corner = [0.0; 3];

@@ -111,8 +111,8 @@ impl StreamVerifier {
             return Err(bad("it is of another region, radius, tolerance or judge"));
         }
 
-        // The size of bands is not saved, nor when the second judge looks for the next one: neither changes the
-        // verdict.
+        // Neither the size of bands is saved, nor the number of samples at which the second judge looks for its next
+        // band: they do not change the verdict.
         let saved: RestoredState = postcard::from_bytes(findings).map_err(incomplete)?;
         verifier.expected = saved.expected;
         verifier.intake = saved.intake;

@@ -205,7 +205,8 @@ fn decide_fates(
     let as_blocks = blocks(pieces, key);
     let ranking = Ranking::new(options.order, domain, key);
     let mut meter = Meter::begin(observer, Stage::Eliminate, samples.len() as u64)?;
-    // Only samples that another piece's may conflict with are ranked and decided one by one; the others are kept.
+    // Only samples that may be in conflict with those of another piece are ranked and decided one by one; the others
+    // are kept.
     let ranked = contested(samples, &as_blocks, &ranking, &mut meter)?;
     meter.set_total(ranked.len() as u64);
     eliminate(domain, samples, &ranked, &mut meter, &mut Unrecorded)?;

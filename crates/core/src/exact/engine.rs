@@ -298,9 +298,8 @@ impl<'a> ExactTiling<'a> {
         let history = self.history;
         let ExactTile { rect, symmetry, .. } = self.tiles[tile as usize];
 
-        // Outside of the tile another block has darts of its own.
-        // A dart comes with its second blocker, too, which is not needed: whether another sample covers the dart is
-        // decided in its turn.
+        // Only darts in the tile are visited: outside of it another block has darts of its own. A dart comes with its
+        // second blocker, too, which is not needed: whether another sample covers the dart is decided in its turn.
         history.each_waiting_in(&rect, pattern, place, symmetry, |mut dart, _| {
             dart.place = self.present.in_domain(tile, dart.place);
             self.agenda.add(dart, What::Dart(tile));

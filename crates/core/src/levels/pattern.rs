@@ -42,7 +42,7 @@ impl NestedPattern {
         let shortest = (SHORTEST_SIDE * f64::from(coarsest.units)).ceil() as i32;
         let side = spec.side_units()?.max(shortest);
 
-        // Patterns of other numbers of levels have other keys: chosen, not measured.
+        // The number of levels is a part of the key: each number has a pattern of its own.
         let key = Key::from_seed(spec.seed).derive(Stream::Pattern, levels);
         let rect = Domain::from_units(side, side, Boundary::Periodic).rect();
         let mut samples: Vec<Point> = Vec::new();

@@ -406,8 +406,8 @@ pub(crate) fn cell_darts(
     draws: DartDraws,
 ) -> impl Iterator<Item = (u32, Point)> {
     let Cell { min, side } = cell;
-    // With one draw for a dart a coordinate has 16 random bits, of which a cell takes the highest, as many as its side
-    // has.
+    // With one draw for a dart a coordinate has 16 random bits. A cell takes the highest of them, as many as the binary
+    // logarithm of its side.
     let shift = 16 - side.ilog2().min(16);
     let cell_key = key.derive_at(min.x, min.y);
     // A cell of one point throws that point for certain, so that the process ends.

@@ -109,8 +109,8 @@ pub fn copies(scene: &Scene<'_>, looks: &Looks<'_>, surface: &mut impl Surface) 
     let index = &scene.session.index;
     index.visit_images(scene.low, scene.high, drawn_around(scene.session), |seen| {
         let look = looks.of(seen.id);
-        // Copies of inserted samples are dots, too; eliminated samples have none, and a brush changes the colour of
-        // copies alone. Chosen.
+        // Copies of inserted samples are dots, too. Eliminated samples have no copies, and a brush changes only the
+        // colour of copies.
         if matches!(look.symbol, Symbol::Dot | Symbol::Diamond) {
             let color = look.color.gamma_multiply(DIMMED);
             surface.mark(

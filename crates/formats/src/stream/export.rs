@@ -259,7 +259,6 @@ impl StreamExport {
         let (file, rows, judges) = (&self.file, &mut self.rows, &mut self.judges);
         let mut count = 0;
         let taken = self.partial.take_over(head, checkpoint.bytes, |bytes| {
-            // Before the first point there are no rows.
             let Some(rows) = rows.as_mut() else {
                 // Before the first point there are no rows to be read.
                 return Ok(bytes.len());

@@ -145,7 +145,7 @@ fn misconception(gate: &Gate, question: &Question) -> Option<Answer> {
     let (options, right) = (question.interaction.options()?, question.right_option()?);
     let of_gate = gate.kind.options();
 
-    // A sentence answers a misconception. An option without one answers none.
+    // The sentence of a wrong option answers a misconception: an option without a sentence stands for no known one.
     let is_believed = |shown: &usize| {
         let option = of_gate.get(options.in_file(*shown));
         *shown != right && option.is_some_and(|option| option.sentence.is_some())

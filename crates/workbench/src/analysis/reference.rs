@@ -98,7 +98,7 @@ impl Task for MeasureReferenceTask {
     const NAME: &'static str = "measure the reference";
 
     fn run(self, monitor: &Monitor) -> Self::Outcome {
-        // Only the measuring below reports its progress and can be stopped: chosen, not measured.
+        // Only the measuring below reports its progress and can be stopped.
         let pattern =
             Pattern::of_spec(&SPEC, &mut Unobserved).map_err(|error| error.to_string())?;
         let samples = pattern.samples().iter();

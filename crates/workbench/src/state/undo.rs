@@ -39,10 +39,11 @@ pub(super) struct Memento {
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 enum Typed {
     Parameter(Parameter),
-    /// Of the breakpoint of this index.
+    /// The condition of the breakpoint of this index.
     Condition(usize),
+    /// The watch of this index.
     Watch(usize),
-    /// Of the scene of this index.
+    /// The caption of the scene of this index.
     Caption(usize),
     /// How many samples nested levels have exactly.
     Exactly,

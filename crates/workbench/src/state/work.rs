@@ -85,7 +85,7 @@ impl State {
         let asked = asked_of(self, Which::First, dt_secs);
         let awaits_rest = self.on(Which::First, |run, context| {
             run.follow_prefix(dt_secs, context);
-            // The tree of events is unfolded down to the last one only while a panel shows it.
+            // Only while a panel shows the tree of events is it unfolded, down to the event before the cursor.
             if shows_events {
                 run.reveal();
             }

@@ -171,14 +171,14 @@ impl Plane {
             }
         });
 
-        // One window in some hundred has unsure cells, which are computed again with a wider halo. A halo that always
-        // suffices would cost all windows more than repairs cost those few.
         // The list is taken out of the region, since the repairs below need all of `scratch`, to which they add
         // regions.
         let mut unsure = std::mem::take(&mut region.repairs);
         region.unsure_in_window(NEIGHBOURS, &mut unsure);
         region.count(&unsure, counts);
 
+        // One window in some hundred has unsure cells, which are computed again with a wider halo. A halo that always
+        // suffices would cost all windows more than repairs cost those few.
         for cells in &unsure {
             let region = &scratch.0[depth];
             let part = part_of(&region.frame, cells, window);

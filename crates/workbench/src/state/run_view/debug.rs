@@ -160,8 +160,8 @@ impl RunView {
         }
     }
 
-    /// Expands the tree of events down to the last one, if the cursor was moved outside the tree. Called by a
-    /// window that shows the tree.
+    /// Expands the tree of events down to the event before the cursor, if the cursor was moved outside the tree. Called
+    /// by a window that shows the tree.
     pub(in crate::state) fn reveal(&mut self) {
         let Some((cursor, _)) = self.cursor().filter(|(cursor, _)| *cursor != self.revealed) else {
             return;

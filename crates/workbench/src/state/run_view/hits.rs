@@ -129,12 +129,12 @@ fn hits(
     breakpoints: &[(LineId, String)],
     monitor: &Monitor,
 ) -> Vec<usize> {
+    // A new debugger stands at the start of the run, from which all hits are counted.
     let mut debugger = Debugger::new(Arc::clone(recording), DEFAULT_BUDGET);
     for (line, condition) in breakpoints {
         debugger.add_breakpoint(*line, condition);
     }
 
-    // A new debugger stands at the start of the run.
     let go_on = || !monitor.is_cancelled();
 
     let (mut found, mut unclear) = (Vec::new(), 0);
