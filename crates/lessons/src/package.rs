@@ -279,9 +279,10 @@ fn identity(lesson: &str, steps: &[String]) -> String {
     let names = [&[lesson.to_owned()][..], steps].concat();
     let escaped = names.iter().map(|name| {
         let bytes = name.bytes().map(|byte| match byte {
-            b'-' | b'_' => char::from(byte).to_string(),
+            b'-' => char::from(byte).to_string(),
             _ if byte.is_ascii_alphanumeric() => char::from(byte).to_string(),
-            // Identifiers of XML have no percent signs.
+            // Identifiers of XML have no percent signs, so that the sign is a low line. It is escaped, too, or two names
+            // might give one identifier: "a." and "a_2e".
             _ => format!("_{byte:02x}"),
         });
         bytes.collect::<String>()
@@ -325,4 +326,19 @@ fn around(
         files.insert(name.to_owned(), take(name)?.into_bytes());
     }
     Ok(files)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn different_packages_have_different_identities() {
+        let step = |name: &str| vec![name.to_owned()];
+        assert_eq!(identity("gaps", &step("a-gap")), "gaps.a-gap");
+        // A name that looks like an escaped one, and names that look like a name and a step.
+        assert_ne!(identity("a_2e", &[]), identity("a.", &[]));
+        assert_ne!(identity("a.b", &[]), identity("a", &step("b")));
+        assert_eq!(identity("a_b", &[]), "a_5fb");
+    }
 }
