@@ -404,18 +404,12 @@ impl Classroom {
     fn save_results(&mut self, wanted: &str, context: &mut Context) {
         let results = &self.lessons.results;
 
-        // `csv` alone and a path that ends in `.csv` ask for the same format. Writing to memory does not fail, so that no text is
-        // left empty.
-        let (text, extension) = match wanted {
-            name if name.ends_with("csv") => (
-                results::csv(std::slice::from_ref(results)).unwrap_or_default(),
-                "csv",
-            ),
-            name if name.ends_with("xapi") || name.ends_with(".xapi.json") => (
-                serde_json::to_string_pretty(&results.xapi()).unwrap_or_default(),
-                "xapi.json",
-            ),
-            _ => (results.to_json(), "json"),
+        // Writing to memory does not fail, so that no text is left empty.
+        let extension = extension_of(wanted);
+        let text = match extension {
+            "csv" => results::csv(std::slice::from_ref(results)).unwrap_or_default(),
+            "xapi.json" => serde_json::to_string_pretty(&results.xapi()).unwrap_or_default(),
+            _ => results.to_json(),
         };
 
         // A word without a point is a format, and the window chooses the path.
@@ -708,5 +702,39 @@ impl Classroom {
             open.zoom = zoom;
         }
         self.show_moment(context);
+    }
+}
+
+/// Returns the extension of results in the format that `wanted` names, alone or as the ending of a path.
+fn extension_of(wanted: &str) -> &'static str {
+    let asks = |format: &str| wanted == format || wanted.ends_with(&format!(".{format}"));
+    if asks("csv") {
+        "csv"
+    } else if asks("xapi") || asks("xapi.json") {
+        "xapi.json"
+    } else {
+        "json"
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn the_format_of_results_is_its_name_or_the_ending_of_a_path() {
+        for (wanted, extension) in [
+            ("csv", "csv"),
+            ("mine.csv", "csv"),
+            ("xapi", "xapi.json"),
+            ("mine.xapi.json", "xapi.json"),
+            ("json", "json"),
+            ("mine.json", "json"),
+            // Only a whole extension names a format.
+            ("mine.notcsv", "json"),
+            ("mine.notxapi", "json"),
+        ] {
+            assert_eq!(extension_of(wanted), extension, "{wanted}");
+        }
     }
 }
