@@ -34,8 +34,8 @@ impl Resident {
         }
     }
 
-    /// Updates the GPU to the moment shown. Returns `None` if the samples do not fit. Nested levels have the looks of all
-    /// their samples at every moment; the draw calls have the number of those that are shown.
+    /// Updates the GPU to the moment shown. Returns `None` if the samples do not fit. Nested levels and stipples have the
+    /// looks of all their samples at every moment; the draw calls have the number of those that are shown.
     pub fn follow(&mut self, scene: &Scene<'_>, looks: &Looks<'_>) -> Option<&Self> {
         let generation = scene.session.generation;
         // Samples that did not fit on the device will not fit later.
@@ -45,8 +45,15 @@ impl Resident {
 
         let run = scene.session.run();
         let points = &run.samples.points;
-        let nested = scene.session.nested.as_ref();
-        let ends: Vec<usize> = nested.map_or_else(Vec::new, |nested| nested.ends().collect());
+        let all = points.len();
+        let ends: Vec<usize> = match &scene.session.nested {
+            Some(nested) => nested.ends().collect(),
+            // Any beginning of a stipple is evenly spread, so that its beginnings are levels.
+            None if scene.session.has_prefixes() => {
+                [64, 16, 4, 1].map(|part| all.div_ceil(part)).to_vec()
+            }
+            None => Vec::new(),
+        };
 
         let made = self
             .canvas
@@ -137,7 +144,7 @@ fn options(scene: &Scene<'_>, symbols: Symbols) -> PaintOptions {
     of_moment(scene, options)
 }
 
-/// Returns the options for the samples that are shown of nested levels.
+/// Returns the options for the samples that are shown of nested levels or of a stipple.
 fn of_moment(scene: &Scene<'_>, options: PaintOptions) -> PaintOptions {
     let prefix = scene.shown.prefix;
     prefix.map_or(options, |count| {

@@ -159,3 +159,37 @@ fn a_crowd_becomes_points_of_one_pixel() {
         "a quarter, where many share a pixel: {red}"
     );
 }
+
+#[test]
+fn a_beginning_is_drawn_whole_if_its_levels_are_beginnings() {
+    let domain = domain([100.0; 2], Boundary::Bounded);
+    let camera = Camera {
+        center: [50.0; 2].into(),
+        scale: 2.0,
+    };
+    let points = crowd(4_000, 100.0);
+    let first = |count: usize, ends: &[usize]| {
+        let mut harness = probe(&domain, &points[..count], camera);
+        let state = harness.state_mut();
+        if !ends.is_empty() {
+            let canvas = &mut state.canvas;
+            let made = canvas.set_points(2, &points, &domain, ends);
+            made.expect("few points");
+            canvas.set_looks(2, |_| SampleLook::new(Symbol::Dot, RED));
+        }
+        state.layers = state
+            .layers
+            .iter()
+            .map(|it| it.with_prefix(900, 1.0))
+            .collect();
+        shoot(&mut harness)
+    };
+    let alone = first(900, &[]);
+    assert!(alone.marked() > 900);
+    // Where samples lie over each other, their order leaves a trace in few pixels.
+    let beginning = first(4_000, &[63, 250, 1_000, 4_000]);
+    assert!(beginning.difference(&alone) * 100 < alone.marked());
+    // The control: levels by place alone leave out dots of finer levels.
+    let by_place = first(4_000, &[]);
+    assert!(by_place.marked() * 10 < alone.marked() * 9);
+}
