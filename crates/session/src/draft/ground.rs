@@ -241,6 +241,12 @@ impl Draft {
     /// Covers a shape. The domain becomes the rectangle around a polygon, and bounded; a radius that does not suit it becomes one
     /// that does.
     pub fn set_shape(&mut self, shape: ShapeSource) {
+        // A stipple has a shape of its own, so that its image no longer gives the radius.
+        let was_stipple = self.ground.by == RadiusBy::Stipple;
+        if was_stipple {
+            self.ground.by = RadiusBy::Constant;
+        }
+
         self.parameters.boundary = Boundary::Bounded;
         // A mask fills the domain as it is.
         if let ShapeSource::Polygon(polygon) = &shape {
@@ -252,11 +258,12 @@ impl Draft {
                 self.set_text(parameter, side.to_string());
             }
 
-            // The default radius suits the unit square, so that it is replaced even where it is allowed.
+            // The default radius suits the unit square, and a stipple does not use that of the form, so that both are
+            // replaced even where they are allowed.
             let suits = self.parameters.validate_sequential().is_ok();
             let is_default =
                 self.text(Parameter::Radius) == Parameter::Radius.text(&Parameters::default());
-            if !suits || is_default {
+            if !suits || is_default || was_stipple {
                 let area = sides[0] * sides[1];
                 let radius = (tilescope_core::MAXIMAL_DENSITY * area / SAMPLES_OF_SHAPE).sqrt();
                 self.set_text(Parameter::Radius, short(radius));
@@ -485,6 +492,26 @@ mod tests {
         assert_eq!(again.ground_request(), Some(request));
         draft.remove_shape();
         assert_eq!(draft.ground_request(), None);
+    }
+
+    #[test]
+    fn a_polygon_is_covered_where_dots_of_an_image_were_chosen() {
+        let mut draft = Draft::default();
+        draft.set_image(GrayImage::from_grey(4, vec![9_000; 8]).unwrap());
+        draft.choose(Choice::RadiusBy(RadiusBy::Stipple));
+        let shape_of = |draft: &Draft| draft.ground_request().and_then(|request| request.shape);
+        assert_eq!(shape_of(&draft), None);
+
+        let ring = vec![[0.0, 0.0], [60.0, 0.0], [30.0, 40.0]];
+        let polygon = PlanarPolygon::from_rings("a park", vec![ring]).unwrap();
+        draft.set_shape(ShapeSource::Polygon(polygon.clone()));
+        assert_eq!(shape_of(&draft), Some(ShapeSource::Polygon(polygon)));
+        assert_eq!(
+            (draft.ground.by, draft.refusals()),
+            (RadiusBy::Constant, vec![])
+        );
+        let samples = draft.expected_samples().unwrap();
+        assert!((1_300.0..1_700.0).contains(&samples), "{samples}");
     }
 
     #[test]
