@@ -82,9 +82,7 @@ impl Sheet<'_> {
             // A file of samples has numbers and no look.
             ExportKind::Result | ExportKind::Samples => {
                 self.precision(ui);
-                // Of the formats only SVG shows dots.
-                let is_svg = Format::from_path(&self.form.file()) == Some(Format::Svg);
-                if is_svg && self.source.is_stipple() {
+                if self.form.draws_samples() && self.source.is_stipple() {
                     self.ink(ui);
                 }
             }

@@ -173,7 +173,17 @@ impl ExportForm {
     /// Returns whether the scale applies; a vector picture has no pixels.
     #[must_use]
     pub fn has_scale(&self) -> bool {
-        !self.kind.is_set() && extension(&self.file()).as_deref() != Some("svg")
+        !self.kind.is_set() && !self.is_svg()
+    }
+
+    /// Returns whether a file of samples draws the dots of a stipple, in colours: of the formats only SVG does.
+    #[must_use]
+    pub fn draws_samples(&self) -> bool {
+        self.kind.is_set() && self.is_svg()
+    }
+
+    fn is_svg(&self) -> bool {
+        extension(&self.file()).as_deref() == Some("svg")
     }
 
     /// Returns the scale, or why the typed one is refused.

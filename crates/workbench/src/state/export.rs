@@ -171,7 +171,10 @@ impl Exports {
 
         match form.kind {
             ExportKind::Result | ExportKind::Samples if source.is_stipple() => {
-                form.ink.look()?;
+                // The sheet has no field in which a wrong colour of another format could be mended.
+                if form.draws_samples() {
+                    form.ink.look()?;
+                }
                 Ok(match form.kind {
                     ExportKind::Result => counted(session.summary.count, "dot", "dots"),
                     _ => source.moment_name(),
@@ -263,7 +266,9 @@ impl Exports {
             ExportKind::Result | ExportKind::Samples => ExportContent::Samples {
                 moment: (source.run.moment()).filter(|_| form.kind == ExportKind::Samples),
                 precision: form.precision,
-                look: source.is_stipple().then(|| form.ink.look()).transpose()?,
+                look: (source.is_stipple() && form.draws_samples())
+                    .then(|| form.ink.look())
+                    .transpose()?,
             },
             ExportKind::Picture if form.ink.on_paper && source.is_stipple() => {
                 ExportContent::Dots {

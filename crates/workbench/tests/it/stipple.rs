@@ -18,7 +18,7 @@ use tilescope_workbench::files::FileCommand;
 use tilescope_workbench::state::ExportSource;
 use tilescope_workbench::{Command, State, link, state};
 
-use crate::exporting::{export, notice_text, write};
+use crate::exporting::{export, fill_in, notice_text, write};
 
 const PHOTO: &[u8] = include_bytes!("../../../tilescope/tests/it/images/photo.jpg");
 
@@ -244,6 +244,33 @@ fn pictures_have_ink_on_paper_and_wrong_colours_are_refused() {
     export(&mut state, ExportCommand::Print(false));
     let source = ExportSource::of(&state);
     assert!(state.files().exports.prospect(source).is_ok());
+}
+
+#[test]
+fn fields_that_are_of_no_use_for_a_format_refuse_nothing() {
+    let mut state = made();
+    let folder = tempfile::tempdir().expect("a folder");
+    let prospect = |state: &mut State, kind, name: &str| {
+        fill_in(state, kind, &folder.path().join(name), &[]);
+        let exports = &state.files().exports;
+        let source = ExportSource::of(state);
+        assert_eq!(
+            exports.prospect(source).is_ok(),
+            exports.job(source).is_ok()
+        );
+        exports
+            .prospect(source)
+            .map_err(|refusal| refusal.to_string())
+    };
+
+    export(&mut state, ExportCommand::Open(ExportKind::Result));
+    let wrong = InkCommand::Color("reddish".to_owned());
+    export(&mut state, ExportCommand::Ink(wrong));
+    let without = prospect(&mut state, ExportKind::Result, "a.csv");
+    assert_eq!(without.as_deref(), Ok("900 dots"));
+    // The control: SVG has the colour.
+    let with = prospect(&mut state, ExportKind::Result, "a.svg");
+    assert!(with.expect_err("a refusal").contains("reddish"));
 }
 
 #[test]
