@@ -360,13 +360,13 @@ impl Sheet<'_> {
 
     /// Shows the width of a picture of dots.
     fn width(&mut self, ui: &mut Ui) {
-        let is_svg = Format::from_path(&self.form.file()) == Some(Format::Svg);
+        let has_columns = self.form.has_columns();
         self.named(ui, "Width", |sheet, ui, label| {
-            sheet.number(ui, NumberField::Columns, !is_svg, label);
-            let unit = if is_svg {
-                "SVG can be shown at any scale"
-            } else {
+            sheet.number(ui, NumberField::Columns, has_columns, label);
+            let unit = if has_columns {
                 "pixels"
+            } else {
+                "SVG can be shown at any scale"
             };
             ui.label(RichText::new(unit).color(sheet.palette.muted));
         });

@@ -20,6 +20,8 @@ pub const MAX_SCALE: f64 = 8.0;
 pub const MAX_EVERY: usize = 10_000_000;
 /// The most pixels that a picture of dots is wide: one of a square image then takes a gigabyte while it is drawn.
 pub const MAX_COLUMNS: u32 = 16_384;
+/// How many pixels a picture of dots is wide at first, as the command line draws stipples.
+const COLUMNS: u32 = 1_600;
 /// The shortest time for a frame, in ms: viewers slow shorter ones down.
 pub const MIN_DELAY_MS: u32 = 20;
 /// The longest time for a frame, in ms. Chosen, not measured.
@@ -96,8 +98,7 @@ impl Default for ExportForm {
             every: String::new(),
             delay: "100".to_owned(),
             ink: InkForm::default(),
-            // As wide as the command line draws stipples.
-            columns: "1600".to_owned(),
+            columns: COLUMNS.to_string(),
             taken: None,
             asked: false,
         }
@@ -196,8 +197,17 @@ impl ExportForm {
         within(&self.every, 1..=MAX_EVERY, ExportRefusal::Every)
     }
 
-    /// Returns the width of a picture of dots.
+    /// Returns whether a picture of dots has a width in pixels; a vector picture has none.
+    #[must_use]
+    pub fn has_columns(&self) -> bool {
+        !self.is_svg()
+    }
+
+    /// Returns the width of a picture of dots. Where it has none, that of a new sheet, whatever is typed.
     pub fn columns(&self) -> Result<u32, ExportRefusal> {
+        if !self.has_columns() {
+            return Ok(COLUMNS);
+        }
         within(&self.columns, 1..=MAX_COLUMNS, ExportRefusal::Columns)
     }
 

@@ -185,7 +185,11 @@ impl Exports {
             ExportKind::Picture if form.ink.on_paper && source.is_stipple() => {
                 form.ink.look()?;
                 let columns = grouped(form.columns()? as usize);
-                Ok(format!("{}, {columns} pixels wide", source.moment_name()))
+                let moment = source.moment_name();
+                if !form.has_columns() {
+                    return Ok(moment);
+                }
+                Ok(format!("{moment}, {columns} pixels wide"))
             }
             ExportKind::Picture => {
                 let (shown, scale) = checked_view(form, source)?;

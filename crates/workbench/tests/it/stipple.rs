@@ -271,6 +271,16 @@ fn fields_that_are_of_no_use_for_a_format_refuse_nothing() {
     // The control: SVG has the colour.
     let with = prospect(&mut state, ExportKind::Result, "a.svg");
     assert!(with.expect_err("a refusal").contains("reddish"));
+
+    // SVG has no width in pixels.
+    let none = InkCommand::Color(String::new());
+    export(&mut state, ExportCommand::Ink(none));
+    let wide = ExportCommand::Type(NumberField::Columns, "wide".to_owned());
+    export(&mut state, wide);
+    let without = prospect(&mut state, ExportKind::Picture, "a.svg");
+    assert!(!without.expect("a picture").contains("pixels"));
+    let with = prospect(&mut state, ExportKind::Picture, "a.png");
+    assert!(with.expect_err("a refusal").contains("wide"));
 }
 
 #[test]
