@@ -10,7 +10,7 @@ use tilescope_session::recipe::Recipe;
 use super::effects::{Context, Effect};
 use super::{Appearance, Form, RunView, State};
 use crate::command::{AppearanceCommand, Command, DebugCommand, FormCommand, WindowCommand};
-use crate::draft::Draft;
+use crate::draft::{Draft, StippleNumber};
 use crate::layout::{Layout, Panel};
 use crate::rules::UndoPart;
 use crate::scenes::SceneCommand;
@@ -51,6 +51,8 @@ enum Typed {
     Expression,
     /// The radius of white, of an image.
     White,
+    /// A number of a stipple.
+    Stipple(StippleNumber),
     CurveHeight,
 }
 
@@ -65,6 +67,7 @@ const fn typed_in(command: &Command) -> Option<Typed> {
         Command::Form(FormCommand::Exactly(_)) => Typed::Exactly,
         Command::Form(FormCommand::Expression(_)) => Typed::Expression,
         Command::Form(FormCommand::White(_)) => Typed::White,
+        Command::Form(FormCommand::Stipple(number, _)) => Typed::Stipple(*number),
         Command::Debug(DebugCommand::Condition(index, _)) => Typed::Condition(*index),
         Command::Debug(DebugCommand::EditWatch(index, _)) => Typed::Watch(*index),
         // A border that is dragged changes the height from frame to frame.

@@ -309,6 +309,24 @@ fn a_stipple_is_undone_kept_nowhere_and_refused_at_its_fields() {
     assert!(state.form().draft.refusals()[0].reason.contains("pixels"));
     apply(&mut state, Command::Undo);
 
+    // Typing in one field is one step, and so is typing in the next.
+    let dots = |state: &State| {
+        let typed = &state.form().draft.ground.stipple;
+        typed.text(StippleNumber::Dots).to_owned()
+    };
+    for text in ["90", "901", "9012"] {
+        form(
+            &mut state,
+            FormCommand::Stipple(StippleNumber::Dots, text.to_owned()),
+        );
+    }
+    let gamma = FormCommand::Stipple(StippleNumber::Gamma, "2".to_owned());
+    form(&mut state, gamma);
+    apply(&mut state, Command::Undo);
+    assert_eq!(dots(&state), "9012");
+    apply(&mut state, Command::Undo);
+    assert_eq!(dots(&state), "900");
+
     // One step back is the density, and one forward the same stipple.
     apply(&mut state, Command::Undo);
     state.settle();
