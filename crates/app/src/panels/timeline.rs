@@ -83,12 +83,17 @@ fn room_beside(ctx: &Context, context: &TimeContext<'_>, width: f32) -> f32 {
         Some((_, len)) => format!("event {0} of {0}", grouped(len)),
         None => "stage 9 of 9".to_owned(),
     };
+    let digits = session.summary.count.to_string().len();
     // The numbers of stages and iterations are taken to have one digit. The largest radius is that of the first of
     // eleven levels.
     let texts = match context.run.prefix() {
+        Some(_) if context.run.shows_stipple() => vec![format!("{most} of {most} dots")],
         Some(_) => vec![
             format!("{most} of {most} samples"),
             "radius 32.00 r".to_owned(),
+            // Ranks are so near to each other that a number between two of them needs about as many decimals as their
+            // count has digits, and two more.
+            format!("ranks below 0.{}", "0".repeat(digits + 2)),
         ],
         None => vec![format!("{most} samples"), moment, "iteration 9".to_owned()],
     };
