@@ -395,10 +395,11 @@ mod tests {
 
     #[test]
     fn a_run_too_large_for_a_page_is_refused_with_both_numbers() {
-        assert_eq!(too_many(Some(2e6), 2e6), None);
-        assert_eq!(too_many(None, 2e6), None);
-        let refusal = too_many(Some(1e9), 2e6).unwrap();
-        assert_eq!(refusal.part, FormPart::Field(Parameter::Radius));
+        let part = FormPart::Field(Parameter::Radius);
+        assert_eq!(too_many(part, Some(2e6), 2e6), None);
+        assert_eq!(too_many(part, None, 2e6), None);
+        let refusal = too_many(part, Some(1e9), 2e6).unwrap();
+        assert_eq!(refusal.part, part);
         assert!(refusal.reason.contains("1,000,000,000") && refusal.reason.contains("2,000,000"));
     }
 

@@ -76,7 +76,15 @@ impl Draft {
             numbers().filter(used).filter_map(unreadable).collect();
         if self.ground.is_asked() {
             refusals.extend(self.ground_refusal().filter(|_| refusals.is_empty()));
-            let too_many = too_many(self.expected_samples(), MAX_ON_A_PAGE);
+            // Where the form shows no radius, another field decides how many samples there are.
+            let part = match self.ground.by {
+                RadiusBy::Stipple => FormPart::Stipple(StippleNumber::Dots),
+                RadiusBy::Expression => FormPart::Expression,
+                RadiusBy::Constant | RadiusBy::Image | RadiusBy::Density => {
+                    FormPart::Field(Parameter::Radius)
+                }
+            };
+            let too_many = too_many(part, self.expected_samples(), MAX_ON_A_PAGE);
             refusals.extend(too_many.filter(|_| cfg!(target_arch = "wasm32")));
             return refusals;
         }
@@ -102,7 +110,8 @@ impl Draft {
             Variant::Staged => MAX_ON_A_PAGE,
             Variant::AsPrinted => MAX_STAGED,
         };
-        let too_many = too_many(self.expected_samples(), most);
+        let part = FormPart::Field(Parameter::Radius);
+        let too_many = too_many(part, self.expected_samples(), most);
         refusals.extend(too_many.filter(|_| cfg!(target_arch = "wasm32")));
         refusals
     }
@@ -175,11 +184,12 @@ fn suits_default_radius(parameters: &Parameters) -> bool {
     )
 }
 
-pub(super) fn too_many(expected: Option<f64>, most: f64) -> Option<DraftRefusal> {
+/// Returns the refusal of more samples than a page can have, at the part of the form that decides on their number.
+pub(super) fn too_many(part: FormPart, expected: Option<f64>, most: f64) -> Option<DraftRefusal> {
     let expected = expected.filter(|expected| *expected > most)?;
     let [expected, most] = [expected, most].map(|count| grouped(count as usize));
     Some(DraftRefusal {
-        part: FormPart::Field(Parameter::Radius),
+        part,
         reason: format!(
             "A run would have about {expected} samples; in a browser at most {most} are possible, in the native program more."
         ),
