@@ -48,5 +48,6 @@ pub use solid::{BallSize, SolidMade, SolidRecipe};
 pub use varying::{
     DEFAULT_WHITE, Expression, GivenGround, GivenRadius, GrayImage, Ground, MAX_CORNERS,
     MAX_EXPRESSION, MAX_PIXELS, PlanarPolygon, RadiusGrid, RadiusSource, ShapeSource, Stipple,
-    StippleLook, StippleRecipe, Tone, VaryingError, VaryingRecipe, check_white, color_of,
+    StippleLook, StippleRecipe, Tone, VaryingError, VaryingRecipe, check_pixels, check_white,
+    color_of,
 };

@@ -27,7 +27,7 @@ use crate::made::Made;
 pub use error::VaryingError;
 pub use expression::{Expression, MAX_EXPRESSION};
 pub use grid::RadiusGrid;
-pub use ground::Ground;
+pub use ground::{Ground, check_pixels};
 pub use image::{GrayImage, MAX_PIXELS, Tone};
 pub use polygon::{MAX_CORNERS, PlanarPolygon};
 pub use source::{RadiusSource, ShapeSource};

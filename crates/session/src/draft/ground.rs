@@ -3,14 +3,13 @@
 use serde::{Deserialize, Serialize};
 use tilescope_core::{Boundary, Parameter, Parameters};
 use tilescope_sets::{
-    Expression, GrayImage, RadiusSource, ShapeSource, VaryingError, VaryingRecipe,
+    Expression, GrayImage, RadiusSource, ShapeSource, VaryingError, check_pixels,
 };
 
 use super::polygon::samples_in_polygon;
 use super::refusal::part_of;
 use super::{Draft, DraftRefusal, FormPart, StippleDraft};
 use crate::ground::{GroundRequest, scaled_text};
-use crate::stipple::StippleRequest;
 use crate::typed;
 use crate::words::{counted, sentence};
 
@@ -388,8 +387,10 @@ impl Draft {
         }
 
         if let Some(stipple) = &request.stipple {
+            let p = &self.parameters;
             let of_frame = || {
-                let error = framed(stipple, &self.parameters).glance().err()?;
+                // The run finds what else is wrong: only it looks at the pixels, in the tone that is chosen.
+                let error = check_pixels(stipple.image.pixels(), [p.width, p.height]).err()?;
                 refused(FormPart::Field(Parameter::Width), &error)
             };
             return self.ground.stipple.refusal(stipple).or_else(of_frame);
@@ -413,20 +414,6 @@ impl Draft {
         };
         refused(part, &error)
     }
-}
-
-/// Returns a recipe that is refused where the sides of the domain do not fit the pixels of a stipple. Its radius is a
-/// quarter of a pixel's side, which suits images from 1 to 16,383 pixels wide: sides are from 4 r to 65,532 r long.
-fn framed(stipple: &StippleRequest, parameters: &Parameters) -> VaryingRecipe {
-    let image = stipple.image.clone();
-    let black = 0.25 * parameters.width / image.pixels()[0] as f64;
-    let request = GroundRequest {
-        radius: Some(RadiusSource::Density { image, black }),
-        shape: None,
-        origin: [0.0; 2],
-        stipple: None,
-    };
-    request.recipe(parameters)
 }
 
 /// Returns a number with three significant digits.
@@ -539,6 +526,23 @@ mod tests {
             (RadiusBy::Image, [1.0, 0.125])
         );
         assert_eq!(draft.refusals(), []);
+    }
+
+    #[test]
+    fn a_stipple_is_refused_before_its_run_only_where_pixels_are_no_squares() {
+        // A white icon, which is black if inverted, and an image that is wider than a domain of small radii may be.
+        for (columns, grey) in [(2, vec![u16::MAX; 4]), (20_000, vec![9_000; 20_000])] {
+            let mut draft = Draft::default();
+            draft.ground.image = Some(GrayImage::from_grey(columns, grey).unwrap());
+            draft.choose(Choice::RadiusBy(RadiusBy::Stipple));
+            assert_eq!(
+                (draft.ground.by, draft.refusals()),
+                (RadiusBy::Stipple, vec![])
+            );
+            draft.set_text(Parameter::Height, "7".to_owned());
+            let refusals = draft.refusals();
+            assert_eq!(refusals[0].part, FormPart::Field(Parameter::Width));
+        }
     }
 
     #[test]

@@ -471,6 +471,15 @@ fn masked(
     })
 }
 
+/// Checks that so many columns and rows of pixels are squares in a domain of this width and height.
+///
+/// # Errors
+///
+/// [`VaryingError::Aspect`] if they are not.
+pub fn check_pixels(pixels: [usize; 2], size: [f64; 2]) -> Result<(), VaryingError> {
+    pitch_of_pixels(pixels, size).map(|_| ())
+}
+
 /// Returns the side of the pixels of a domain; fails unless they are squares.
 fn pitch_of_pixels(pixels: [usize; 2], size: [f64; 2]) -> Result<f64, VaryingError> {
     let [columns, rows] = pixels.map(|count| count as f64);
