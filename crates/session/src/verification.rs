@@ -227,7 +227,12 @@ impl Task for VerifyTask {
             let all = points.len();
             points.truncate(self.prefix.unwrap_or(all));
             let verdict = Verdict::on_ground(&points, made, monitor)?;
-            let stipple = session.stipple().map(|_| all);
+            // A file may have only the first dots of a stipple, which promise no covering.
+            let asked = made.asked.1.stipple.as_ref().map(|stipple| stipple.dots);
+            let asked = asked.and_then(|dots| usize::try_from(dots).ok());
+            let stipple = session
+                .stipple()
+                .map(|_| asked.map_or(all, |dots| dots.max(all)));
             return Ok(Verdict { stipple, ..verdict });
         }
         let region = region(&run.domain);

@@ -214,6 +214,32 @@ fn the_exported_set_is_that_of_the_command_byte_for_byte() {
 }
 
 #[test]
+fn the_first_dots_in_a_file_are_judged_as_the_beginning_that_they_are() {
+    let mut state = made();
+    apply(&mut state, Command::Time(TimeCommand::Jump(800)));
+    let folder = tempfile::tempdir().expect("a folder");
+    let path = folder.path().join("a.csv");
+    write(&mut state, ExportKind::Samples, &path, &[]);
+
+    let mut other = State::new(Arc::new(|| {}));
+    other.settle();
+    let [set, certificate] = [&path, &certificate_path(&path)].map(|path| bytes(path));
+    drop_files(
+        &mut other,
+        &[
+            ("a.csv", &set),
+            ("a.csv.certificate.json", &certificate),
+            ("photo.jpg", PHOTO),
+        ],
+    );
+    let run = &other.runs().first;
+    assert_eq!(run.cursor(), Some((800, 800)), "{}", notice_text(&other));
+    let verdict = run.verdict().expect("a verdict");
+    assert_eq!((verdict.report.count, verdict.stipple), (800, Some(900)));
+    assert!(verdict.valid());
+}
+
+#[test]
 fn pictures_have_ink_on_paper_and_wrong_colours_are_refused() {
     let mut state = made();
     let folder = tempfile::tempdir().expect("a folder");
