@@ -72,7 +72,7 @@ pub fn show(ui: &mut Ui, context: &PanelContext<'_>, commands: &mut Vec<Command>
 /// Shows the rows of the stages.
 fn stages(ui: &mut Ui, context: &PanelContext<'_>, session: &Session, commands: &mut Vec<Command>) {
     let palette = context.palette;
-    head(ui, "change", palette);
+    head(ui, ["stage", "change"], palette);
 
     for (index, &stage) in session.stages.iter().enumerate() {
         let texts = [
@@ -99,11 +99,11 @@ fn stages(ui: &mut Ui, context: &PanelContext<'_>, session: &Session, commands: 
     }
 }
 
-/// Shows the row of the heads, of which the middle one is given.
-fn head(ui: &mut Ui, middle: &str, palette: &Palette) {
+/// Shows the row of the heads, of which the first two are given.
+fn head(ui: &mut Ui, [first, middle]: [&str; 2], palette: &Palette) {
     // It is never current. Without a key it cannot be clicked.
     let is_current = false;
-    row(ui, 0, ["", middle, "samples"], is_current, palette, None);
+    row(ui, 0, [first, middle, "samples"], is_current, palette, None);
 }
 
 /// Shows the levels: their radii, and how many samples there are to the end of each.
@@ -115,7 +115,7 @@ fn levels(
     commands: &mut Vec<Command>,
 ) {
     let palette = context.palette;
-    head(ui, "radius", palette);
+    head(ui, ["level", "radius"], palette);
 
     // Nested levels are always shown as a prefix, of at least one sample.
     let count = context.run.prefix().unwrap_or(1);
@@ -248,12 +248,6 @@ fn row(
     let third = rect.width() / 3.0;
     let cells = texts.into_iter().enumerate().map(|(column, text)| {
         let left = rect.left() + column as f32 * third;
-        // The names have no head on the screen.
-        let text = if text.is_empty() && key.is_none() {
-            "stage"
-        } else {
-            text
-        };
         let role = if column == 0 { first } else { rest };
         SpokenCell::new(role, text, Rangef::new(left, left + third))
     });
@@ -266,7 +260,13 @@ fn row(
         painter.rect_filled(rect, 5.0, palette.text.gamma_multiply(0.06));
     }
 
-    row_texts(painter, rect, texts, is_clickable, palette);
+    // The head of the names is only read aloud: on the screen it would say no more than they do.
+    let drawn = if is_clickable {
+        texts
+    } else {
+        ["", texts[1], texts[2]]
+    };
+    row_texts(painter, rect, drawn, is_clickable, palette);
     if is_clickable {
         response.on_hover_cursor(CursorIcon::PointingHand)
     } else {
