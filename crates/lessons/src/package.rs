@@ -115,7 +115,11 @@ pub enum PackageError {
     #[error("{0} no question, so that a course would get no score")]
     NoQuestion(&'static str),
     /// The page was built by another version of the program.
-    #[error("the page is of another version of the program: {0}; web/build makes it anew")]
+    // On a page it may have been replaced after it was loaded.
+    #[error(
+        "the page is of another version of the program: {0}; load the page again or, for \
+         the program, build it by web/build"
+    )]
     OtherVersion(&'static str),
     /// The archive or a part of it cannot be written.
     #[error("the archive cannot be written: {0}")]
