@@ -239,7 +239,7 @@ impl Fields<'_> {
         let is_stipple = ground.by == RadiusBy::Stipple;
         if ground.image.is_some() && !ground.is_mask() && !is_stipple {
             let command = Command::Form(FormCommand::CoverImage);
-            let why = "Covers the opaque pixels of the image alone; if all are opaque, those that are lighter than half grey. Then the radius is one number; an image of as many pixels that is dropped on the window gives it again.";
+            let why = "Covers the opaque pixels of the image alone; if all are opaque, those that are lighter than half grey. A radius that the image gave becomes one number; an image of as many pixels that is dropped on the window gives it again.";
             ui.link("Cover the image as a mask")
                 .on_hover_text(why)
                 .issues("cover-image", command, self.commands);
