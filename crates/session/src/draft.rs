@@ -347,10 +347,10 @@ fn value_of(parameter: Parameter, text: &str) -> Option<Result<Value, String>> {
     Some(value.ok_or_else(|| format!("\"{}\" is not {what}.", text.trim())))
 }
 
-/// Returns the number of samples that a text says, or why it says none.
+/// Returns the number of samples or of dots that a text says, or why it says none.
 fn count_of(text: &str) -> Result<u64, String> {
     let count = typed::whole(text).filter(|count| *count > 0);
-    let wrong = || format!("\"{text}\" is not a whole number of samples from 1 on.");
+    let wrong = || format!("\"{text}\" is not a whole number from 1 on.");
     count.ok_or_else(wrong)
 }
 

@@ -439,7 +439,12 @@ impl ExportSource<'_> {
     /// Returns the moment in a few words.
     pub(crate) fn moment_name(&self) -> String {
         if let Some((count, all)) = self.run.prefix().zip(self.run.session.as_ref()) {
-            let all = counted(all.summary.count, "sample", "samples");
+            let (one, many) = if self.is_stipple() {
+                ("dot", "dots")
+            } else {
+                ("sample", "samples")
+            };
+            let all = counted(all.summary.count, one, many);
             return format!("The first {} of {all}", grouped(count));
         }
         let stage = self.run.current_stage().map(|stage| stage.to_string());
