@@ -46,15 +46,17 @@ pub struct VerifyArguments {
 
 const EXAMPLES: &str = "\
 Without a certificate the radius must be given; sides and boundary that are not given are those of
-the periodic unit square. If none is given and the file has a column named radius, that no two samples are
-near is judged by their own radii; covering cannot be judged without the field. Only the region and the radius are taken from a certificate; the tolerance is
-always 2^-15. Of a set whose radius varies, or that covers a shape, the certificate states an expression
-and polygons; images must be given. A stipple is the beginning of a set: it may cover within more than the
-radius, as its certificate states, and that factor is measured again. A file does not show how its set was
-made: to check the fields listed as stated only, make the set again. A set of nested levels is verified
-level by level. A set in space is one whose certificate states a third side, or for which --depth does: cubes and covered
-circles judge it. A thinned set is judged against the points from which it was chosen, which --source has;
-without them, that no two of its points are near.
+the periodic unit square. If no radius is given and the file has a column named radius, no two
+samples may be near by their own radii: in the plane, or in a domain that is bounded unless
+--boundary says otherwise; covering cannot be judged without the field. Only the region and the
+radius are taken from a certificate; the tolerance is always 2^-15. Of a set whose radius varies, or
+that covers a shape, the certificate states an expression and polygons; images must be given. A
+stipple is the beginning of a set: it may cover within more than the radius, as its certificate
+states, and that factor is measured again. A file does not show how its set was made: to check the
+fields listed as stated only, make the set again. A set of nested levels is verified level by level.
+A set in space is one whose certificate states a third side, or for which --depth does: cubes and
+covered circles judge it. A thinned set is judged against the points from which it was chosen, which
+--source has; without them, that no two of its points are near.
 
 Examples:
   tilescope verify set.csv
