@@ -131,7 +131,7 @@ impl<'a> Looks<'a> {
         }
     }
 
-    /// Returns the looks of the same samples with all samples of nested levels present.
+    /// Returns the looks of the same samples with all samples of nested levels or of a stipple present.
     #[must_use]
     pub fn of_all_levels(&self) -> Self {
         let mut all = *self;

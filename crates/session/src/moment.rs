@@ -15,7 +15,8 @@ use crate::task::SessionRef;
 pub struct Moment {
     /// The stage that is current: the last one that has begun.
     pub stage: Stage,
-    /// How many events have happened, or of nested levels the number of samples; `None` without recorded events.
+    /// How many events have happened, or of nested levels and of a stipple the number of samples; `None`
+    /// without recorded events.
     pub cursor: Option<usize>,
 }
 
@@ -38,7 +39,8 @@ impl Moment {
         }
     }
 
-    /// Returns how many samples are there at a moment of nested levels: all at a moment without a number.
+    /// Returns how many samples are there at a moment of nested levels or of a stipple: all at a moment without a
+    /// number.
     #[must_use]
     pub fn prefix(&self, session: &Session) -> Option<usize> {
         let count = session.summary.count;
@@ -118,8 +120,8 @@ impl Moment {
         self.stage >= Stage::Tile && ids.into_iter().any(|id| self.covers(session, id))
     }
 
-    /// Returns whether a stage ends at this moment. Without events a session has only such moments, and nested levels, whose moments
-    /// are prefixes, have no others either.
+    /// Returns whether a stage ends at this moment. Without events a session has only such moments, and nested levels and
+    /// stipples, whose moments are prefixes, have no others either.
     #[must_use]
     pub fn ends_stage(&self, session: &Session) -> bool {
         session.has_prefixes()
@@ -156,7 +158,7 @@ pub struct ShownMoment<'a> {
     pub debugger: Option<&'a Debugger>,
     /// The stage that is current: the last one that has begun.
     pub stage: Stage,
-    /// Of nested levels, how many samples are shown.
+    /// Of nested levels or of a stipple, how many samples are shown.
     pub prefix: Option<usize>,
 }
 
@@ -184,8 +186,8 @@ impl<'a> ShownMoment<'a> {
         self.moment().covers(self.session, id)
     }
 
-    /// Returns the number of events that have happened, or of nested levels the number of samples; without either, the
-    /// stage's index.
+    /// Returns the number of events that have happened, or of nested levels and of a stipple the number of samples;
+    /// without either, the stage's index.
     #[must_use]
     pub fn cursor(&self) -> usize {
         let mut stages = self.session.stages.iter();

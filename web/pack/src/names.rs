@@ -59,8 +59,8 @@ pub fn is_later(name: &str) -> bool {
     is_picture(name) || is_table || name.ends_with(".webmanifest") || LATER.contains(&name)
 }
 
-/// The later part of the program, the lessons, the texts of packages, the voting card, the notes of a talk, what sends answers to a record store, the
-/// texts of these three, and what only the pages before the program use.
+/// The later part of the program, the lessons, the texts of packages, the voting card, the notes of a talk, what sends
+/// answers to a record store, the texts of these three, and what only the pages before the program use.
 const LATER: [&str; 9] = [
     LATER_PART,
     LESSONS,

@@ -512,8 +512,8 @@ fn controls(ui: &mut Ui, context: &TimeContext<'_>, with_ends: bool, commands: &
 /// Width of the field of the prefix beside its digits, in screen points.
 const PREFIX: f32 = 18.0;
 
-/// Shows a field for the number of samples that are shown of nested levels, to be typed or dragged; other sets have
-/// no such field.
+/// Shows a field for the number of samples that are shown of nested levels or of a stipple, to be typed or dragged;
+/// other sets have no such field.
 fn prefix(ui: &mut Ui, context: &TimeContext<'_>, commands: &mut Vec<Command>) {
     let (Some(mut count), Some(session)) = (context.run.prefix(), &context.run.session) else {
         return;
