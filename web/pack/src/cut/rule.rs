@@ -72,6 +72,8 @@ const EARLY: &[&str] = &[
     "tilescope_session::geometry",
     "tilescope_session::jobs",
     "tilescope_sets::varying::source",
+    // A link that is opened closes the sheet of an export.
+    "tilescope_workbench::export::form::ExportForm",
 ];
 
 /// Functions with at most so many bytes of code go where they are called. The linker makes one of functions that are
