@@ -12,12 +12,12 @@ const SIDE: f64 = 50.0;
 const REACH: i32 = 2;
 
 /// The chunks in view, by column and row.
-struct World<'a> {
-    plane: Plane<'a>,
+struct World {
+    plane: Plane,
     chunks: BTreeMap<[i32; 2], Vec<[f64; 2]>>,
 }
 
-impl World<'_> {
+impl World {
     /// Lets chunks come and go, and returns how many samples came and how many went.
     fn follow(&mut self, camera: [f64; 2]) -> Result<[usize; 2], SampleError> {
         let [column, row] = camera.map(|at| (at / SIDE).floor() as i32);

@@ -84,6 +84,7 @@ fn room_beside(ctx: &Context, context: &TimeContext<'_>, width: f32) -> f32 {
         None => "stage 9 of 9".to_owned(),
     };
     let digits = session.summary.count.to_string().len();
+
     // The numbers of stages and iterations are taken to have one digit. The largest radius is that of the first of
     // eleven levels.
     let texts = match context.run.prefix() {
@@ -97,6 +98,7 @@ fn room_beside(ctx: &Context, context: &TimeContext<'_>, width: f32) -> f32 {
         ],
         None => vec![format!("{most} samples"), moment, "iteration 9".to_owned()],
     };
+
     let text = joined(ctx, texts);
     let font = TextStyle::Monospace.resolve(&ctx.style_of(ctx.theme()));
     let job = LayoutJob::simple_singleline(text, font, Color32::WHITE);
