@@ -102,7 +102,7 @@ fn an_open_question_holds_the_levels_up_to_its_moment() {
 fn no_text_of_the_moment_names_ranks_while_a_question_is_open() {
     let mut state = settled();
     lesson(&mut state, LessonCommand::Open("ranks".to_owned()));
-    lesson(&mut state, LessonCommand::Go("fewer-samples".to_owned()));
+    lesson(&mut state, LessonCommand::Go("fewer".to_owned()));
     let names_ranks = |state: &State| {
         let texts = state
             .runs
