@@ -132,7 +132,7 @@ pub fn picture(open: &OpenLesson, style: PictureStyle, strokes: &[PenStroke]) ->
 
     let mut drawn = Group::new("pen");
     for stroke in strokes {
-        // In points, as the widths of the lines above; all are chosen, not measured.
+        // In points, as the widths of the lines in `marks`; all are chosen, not measured.
         let ink = Stroke::new(color(stroke.color(style.dark)), 3.0);
         let pairs = stroke.points.windows(2);
         let line =

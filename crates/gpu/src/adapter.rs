@@ -76,9 +76,10 @@ impl Limits {
 }
 
 impl AdapterReport {
-    /// Fails when a limit is too low for any run.
+    /// Fails when a limit is lower than the engine takes for granted.
     pub(crate) fn check(&self) -> Result<(), GpuError> {
-        // The other two limits only make windows smaller (`fit.rs`); without these two no window works.
+        // The other two limits only make windows smaller (`fit.rs`). These two are not fitted: passes bind that many buffers, and
+        // have workgroups for the largest frame, even where a smaller one needs fewer.
         let needed: [(&'static str, u64, u64); 2] = [
             (
                 "maxStorageBuffersPerShaderStage",

@@ -229,8 +229,8 @@ impl Draft {
         }
     }
 
-    /// Changes what follows from another parameter: exact tiling has no choice of some, and its pattern, unless it was
-    /// changed by hand, goes with the size of the set and the seed.
+    /// Changes the parameters that follow from the one just changed. With the change to exact tiling, those without a
+    /// meaning there get their defaults. The pattern follows the size of the set and the seed, unless it was changed by hand.
     fn follow(&mut self, before: &Parameters, changed: Parameter) {
         // A parameter that has no meaning in exact tiling gets its default.
         if self.parameters.method == TilingMethod::Exact && before.method == TilingMethod::Kdrt {

@@ -166,6 +166,7 @@ async fn run_on(
     pattern: &Arc<Pattern>,
     observer: &mut Reporter<'_>,
 ) -> Result<Run, GpuError> {
+    // Parameters that the CPU's engine refuses are refused here, too, and not as an error of the device.
     parameters.validate_sequential()?;
 
     if !keeps_everything(parameters)? {

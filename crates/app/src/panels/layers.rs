@@ -23,6 +23,7 @@ pub fn show(ui: &mut Ui, context: &PanelContext<'_>, commands: &mut Vec<Command>
         let appearance = context.appearance;
         let shown = appearance.layers(context.run.current_stage());
         let is_automatic = appearance.chosen_layers.is_none();
+        // A layer's chip shows its swatch. "Automatic" is no layer and has none.
         let automatic = ui
             .add(chip((None, "Automatic"), is_automatic, context.palette))
             .on_hover_text(ui.words(AUTOMATIC));

@@ -244,7 +244,8 @@ impl Classroom {
         let (translation, fault) = self.translation(name, &source);
 
         let step = match &self.lessons.open {
-            // A file that has changed opens at the step that was shown.
+            // A lesson that is opened again, as a file that has changed, opens at the step that was shown. Only files have their
+            // path in the source: the names distinguish other lessons.
             Some(open) if open.source == source && open.learner.lesson().name == name => {
                 // If that step is gone, the first one is shown.
                 let before = open.learner.step().name.clone();

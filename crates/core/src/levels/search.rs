@@ -323,7 +323,7 @@ impl CellSearch {
         //     |s - c|^2 - |n - c|^2 = |s - m|^2 - |n - m|^2 - 2 u (s - n),
         //
         // and the left side is at most 18 R, since no sample is nearer to c by more than the slack of candidates. Both axes
-        // of 2 u are at most the side. 64 units instead of 18 outweigh rounding.
+        // of 2 u are at most the side. 64 R instead of 18 R outweigh rounding.
         let slack = 64.0 * radius.units as f32;
         self.sites.retain(|site| {
             let apart = (*site - nearest).abs().as_vec2();

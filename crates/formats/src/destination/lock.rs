@@ -63,14 +63,15 @@ impl Drop for Lock {
     }
 }
 
-/// Whether `path` is a name of the open file, and no link.
+/// Whether `path` is a name of the open file, and no link; except on Unix, whether it is a name of any file.
 pub(crate) fn is_own(opened: &File, path: &Path) -> std::io::Result<bool> {
     let named = match fs::symlink_metadata(path) {
         Err(error) if error.kind() == std::io::ErrorKind::NotFound => return Ok(false),
         named => named?,
     };
 
-    // A name may lead to another file by now; except on Unix, only a link can be distinguished from it.
+    // The name may belong to another file by now. On Unix the numbers of device and file show that. Elsewhere only a link or a
+    // folder is noticed, and any other file of this name is taken for the open one.
     #[cfg(unix)]
     {
         use std::os::unix::fs::MetadataExt;

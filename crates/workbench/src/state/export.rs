@@ -353,6 +353,7 @@ impl ExportSource<'_> {
         let (Some(session), Some(moment)) = (&self.run.session, self.run.moment()) else {
             return Some(ExportRefusal::NoSession);
         };
+        // An animation shows events. The sets that never have any come first, as their refusals say why.
         match kind {
             ExportKind::Animation if session.combination.is_some() => {
                 Some(ExportRefusal::Combination)
@@ -362,7 +363,7 @@ impl ExportSource<'_> {
             ExportKind::Animation if session.recording().is_none() => Some(ExportRefusal::NoEvents),
             ExportKind::Samples if !moment.has_samples(session) => Some(ExportRefusal::NoSamples),
             ExportKind::Scenes if self.scenes().is_empty() => Some(ExportRefusal::NoScenes),
-            // A picture can be made of any session.
+            // Results and pictures can be made of any session, and the other kinds have what they need.
             _ => None,
         }
     }

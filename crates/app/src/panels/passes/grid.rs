@@ -129,8 +129,8 @@ impl ColumnEnds {
     }
 }
 
-/// Makes a row that is drawn one of the table for screen readers. Its first cell is of the role `first`, and others are heads
-/// of columns if that is one.
+/// Gives a drawn row to screen readers as row `index` of the table. Its first cell has the role `first`. If that is a head of a
+/// column, the other cells are such heads, too; otherwise they are plain cells.
 fn speak<T: Into<String>>(
     ui: &mut Ui,
     row: &Response,
@@ -286,10 +286,12 @@ fn fields(ui: &mut Ui, table: &BufferTable, palette: &Palette) {
     });
 }
 
-/// Makes a line one of the table for screen readers: a name and two values, or the heads of these in the first line.
+/// Gives a drawn line to screen readers as row `index` of the table: a name and two values, or, in row 0, the heads of these.
 fn speak_field(ui: &mut Ui, line: &Response, index: usize, texts: [&str; 3]) {
     let left = line.rect.left();
     let ends = field_ends(line.rect);
+    // The name begins at the left, and the first value ends at `ends[0]`. Nothing shows where one cell ends and the other begins,
+    // so that each gets half.
     let from = [0.0, ends[0] / 2.0, ends[0]];
     let to = [ends[0] / 2.0, ends[0], ends[1]];
     let roles = match index {

@@ -66,6 +66,7 @@ pub fn claims(each: &[Against], rows: &[EngineRate]) -> Vec<Claim> {
 /// Whether tiling is several times as fast as sampling from scratch, and why the paper's own ratio cannot be compared.
 fn rates(rows: &[EngineRate]) -> [Claim; 2] {
     // Rates on one thread are compared, since the reference sampler runs on one.
+    // Only tiling has leaves: the row of the reference sampler has none, and is not compared with itself.
     let is_alone = |row: &&EngineRate| row.leaf.is_some() && row.engine.threads() == Some(1);
     let alone: Vec<&EngineRate> = rows.iter().filter(is_alone).collect();
     let holds = alone.iter().all(|row| row.ratio.quartiles[1] >= FASTER);

@@ -51,7 +51,7 @@ impl Method {
             Self::Reference => words("reference", "reference"),
             Self::Again => words("reference, other seeds", "again"),
             Self::Kdrt { leaf, side } => {
-                // The name mentions the pattern only if it is not the default one, or if blocks do not fit into it.
+                // The name mentions the pattern only if it is larger than the default one, or if blocks do not fit into it.
                 let default = self.fits() && side <= PATTERN;
                 let pattern = if default {
                     String::new()

@@ -33,7 +33,7 @@ impl<const TAGS: bool> Region<TAGS> {
         gaps.pixels.clear();
         gaps.farthest = 0.0;
         gaps.candidates.clear();
-        // Indices of earlier windows stay: only those of cells with a bit in `open` are read.
+        // Indices of earlier windows stay: only those of cells with a bit in `gaps.open` are read.
         gaps.open_index.resize(self.frame.cell_count(), 0);
 
         self.find_open(gaps);
