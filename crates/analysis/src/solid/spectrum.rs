@@ -96,8 +96,9 @@ impl SolidSpectrum {
     ///
     /// # Errors
     ///
-    /// [`SolidError::Measure`] if one side is more than 65,536 times another, or `most` is not between a cycle along the shortest
-    /// side and 65,536 cycles along the longest; points and regions that cannot be judged are refused as by [`verify_solid`](crate::verify_solid).
+    /// [`SolidError::Measure`] if one side is more than 65,536 times another, or `most` is not between a cycle along the
+    /// shortest side and 65,536 cycles along the longest; points and regions that cannot be judged are refused as by
+    /// [`verify_solid`](crate::verify_solid).
     pub fn of(
         points: &[[f64; 3]],
         region: SolidRegion,

@@ -21,7 +21,8 @@ const BIN: f64 = 0.05;
 /// The longest distance of the pair correlation, in radii: there it is 1 to within a hundredth.
 const REACH: f64 = 4.0;
 
-/// Frequencies below which power is said to be low, and from which on anisotropy counts, in cycles to a radius, as of planar sets.
+/// Frequencies below which power is said to be low, and from which on anisotropy counts, in cycles to a radius, as of
+/// planar sets.
 const LOW: f64 = 0.3;
 
 /// Anisotropies of fewer frequencies scatter by decibels, and are not compared.
