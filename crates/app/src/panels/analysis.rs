@@ -19,6 +19,7 @@ use tilescope_session::words::{capital, grouped};
 use tilescope_ui::theme::semibold;
 use tilescope_ui::widgets::{Kebab, Known, heading};
 
+use super::common::named_bar;
 use super::content::{Content, Room};
 use plot::{Dash, Dragged};
 use tilescope_workbench::analysis::brush::{Brush, BrushAxis, FIRST_PEAK};
@@ -314,7 +315,7 @@ fn progress(
         }
 
         let bar = ProgressBar::new(fraction).desired_height(6.0);
-        ui.add(bar.desired_width(56.0).fill(palette.accent));
+        named_bar(ui, bar.desired_width(56.0), "Measuring", palette);
         ui.label(RichText::new(part.doing()).size(11.5).color(palette.muted));
     } else if measuring.failure(shown).is_some() {
         ui.button("Measure again")
@@ -486,7 +487,7 @@ fn brushed(ui: &mut Ui, context: &AnalysisContext<'_>, own: &mut Vec<AnalysisCom
         ui.set_height(24.0);
         if let Some(fraction) = context.analysis.marks.progress() {
             let bar = ProgressBar::new(fraction).desired_height(6.0);
-            ui.add(bar.desired_width(56.0).fill(palette.accent));
+            named_bar(ui, bar.desired_width(56.0), "Search", palette);
             let cancel = ui.button("Cancel the search");
             cancel.known_as("brush.cancel");
             if cancel.on_hover_text("Clears the brush.").clicked() {

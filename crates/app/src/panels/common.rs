@@ -10,7 +10,8 @@ use tilescope_drawing::palette::Palette;
 use tilescope_drawing::picture::Thumbnail;
 use tilescope_session::words::capital;
 use tilescope_ui::focus;
-use tilescope_ui::widgets::Known;
+use tilescope_ui::language::Worded;
+use tilescope_ui::widgets::{Known, name_group};
 
 use super::context::PanelContext;
 use crate::actions::{NO_EVENTS_OF_DOTS, NO_EVENTS_OF_LEVELS};
@@ -35,6 +36,12 @@ pub fn divide(ui: &mut Ui, palette: &Palette) {
         ui.allocate_exact_size(egui::vec2(ui.available_width(), 1.0), egui::Sense::hover());
     ui.painter().rect_filled(rect, 0.0, palette.line);
     ui.add_space(6.0);
+}
+
+/// Shows a bar without words, which for screen readers has a name.
+pub fn named_bar(ui: &mut Ui, bar: ProgressBar, name: &str, palette: &Palette) {
+    let shown = ui.add(bar.fill(palette.accent));
+    name_group(&shown, &ui.words(name));
 }
 
 /// Shows how far work is, and about how long it still takes. `name` is different for each work, `activity` says what

@@ -12,6 +12,7 @@ use tilescope_ui::language::Worded;
 use tilescope_ui::table::{SpokenCell, spoken_row, table};
 use tilescope_ui::widgets::{Kebab, Known, heading, primary_button, row};
 
+use super::common::named_bar;
 use super::content::{Content, Room};
 use crate::ENABLED;
 use tilescope_workbench::command::{Command, Which};
@@ -184,7 +185,7 @@ fn second(ui: &mut Ui, side: &RunView, palette: &Palette, commands: &mut Vec<Com
     match &side.sampling {
         Some(job) => {
             let bar = ProgressBar::new(job.fraction()).desired_height(6.0);
-            ui.add(bar.fill(palette.accent));
+            named_bar(ui, bar, "Sampling B", palette);
         }
         None => ui.add_space(6.0),
     }

@@ -7,7 +7,7 @@ use egui::{Align2, ProgressBar, RichText, TextEdit, Ui, Window};
 use tilescope_drawing::palette::Palette;
 use tilescope_ui::widgets::{Known, primary_button};
 
-use super::common::read_out;
+use super::common::{named_bar, read_out};
 use super::sheet::{above_middle, entered, escaped, just_opened, scrolled, select_all, width};
 use tilescope_workbench::command::Command;
 use tilescope_workbench::files::{FileCommand, FileForm, Purpose, missing_folder};
@@ -189,7 +189,7 @@ fn progress(ui: &mut Ui, state: &State, palette: &Palette, own: &mut Vec<FileCom
         ui.button("Cancel the file")
             .issues("file.cancel", FileCommand::Cancel, own);
         let bar = ProgressBar::new(fraction).desired_height(6.0);
-        ui.add(bar.fill(palette.accent));
+        named_bar(ui, bar, "Reading or writing", palette);
     }
 }
 

@@ -16,6 +16,7 @@ use tilescope_ui::theme::semibold;
 use tilescope_ui::widgets::{Icon, Kebab, Known, icon_button, name_group};
 
 use self::list::{color, mark};
+use super::common::named_bar;
 use super::content::{Content, Room};
 use super::context::PanelContext;
 use crate::ENABLED;
@@ -179,7 +180,7 @@ impl PassesPanel<'_> {
                 ui.button("Cancel")
                     .issues("passes.cancel", PassCommand::Cancel, self.commands);
                 let bar = ProgressBar::new(fraction).desired_width(160.0);
-                ui.add(bar.desired_height(8.0).fill(palette.accent));
+                named_bar(ui, bar.desired_height(8.0), "Passes", palette);
                 ui.label(RichText::new(activity).color(palette.muted));
             } else if let Some(notice) = passes.notice() {
                 let again = ui.button("List passes again");
