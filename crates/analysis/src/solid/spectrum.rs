@@ -125,9 +125,9 @@ impl SolidSpectrum {
 
         let all = chosen.concat();
         let monitor = Monitor::begin(control, points.len() as u64)?;
-        let powers = powers(points, region, &all, &monitor)?;
+        let of_all = powers(points, region, &all, &monitor)?;
 
-        let mut rest = &powers[..];
+        let mut rest = &of_all[..];
         let of_shell = |frequencies: &Vec<Frequency>| {
             let (own, others) = rest.split_at(frequencies.len());
             rest = others;

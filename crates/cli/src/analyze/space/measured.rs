@@ -47,7 +47,7 @@ pub struct Measured {
 /// The choices that hold for all sets.
 pub struct Request<'a> {
     pub set: &'a SetArguments,
-    /// The largest frequency, if one is given.
+    /// The largest frequency as nu, if one is given.
     pub most: Option<f64>,
 }
 
@@ -200,7 +200,7 @@ fn numbers_of_curves(
     let highest = shells.max_by(|a, b| a.power.total_cmp(&b.power));
     let many = high.iter().filter(|shell| shell.count >= FEW);
     let anisotropy = many.map(|shell| shell.anisotropy_db).max_by(f64::total_cmp);
-    let nearest = correlation.g.iter().copied().max_by(f64::total_cmp);
+    let largest = correlation.g.iter().copied().max_by(f64::total_cmp);
 
     vec![
         number(
@@ -219,7 +219,7 @@ fn numbers_of_curves(
         ),
         number("low_power", "power below 0.3 / r", "", 4, low_power),
         number("anisotropy", "largest anisotropy", "dB", 2, anisotropy),
-        number("peak_correlation", "largest g(r)", "", 2, nearest),
+        number("peak_correlation", "largest g(r)", "", 2, largest),
     ]
 }
 
