@@ -148,7 +148,7 @@ const COMPARISONS: [(&str, &str); 8] = [
     ("line=", "Events of a line of pseudocode, such as insert.3."),
     (
         "verdict=",
-        "Examined places: accepted, too-far, outside, covered or not-nearest.",
+        "Examined places: accepted, too-far, outside, covered, not-nearest or thinned.",
     ),
 ];
 

@@ -348,9 +348,10 @@ impl Classroom {
         let Some(open) = &self.lessons.open else {
             return;
         };
-        // A page around or a file may have given the name: nothing in it may end the quotes, or be more than a name for a shell.
+        // A page around or a file may have given the name: nothing in it may end the quotes, be more
+        // than a name for a shell, or name another folder.
         let safe = |text: &str| -> String {
-            let is_plain = |c: char| c.is_alphanumeric() || "-_. /\\:".contains(c);
+            let is_plain = |c: char| c.is_alphanumeric() || "-_. ".contains(c);
             let characters = text.chars();
             characters
                 .map(|c| if is_plain(c) { c } else { '_' })
