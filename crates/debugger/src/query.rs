@@ -258,6 +258,7 @@ impl Term {
                     // Numbers of events begin with 1 wherever a user meets them.
                     NumberField::Event => Some(index as i64 + 1),
                     NumberField::Iteration => Some(context.iteration.into()),
+                    // Each kind of event has a depth, but not every event is of a block.
                     NumberField::Depth => Some(event.depth().into()),
                     NumberField::Block => block(recording, event).map(i64::from),
                 };
@@ -279,7 +280,8 @@ impl Term {
     }
 }
 
-/// Returns the block of an event: its own, that of its first sample, or the block in which an inserted sample lies.
+/// Returns the block of an event: the one that it makes or gives a clip; else that of its first sample, which for an
+/// inserted sample is the block in which it lies. `None` if the event names no sample.
 #[must_use]
 pub fn block(recording: &Recording, event: &Event) -> Option<u32> {
     if let Some(RunEvent::Leaf { block } | RunEvent::Clip { block }) = event.run_event() {
@@ -289,7 +291,7 @@ pub fn block(recording: &Recording, event: &Event) -> Option<u32> {
     let sample = event.samples()[0];
     match recording.run().samples.origins.get(sample as usize)? {
         Origin::Tiled { block, .. } => Some(*block),
-        // An insertion fills a gap of any block. The block is the one whose rectangle holds the place.
+        // An inserted sample comes from no block: the one whose rectangle holds its place counts.
         Origin::Inserted { .. } => {
             let point = recording.point(sample)?;
             let leaves = &recording.run().blocks.leaves;

@@ -228,8 +228,8 @@ pub enum SessionError {
 #[derive(Deserialize)]
 struct Head {
     version: u32,
-    /// Sessions that this program writes have it among their parameters. One that names another than these must not pass for
-    /// a run by theirs.
+    /// Sessions that this program writes have their method among the parameters. One that names it here must not be
+    /// read as a run by the method that parameters without one stand for, KDRT.
     method: Option<String>,
 }
 
@@ -249,7 +249,8 @@ impl Session {
         }
 
         let mut session: Self = json::from_text(text)?;
-        // A method that stands beside the parameters, not among them, counts as well.
+        // A method that stands beside the parameters, not among them, counts as well. KDRT needs nothing: it is
+        // the method of parameters without one.
         if method.as_deref() == Some("exact") {
             session.parameters.method = TilingMethod::Exact;
         }
@@ -340,7 +341,8 @@ impl Session {
             self.pattern.iter().map(|p| p.path.as_str()),
         )?;
 
-        // A maximal set has about this many samples. Faults of the parameters are left to the run, which reports them.
+        // A maximal set has about this many samples; of a run in a field or a shape this is the number for the whole
+        // rectangle at the parameters' radius. Faults of the parameters are left to the run, which reports them.
         if let Ok(domain) = self.parameters.validate() {
             let samples = MAXIMAL_DENSITY * domain.area_radii();
             within("expected samples", samples as usize, MAX_SAMPLES)?;

@@ -40,8 +40,9 @@ impl Neighbors<'_> {
             (sides.to_array()).map(|side| (distance / side + 2.0 * Grid::ROUNDING).ceil() as usize);
         let periodic = grid.domain.periodic;
 
-        // Each pair of cells is met once, from the one behind. But of two cells that reach each other both ways around the
-        // torus none is ahead: then all cells are looked at, and each pair is met twice.
+        // Each pair of cells is met once, from the one behind. But of two cells that reach each other both ways around
+        // the torus none is ahead: then all cells are looked at, and each pair is met twice. So few cells are rare, and
+        // in a bounded domain they are treated alike.
         let [all_columns, all_rows] = [0, 1].map(|axis| 2 * reach[axis] + 1 >= cells[axis]);
         let columns = near(column, reach[0], cells[0], periodic);
         let rows = if all_rows {

@@ -1,16 +1,16 @@
 //! When two places are near each other: the one rule for conflicts and for coverage.
 
-/// Returns how far two places of these radii may be apart to be near each other.
+/// Returns how far two places of these radii, which are positive, may be apart to be near each other: the harmonic mean
+/// of the radii, rounded up.
 pub(super) const fn reach(a: i64, b: i64) -> i64 {
-    // Rounded up, so that equal radii are their own mean.
     (2 * a * b + a + b - 1) / (a + b)
 }
 
 /// Returns whether two places of these radii, whose squared distance is given, are near each other.
 #[inline]
 pub(super) const fn is_near(distance_squared: i64, a: i64, b: i64) -> bool {
-    // A harmonic mean lies between the smaller number and the arithmetic mean, here rounded up as well. These two tests
-    // decide nearly always, and they need no division.
+    // The harmonic mean lies between the smaller radius and the arithmetic mean, here rounded up as well. These two
+    // tests decide nearly always, and they need no division.
     let smaller = if a < b { a } else { b };
     if distance_squared <= smaller * smaller {
         return true;

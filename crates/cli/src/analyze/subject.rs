@@ -28,8 +28,9 @@ pub struct Subject {
     pub spectrum: Spectrum,
     /// Radial mean power, anisotropy and pair correlation, by their names in CSV and JSON.
     pub curves: [(&'static str, Curve); 3],
-    /// Mean powers, by the spread between sets.
+    /// Radial mean powers, with errors from the spread between sets.
     powers: MeanCurve,
+    /// The pair correlation, with errors of the same kind.
     correlations: MeanCurve,
 }
 
@@ -72,7 +73,7 @@ pub struct Population {
     members: Vec<Member>,
     distances: Vec<f64>,
     periodograms: MeanPeriodogram,
-    /// The shown parts of the first periodogram: those of the mean as long as it is the only one.
+    /// The spectrum of the first set. It is that of the mean, too, as long as no second set was added.
     first: Option<Arc<Spectrum>>,
     powers: Option<Average>,
     correlations: Option<Average>,

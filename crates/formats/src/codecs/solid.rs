@@ -1,5 +1,5 @@
-//! Sets in space as files: points x, y, z in file coordinates. Of the formats those have them whose readers expect three numbers
-//! a point; a planar set in one of them has z = 0.
+//! Sets in space as files: points x, y, z in file coordinates. Only formats whose readers expect three numbers a point
+//! hold them; a planar set in such a format has z = 0.
 
 use super::{Hint, detected, npy, ply, table, utk};
 use crate::binary;
@@ -50,7 +50,11 @@ pub(crate) fn decode(bytes: &[u8], hint: &Hint<'_>) -> Result<SolidRaw, FormatEr
     let (points, precision) = match format {
         Format::Npy => npy::read_solid(bytes)?,
         Format::UtkBinary => utk::read_solid_binary(bytes, hint.set)?,
-        Format::UtkText => (utk::text_of(bytes, hint.set)?.0, Precision::Double),
+        // Decimals are read in double precision, however many digits the text has.
+        Format::UtkText => {
+            let (points, _sets_in_file) = utk::text_of(bytes, hint.set)?;
+            (points, Precision::Double)
+        }
         // x and y are read as of a planar set, whatever z is, and then z as a column by itself. A choice of two columns
         // is one of a plane, and is not used.
         Format::Csv | Format::Xyz => {
@@ -84,7 +88,8 @@ fn in_space(planar: &[[f64; 2]], heights: &[f64]) -> Vec<[f64; 3]> {
     each.map(|(&[x, y], &z)| [x, y, z]).collect()
 }
 
-/// The bytes of a file of points in file coordinates, which are at least one.
+/// The bytes of a file of points in file coordinates. Fails without a point. Text has the shortest decimals that read
+/// back as the same numbers, whatever `precision` is.
 pub(crate) fn encode(
     points: &[[f64; 3]],
     format: Format,

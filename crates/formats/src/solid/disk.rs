@@ -25,6 +25,7 @@ pub fn export_solid(
     context: &SolidContext,
     control: Control<'_>,
 ) -> Result<SolidExported, ExportError> {
+    // The set goes to the disk through `store`, and the certificate as the bytes that the closure returns first.
     let (exported, certificate_path) = stored_at(path, |store, name| {
         let exported = export_through(store, name, points, context, control)?;
         Ok((exported.certificate_bytes.clone(), exported))
@@ -59,7 +60,9 @@ pub fn export_solid_unverified(
     write_whole(path, &bytes)
 }
 
-/// Re-verifies the file `path` with a set in space, as [`check_solid_bytes`] does.
+/// Re-verifies the file `path` with a set in space, as [`check_solid_bytes`] does. `depth` is the third side, which
+/// overrides lack, as they are those of planar sets; without it the certificate's counts. Returns the points
+/// with the check.
 ///
 /// # Errors
 ///
@@ -81,7 +84,7 @@ pub fn check_solid(
 }
 
 /// The set in space in the file `path`, with its certificate compared with the file as [`read`](crate::read) compares that of a
-/// planar set.
+/// planar set. `depth` is as in [`check_solid`].
 ///
 /// # Errors
 ///
