@@ -62,7 +62,8 @@ pub(crate) struct JudgedSet {
 }
 
 impl Report {
-    /// Returns the report on a set. The lengths in `found` are in the domain's unit: they were multiplied by `scale`.
+    /// Returns the report on a set. Lengths in `found` are those of the samples' unit, multiplied by `scale`; all
+    /// others are in the samples' unit.
     pub(crate) fn new(set: JudgedSet, scale: f64, found: Findings) -> Self {
         let JudgedSet {
             count,
@@ -98,7 +99,8 @@ impl Report {
             region,
             radius,
             covering_tolerance,
-            // Searches stop counting somewhere beyond the limit, so that the number itself means nothing there.
+            // Searches stop counting conflicts somewhere beyond the limit, so that the number itself means nothing
+            // there. Gaps are all counted.
             conflicts: found.conflicts.min(MAX_CONFLICTS),
             worst_conflicts: conflicts.into_iter().map(conflict).collect(),
             gaps: found.gaps,

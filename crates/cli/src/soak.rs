@@ -387,6 +387,7 @@ fn round(parameters: &Parameters, dice: &Dice, verify: &VerifyOptions) -> Result
         Sequential::new(parameters, std::sync::Arc::clone(&pattern))?.finish(&mut Unobserved)?;
 
     let points = run.points();
+    // The points alone are compared: from which block each sample is need not be recorded.
     let sources = false;
     let (swept, summary) = Sweep::new(parameters, &pattern, sources)?.finish(&mut Unobserved)?;
     let engines_agree = swept.points == points && summary == run.summary();

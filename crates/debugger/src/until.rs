@@ -60,7 +60,7 @@ impl Recording {
     #[must_use]
     pub fn until(&self, cursor: usize) -> Self {
         let cursor = cursor.min(self.len());
-        // Levels have no stages that could be cut: the first samples are all there is.
+        // A recording of nested levels has samples alone, whose events are their arrivals: no stage could be cut.
         if let Some(first) = self.first_of_levels(cursor) {
             return first;
         }

@@ -33,14 +33,16 @@ impl Separator {
         }
     }
 
-    /// The separator that a line such as `sep=;` states; the inner error is what it states instead of one.
+    /// The separator that a line such as `sep=;` states; `None` for other lines. The inner error is what stands in the
+    /// place of a separator.
     pub fn stated(line: &[u8]) -> Option<Result<Self, &[u8]>> {
         // Blanks are not trimmed: one of them may be the separator.
         let inner = line
             .strip_prefix(b"\"")
             .and_then(|inner| inner.strip_suffix(b"\""));
-        let (key, value) = inner.unwrap_or(line).split_at_checked(4)?;
-        if !key.eq_ignore_ascii_case(b"sep=") {
+        let key = b"sep=";
+        let (start, value) = inner.unwrap_or(line).split_at_checked(key.len())?;
+        if !start.eq_ignore_ascii_case(key) {
             return None;
         }
         Some(match value {

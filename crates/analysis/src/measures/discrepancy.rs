@@ -46,7 +46,9 @@ impl Discrepancy {
         region: Region,
         control: Control<'_>,
     ) -> Result<Self, MeasureError> {
-        check_set(points, region, 1)?;
+        // The closed forms need a sample, and no second one.
+        let fewest = 1;
+        check_set(points, region, fewest)?;
         let monitor = Monitor::begin(control, work(points.len()))?;
         let extent = DVec2::new(region.width, region.height);
         let mut places: Vec<_> = (points.par_iter())

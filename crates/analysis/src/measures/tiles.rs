@@ -162,8 +162,8 @@ impl<'a> CellTile<'a> {
     fn seen(&self, view: &TileView) -> Result<Option<Vec<VoronoiCell>>, VerifyError> {
         let (positions, own) = self.positions(view);
         let size = view.high - view.low;
-        // The view is a part of the domain, whose sides cut the cells there also where the domain is a torus. A cell
-        // that is cut by a side that is not the domain's does not follow, see below.
+        // The view is triangulated as a bounded domain of its own, also on a torus: its sides cut the cells there. A
+        // cell that is cut by a side that is not the domain's does not follow, see below.
         let region = Region {
             width: size.x,
             height: size.y,

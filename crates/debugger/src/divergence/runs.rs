@@ -110,7 +110,8 @@ impl Pair<'_> {
             return Some(differ(Stage::Blocks, Some(low), text(low), text(other)));
         }
 
-        // Lists that agree as far as the shorter one reaches differ by their lengths alone.
+        // Lists that agree as far as the shorter one reaches differ by their lengths alone. There is a split less than
+        // leaves, so that the leaves decide for both lists.
         let text = |blocks: usize| count(blocks as u64, "block");
         let (m, n) = (a.leaves.len(), b.leaves.len());
         let nowhere = None;

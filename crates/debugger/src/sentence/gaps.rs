@@ -66,7 +66,8 @@ impl Words<'_> {
         format!("the candidate at {at} is passed over: {inserted}{apart} covers it")
     }
 
-    /// Returns the sentence of a candidate that a detector examines, with its verdict.
+    /// Returns the sentence of a candidate that a detector examines, with its verdict. `offset` is its place from the
+    /// detector.
     pub(super) fn candidate(
         &self,
         detector: u32,

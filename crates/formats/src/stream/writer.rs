@@ -114,7 +114,8 @@ impl Appending {
     }
 }
 
-/// Writes and digests blocks. A second thread waits for the device, so that writing goes on meanwhile.
+/// Writes and digests blocks. A second thread waits for the device, so that writing goes on meanwhile. For the blocks
+/// after its last request the owner of the file waits, when it has written the head.
 fn append_all(
     mut file: &File,
     incoming: &Receiver<Vec<u8>>,

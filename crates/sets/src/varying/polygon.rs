@@ -256,7 +256,8 @@ fn add(object: &Value, rings: &mut Vec<Vec<[f64; 2]>>) -> Result<(), String> {
             add_polygon(polygon, rings)
         }),
         Some(other) => {
-            // The type may be any text of the file, and a message is to stay one.
+            // The file may have any text here, of any length: a message shows its beginning. 40 is chosen, not
+            // measured.
             let shown: String = other.chars().take(40).collect();
             Err(format!(
                 "GeoJSON {shown} has no area; Polygon and MultiPolygon have"

@@ -126,8 +126,8 @@ impl StippleRecipe {
             if (self.dots..=most).contains(&found) {
                 break;
             }
-            // The count goes with the square of the scale, but for borders and steep places. Without any dot the radius
-            // would become 0, of which no further try could recover.
+            // The count falls with the square of the radius of black, but for borders and steep places. Without any dot
+            // this radius would become 0, and stay so in all further tries.
             black *= (found.max(1) as f64 / aim).sqrt();
         }
 
@@ -251,7 +251,8 @@ impl StippleRecipe {
 
         let parameters = self.stated(&recipe, &ground);
         let domain = *ground.field.domain();
-        // Darkness goes with the inverse square of the radius, which is limited in two ways.
+        // Darkness goes with the inverse square of the radius. The largest radius is that of the density's cap or, if
+        // it is smaller, that which the lattice can hold beside the least one.
         let largest = ground.limit.min(DENSITY_CAP * black);
         let lightest = (black / largest).powi(2);
         Stipple {
