@@ -42,8 +42,9 @@ pub fn run(arguments: &SampleArguments, asked: &[f64]) -> Result<u8> {
                 arguments.engine.makes_windows(arguments.run.asked.variant),
                 "--window needs the parallel engine: the others, also the GPU's, make whole sets"
             );
-            // Only the window is in memory, and `check_size` limits it. A count is allowed: of a large set its radius
-            // is as a rule an estimate, which a small set confirms, and the whole set is not made.
+            // Only the window is in memory, and `check_size` limits it, so that the set may have any size. `--count` is
+            // allowed: the radius of a large set is estimated and as a rule confirmed by a smaller set, so that the
+            // whole set need not be made.
             let in_memory = false;
             let run = arguments.run.settle(recipe, in_memory, &mut watch)?;
             let plane = Plane::new(&run.parameters, &run.pattern)?;
@@ -205,12 +206,14 @@ fn text(
 ) -> String {
     let whole = &report.whole;
     let first_lines = head(corners, domain, count, seconds);
+    // In radii, so that the limit is 1, which need not be shown beside it.
+    let (least, decimals) = (whole.min_distance / whole.radius, 9);
+    let (min_distance, _limit) = output::compared(least, 1.0, decimals);
     format!(
-        "{first_lines}conflict-free  {}   min distance {} r\n\
+        "{first_lines}conflict-free  {}   min distance {min_distance} r\n\
          maximal        {}\n\
          verdict        {}\n",
         output::conflicts_answer(whole.conflicts),
-        output::compared(whole.min_distance / whole.radius, 1.0, 9).0,
         output::answer(report.gaps == 0, report.gaps),
         output::validity(report.valid()),
     )

@@ -23,7 +23,8 @@ use crate::memory::ask_to_read;
 use crate::task::run;
 use crate::values::{named, real_if_given, whole};
 
-/// To judge a sample, or to save it, in bytes: its images, those near the cubes that are cut, and the file.
+/// Bytes to judge or to save a sample: its images beyond a periodic box, its entries in the lists of samples near the
+/// cubes that the judge cuts, and its row of the file. Chosen, not measured.
 const HANDLING: f64 = 400.0;
 
 /// Positions, and facts as JSON.
@@ -281,7 +282,9 @@ pub fn read_file_in_space<'py>(
     // The certificate fills in missing arguments, and is compared when the file is read.
     let stated = solid_certificate(&path);
     let (overrides, depth) = given(size, boundary, radius, format_name, stated.as_ref())?;
-    let read = run(py, None, |_| {
+    // Reading reports no progress.
+    let progress = None;
+    let read = run(py, progress, |_| {
         ask_to_read(&path)?;
         read_solid(&path, &overrides, depth).map_err(Failure::from)
     })?;

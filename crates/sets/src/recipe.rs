@@ -155,7 +155,7 @@ impl Recipe {
         };
 
         let mut used = self.stated(domain.radius());
-        // A certificate states the parameters that matter alone: the same ones make the set again.
+        // A certificate states only the parameters that matter: the same ones make the set again.
         used.retain(|name, _| OF_REFERENCE.contains(&name.as_str()));
         Ok(Made {
             set: PointSet::from_points(domain.users_from_lattice(&points)),
@@ -163,8 +163,9 @@ impl Recipe {
         })
     }
 
-    /// Makes the set by exact tiling, from the pattern that the parameters describe: a given one has no arrival order. The
-    /// facts state how many samples the pattern has, how many there are for each of them, and what follows.
+    /// Makes the set by exact tiling, from the pattern that the parameters describe. Callers refuse a given one, as
+    /// nothing says in which order its samples arrived. The facts state how many samples the pattern has, how many
+    /// there are for each of them, and what follows.
     ///
     /// # Errors
     ///

@@ -56,7 +56,9 @@ impl Words<'_> {
         })
     }
 
-    /// Returns the sentence of a dart that lands or, if it is `ranked`, of one whose turn comes; `index` is its event's.
+    /// Returns the sentence of a dart that lands or, if it is `ranked`, of one whose turn comes; `index` is its
+    /// event's. `None` for verdicts that no dart gets, and if the recording lacks the sample that covers the dart: then
+    /// the sentence is that of any run.
     fn local_dart(
         &self,
         locality: &Locality,

@@ -7,7 +7,7 @@ use tilescope_core::Stage;
 use crate::scene::Scene;
 use crate::surface::{Stroke, Surface, Tag};
 
-/// The smallest width of a block that shows its number, in screen points.
+/// The shortest side of a block that shows its number, in screen points.
 const MIN_LABELLED: f32 = 84.0;
 /// The opacity of the tints: at the stage of the blocks, and later.
 const TINTS: [f32; 2] = [0.20, 0.085];
@@ -65,11 +65,9 @@ pub fn clips(scene: &Scene<'_>, surface: &mut impl Surface) {
     let context = scene.shown.context().filter(|_| is_tiling);
     let is_drawn = |index: u32| context.is_none_or(|context| context.block == Some(index));
     // The clips of exact tiling are the blocks themselves.
-    let margin = if scene.session.is_exact() {
-        0.0
-    } else {
-        scene.scale()
-    };
+    let margin_in_radii = if scene.session.is_exact() { 0.0 } else { 1.0 };
+    // The scale is the screen points in one r.
+    let margin = margin_in_radii * scene.scale();
 
     for (index, rect) in visible(scene).filter(|(index, _)| is_drawn(*index)) {
         // A clip is cut a little outside the view, since there could be millions of dashes farther out.

@@ -155,17 +155,18 @@ impl Checkpoint {
         count: u64,
         left: usize,
     ) -> Result<(), ExportError> {
-        let stated = &self.rows_digest;
-        if stated != digest {
-            let reason =
-                format!("the digest of its rows is {digest}, and the checkpoint's is {stated}");
+        let stated_digest = &self.rows_digest;
+        if stated_digest != digest {
+            let reason = format!(
+                "the digest of its rows is {digest}, and the checkpoint's is {stated_digest}"
+            );
             return Err(fault(&partial_path(path), reason));
         }
 
-        let (stated, bytes) = (self.count, self.bytes);
-        if left > 0 || stated != count {
+        let (stated_count, bytes) = (self.count, self.bytes);
+        if left > 0 || stated_count != count {
             let reason = format!(
-                "it states {stated} points in {bytes} bytes, which are {count} points and {left} bytes"
+                "it states {stated_count} points in {bytes} bytes, which are {count} points and {left} bytes"
             );
             return Err(fault(&resume_path(path), reason));
         }

@@ -252,7 +252,7 @@ impl StippleRecipe {
         let parameters = self.stated(&recipe, &ground);
         let domain = *ground.field.domain();
         // Darkness goes with the inverse square of the radius. The largest radius is that of the density's cap or, if
-        // it is smaller, that which the lattice can hold beside the least one.
+        // that is smaller, the largest that the field can have beside its least one.
         let largest = ground.limit.min(DENSITY_CAP * black);
         let lightest = (black / largest).powi(2);
         Stipple {

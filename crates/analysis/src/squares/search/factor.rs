@@ -60,6 +60,7 @@ pub(in super::super) fn covering_factor(
         // places is the same in any order.
         let so_far = largest;
         let of_tile = |column: usize| {
+            // The factor alone is wanted, and no places of holes.
             let witnesses = 0;
             let mut search = TileSearch::new(judge, &tiles, [column, row], witnesses);
             let found = search.largest_factor(&tiles, so_far);

@@ -326,6 +326,7 @@ impl JoinedSamples {
             for row in 0..rows {
                 for piece in pieces {
                     // Rows of cells of a band follow each other over all of its windows: that is the canonical order.
+                    // `rows` has, for each row of a window, how many of its samples lie in the rows up to it.
                     let first = if row == 0 {
                         0
                     } else {

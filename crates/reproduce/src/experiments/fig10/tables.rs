@@ -26,7 +26,8 @@ fn plates(all: &[SamplerResults]) -> Table {
         let mean = |value: fn(&PlateErrors) -> f64| {
             Summary::of(one.plates.iter().map(value)).map(|all| all.mean)
         };
-        // A single set has no deviation.
+        // Sizes are those of the first set: all sets of a sampler were asked for the same. A single set has no
+        // deviation.
         let errors = Summary::of(one.plate_errors()).filter(|errors| errors.count > 1);
 
         json!({

@@ -24,7 +24,8 @@ pub struct StippleLook {
 }
 
 impl StippleLook {
-    /// Returns the drawing of dots at these points, whose field the judge knows. `black` is the radius of black.
+    /// Returns the drawing of dots at these points; `judged` has their field, and `black` is the radius of black. If
+    /// the tone of the image `is_inverted`, its light places have the dots, and the paper is black.
     #[must_use]
     pub fn drawing(
         &self,

@@ -174,6 +174,8 @@ impl<const TAGS: bool> Region<TAGS> {
 
         for (k, &a) in sites.iter().enumerate() {
             for (place, other) in border.places(a, &sites[k + 1..], |m| *m) {
+                // A place on a line is as far from `a` as from another site; a corner of the domain is seen from `a`
+                // alone.
                 let made_by = match other {
                     Some(&m) => &[a, m][..],
                     None => &[a],
