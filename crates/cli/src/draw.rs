@@ -254,7 +254,7 @@ fn scene(arguments: &DrawArguments, read: &ReadSet, region: Region) -> Result<Sc
 fn own_radii(arguments: &DrawArguments, read: &ReadSet) -> Result<Option<Vec<f64>>> {
     let (file, set, ground) = (&arguments.file, &arguments.set, &arguments.ground);
     let stated = read.certificate.as_ref();
-    // One radius that is given is that of all disks; and where there are none, no field need be given.
+    // One radius that is given is that of all disks. For a picture without disks no field need be given.
     if arguments.no_disks || (set.radius.is_some() && !ground.is_given()) {
         return Ok(None);
     }

@@ -79,6 +79,7 @@ impl ThinnedFacts<'_> {
             rounding: None,
             positions_digest: positions_digest(&read.set.points),
             digest: Some(bytes_digest(self.data)),
+            // A certificate has no field besides these.
             others: NoOther,
         };
         stated.with_version()

@@ -249,6 +249,7 @@ impl Walk<'_> {
             active: node.active_descendant().as_ref().and_then(number_of),
             children: Vec::new(),
             size: node.row_count().zip(node.column_count()).map(Into::into),
+            // The program's tables give rows an index of the row alone, and cells one of the column alone.
             index: (node.row_index().or(node.column_index())).map(|index| index + 1),
         }
     }

@@ -184,8 +184,7 @@ impl Circles<'_> {
 
     /// Returns the circle through three samples, and whether it is larger than the limit. None for samples on a line.
     fn vertex(&self, indices: [usize; 3], limit: f64) -> Option<(Gap, bool)> {
-        let sites = self.in_sequence(indices);
-        let [first, second, third] = sites.map(|(_, site)| site);
+        let [first, second, third] = self.in_sequence(indices);
         let (a, b) = (self.between(first, second), self.between(first, third));
         let c = b - a;
 
@@ -225,7 +224,7 @@ impl Circles<'_> {
     /// Returns the circle about the crossing of two samples' bisector with a line of the border, and whether it is larger than
     /// the limit. None for a bisector parallel to the line.
     fn crossing(&self, indices: [usize; 2], line: BorderLine, limit: f64) -> Option<(Gap, bool)> {
-        let [first, second] = self.in_sequence(indices).map(|(_, site)| site);
+        let [first, second] = self.in_sequence(indices);
         let (axis, level) = (line.axis, line.level(self.extent()));
         let [p, q] = [first, second].map(|site| site.position);
         let (p_off, q_off) = (p[axis] - level, q[axis] - level);
@@ -259,7 +258,7 @@ impl Circles<'_> {
 
     /// Returns the circle about a corner of the region, and whether it is larger than the limit.
     fn corner(&self, lines: [BorderLine; 2], limit: f64) -> (Gap, bool) {
-        let [(_, site)] = self.in_sequence([self.index]);
+        let [site] = self.in_sequence([self.index]);
         let extent = self.extent();
         let mut corner = DVec2::ZERO;
         for line in lines {
@@ -282,8 +281,8 @@ impl Circles<'_> {
 
     /// Returns samples with the shifts of their copies, in periods, in an order that does not depend on which cell is
     /// cut: by index, shifted so that the first one is no copy.
-    fn in_sequence<const N: usize>(&self, indices: [usize; N]) -> [(u32, Site); N] {
-        let mut sites = indices.map(|index| {
+    fn in_sequence<const N: usize>(&self, indices: [usize; N]) -> [Site; N] {
+        let mut with_ids = indices.map(|index| {
             let Sample { position, id } = self.samples.at(self.tile.source[index] as usize);
             // In a bounded region the periods are infinite, and no sample is moved.
             let moved =
@@ -292,10 +291,11 @@ impl Circles<'_> {
             (id, Site { position, periods })
         });
 
-        sites.sort_unstable_by_key(|(id, site)| (*id, site.periods));
+        with_ids.sort_unstable_by_key(|(id, site)| (*id, site.periods));
+        let mut sites = with_ids.map(|(_, site)| site);
         // All cells that see these samples shift them alike, and so compute the same bits.
-        let home = sites[0].1.periods;
-        for (_, site) in &mut sites {
+        let home = sites[0].periods;
+        for site in &mut sites {
             site.periods = [0, 1].map(|axis| site.periods[axis] - home[axis]);
         }
         sites

@@ -321,13 +321,15 @@ impl Classroom {
         let name = &open.learner.lesson().name;
         let german = match &open.source {
             LessonSource::Shipped => self.lessons.shipped(name).map(|own| own.german.to_string()),
-            // As the command takes it: from the file beside the lesson's, if there is one.
+            // From the file beside the lesson's, if there is one, as `tilescope lesson package` takes it.
             LessonSource::File(path) => read_short(&path.with_extension("de.md")).ok(),
             LessonSource::Text => None,
         };
 
         let german = german.unwrap_or_default();
         let is_german = self.lessons.language == "de" && !german.is_empty();
+        // A package of all steps, without a score to pass with: the command has options for these. Only tests of the
+        // lessons that come with the program use the keys.
         context.ask(Effect::Package(Box::new(PackageOrder {
             lesson: Shipped {
                 name: name.clone().into(),
@@ -632,7 +634,8 @@ impl Classroom {
 
         match given {
             Ok(feedback) => {
-                // A right answer goes on, in a trace to the next event.
+                // A right answer goes on, in a trace to the next event. Scores are rounded sums, so that full marks
+                // begin a little below 1.
                 let goes_on = feedback.is_done || feedback.score > FULL_MARKS;
                 let score = feedback.score;
                 // A form shows nothing about its answers, as this would help with the form after the lessons.

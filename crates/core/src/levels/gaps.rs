@@ -167,9 +167,11 @@ impl LevelRegion {
             // `gathered` from its centre, and its lowest point is less than its side, at most an eighth of a cell, from there.
             let radius = self.grid.radius();
             let reach = gathered(radius) + radius.side() / 8;
+            // The flags suffice, without a list of the cells marked.
+            let unlisted = |_| ();
             for at in self.insert(key.derive(Stream::Iteration, iteration), &found) {
                 self.flags
-                    .set_near(&self.grid, at, reach, flag::CHANGED, |_| ());
+                    .set_near(&self.grid, at, reach, flag::CHANGED, unlisted);
             }
 
             // A candidate that was not inserted is covered by one that was, so that only pixels near an insertion can have a

@@ -168,6 +168,7 @@ impl<'a> Detection<'a> {
         Self {
             domain,
             search,
+            // `find` sets it for each detector.
             reach: Reach {
                 radius: 0,
                 search: 0,

@@ -62,6 +62,7 @@ pub(crate) fn eliminate<T: Recorder>(
 
         if valid {
             samples.fates[id as usize] = Fate::Kept;
+            // The rest, those that nothing contests, are kept below.
             let rest = false;
             recorder.record(RunEvent::Keep { sample: id, rest });
 
