@@ -5,7 +5,7 @@
 use glam::DVec2;
 use spade::{DelaunayTriangulation, HasPosition, Point2, Triangulation, validate_vertex};
 
-/// Sites that are inserted before the rounds begin.
+/// Sites that are inserted before the rounds begin. Chosen, not measured.
 const FIRST: usize = 64;
 
 /// Returns the triangulation; none of sites on one line, which have no triangle. The error is spade's, for a coordinate

@@ -23,7 +23,7 @@ use crate::paths::named;
 use crate::{EXIT_FINE, interrupt, output};
 use site::ServedFolder;
 
-/// A connection is closed if the head of a request takes longer than this to arrive.
+/// A connection is closed if the head of a request takes longer than this to arrive. Chosen, not measured.
 const HEAD_LIMIT: Duration = Duration::from_secs(20);
 
 /// Arguments of `tilescope web`.

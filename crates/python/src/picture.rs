@@ -14,11 +14,12 @@ use crate::memory::ask_to_draw;
 use crate::task::run;
 use crate::values::{rectangle, whole};
 
-/// Widths of pictures in pixels that are accepted, those of `tilescope draw`: in smaller ones disks would be no more than specks, and
-/// the exporters refuse wider ones.
+/// Widths of pictures in pixels that are accepted, those of `tilescope draw`: in smaller ones disks would be no more
+/// than specks, and the exporters refuse wider ones.
 const SIZES: std::ops::RangeInclusive<u64> = 16..=32_768;
 
-/// The height of margins and caption, in widths of the picture: about, as the pixels are counted only to ask for memory.
+/// The height of margins and caption, in widths of the picture: about, as the pixels are counted only to ask for
+/// memory.
 const FRAME: f64 = 0.1;
 
 /// Returns the bytes of a picture of a set, or of the part of it in `window`.

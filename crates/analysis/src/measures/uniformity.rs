@@ -33,7 +33,9 @@ impl PositionClasses {
     pub fn counts(&self, points: &[[f64; 2]]) -> Result<Vec<u64>, MeasureError> {
         let cells = self.columns.saturating_mul(self.rows);
         check_count("cells", cells, MAX_CLASSES)?;
-        check_set(points, self.region, 0)?;
+        // A set without samples can be counted, too.
+        let fewest = 0;
+        check_set(points, self.region, fewest)?;
         let mut counts = vec![0; cells];
         for [x, y] in points {
             let cell = |value: f64, extent: f64, cells: usize| {

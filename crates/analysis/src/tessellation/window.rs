@@ -50,7 +50,8 @@ pub(super) struct Window {
     pub samples: Vec<DVec2>,
     /// Empty for a sample at the place of another.
     pub polygons: Vec<Vec<Corner>>,
-    /// The triangles of a bounded set; of a periodic one some are doubled or missing at the seams.
+    /// The triangles of a bounded set, if they were asked for. Empty for a periodic one, of whose triangles some would
+    /// be doubled or missing at the seams.
     pub triangles: Vec<Triangle>,
 }
 
@@ -137,6 +138,7 @@ fn home_and_copies(samples: &[DVec2], domain: &Domain, halo: f64) -> Vec<Site> {
     order.dedup_by(|later, first| at(*later) == at(*first));
 
     let shifts: &[i32] = if domain.periodic { &[0, -1, 1] } else { &[0] };
+    // Room for half as many copies as samples (chosen, not measured): more take further memory as they come.
     let mut sites = Vec::with_capacity(order.len() * 3 / 2);
     for sample in order {
         for &across in shifts {

@@ -189,8 +189,8 @@ const fn extent(rect: &Rect, axis: Axis) -> i32 {
     }
 }
 
-/// Returns the lower and the upper part of a rectangle that is cut at a coordinate of an axis, the first of the upper
-/// part.
+/// Returns the lower and the upper part of a rectangle that is cut across an axis. The upper part begins at the
+/// coordinate `plane`.
 const fn halves(rect: &Rect, axis: Axis, plane: i32) -> (Rect, Rect) {
     match axis {
         Axis::X => (

@@ -1,4 +1,4 @@
-//! The lines below a picture: the caption of a scene, and a legend.
+//! The lines below a picture: the caption of a scene, and a legend. Sizes are chosen, not measured.
 
 use ecolor::Color32;
 use emath::Vec2;

@@ -82,6 +82,8 @@ impl Place {
             let _ = fs::rename(own, &self.certificate);
         }
 
+        // The certificate of an older program beside a link is not given back: without it the old file has none, which
+        // is safe.
         let mut remains = left.to_vec();
         remains.extend([self.new_file(), hidden(&self.file, "old")]);
         remains.extend(self.beside_link.as_deref().map(|one| hidden(one, "old")));

@@ -218,7 +218,8 @@ impl<'a> Program<'a> {
                 bail!("a table has elements that are no functions");
             };
 
-            // Places have no sign, and are written as numbers that have one.
+            // Places have no sign, and are written as numbers that have one. Elements that name no table are those of
+            // the first.
             for (place, function) in (first as u32..).zip(functions) {
                 self.entries.push(Entry {
                     table: table_index.unwrap_or(0),
