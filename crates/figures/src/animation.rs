@@ -208,7 +208,8 @@ pub fn write_apng(
         };
         writer.set_blend_op(blend).map_err(refused)?;
 
-        // The encoder refuses a size that does not fit at the current place: the place goes back to the corner first.
+        // By default a frame remains below the next one. The encoder refuses a size that does not fit at the current
+        // place: the place goes back to the corner first.
         writer.reset_frame_position().map_err(refused)?;
         let sized = writer.set_frame_dimension(change.width, change.height);
         sized.map_err(refused)?;

@@ -157,7 +157,7 @@ fn ordinate(axis: &Axis, frame: Rect, palette: &Palette) -> Result<Vec<Shape>, C
     };
     let [low, high] = axis.checked_range()?;
 
-    let seen = |(value, _): &&(f64, String)| (low.min(high)..=low.max(high)).contains(value);
+    let seen = |(value, _): &&(f64, String)| (low..=high).contains(value);
     for (value, label) in ticks.iter().filter(seen) {
         // The scene's y points down. A tick of five pixels ends outside of the tile's border, which is two pixels thick. Its
         // label ends three pixels before it.

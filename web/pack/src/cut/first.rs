@@ -16,7 +16,8 @@ use super::reach::{Plan, name};
 
 /// Returns the first module.
 pub fn encode(program: &Program<'_>, plan: &Plan) -> Result<Vec<u8>> {
-    // Imported functions keep their indices, as the format has them first. Stubs come last, as there is code for none of them yet.
+    // Imported functions keep their indices, as the format has them first. Stubs come last: `functions` makes their
+    // code after it has written that of the functions that are kept.
     let imported = 0..program.imported.len() as u32;
     let kept = by_name(program, |index| !plan.later.contains(&index));
     let stubs = plan.slots.keys().copied();

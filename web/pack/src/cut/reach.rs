@@ -51,6 +51,8 @@ impl Plan {
             .exported
             .get(LOADER)
             .with_context(|| format!("the program does not export {LOADER}"))?;
+        // The setter gives the loader the way to load, and a program may lack it. Both run before the later module is
+        // there.
         for name in [LOADER, SETTER] {
             if let Some(function) = program.exported.get(name) {
                 check_loader(program, name, *function, &later)?;

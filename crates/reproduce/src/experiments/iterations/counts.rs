@@ -137,7 +137,7 @@ pub fn inserted(found: &[IterationCounts], cases: &[InsertionCase]) -> Result<Pi
             value: mean,
             whisker: Some(whisker),
             text: format!("{} ({least} to {most})", drawn_mean(mean)),
-            // `groups` sets the colour.
+            // `groups_of` sets the colour.
             color: 0,
         }
     };
@@ -174,7 +174,7 @@ pub fn needed(found: &[IterationCounts], cases: &[InsertionCase]) -> Result<Pict
             value: sets as f64,
             whisker: None,
             text: format!("{sets} of {} sets", all.len()),
-            // `groups` sets the colour.
+            // `groups_of` sets the colour.
             color: 0,
         }
     };
