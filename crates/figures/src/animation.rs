@@ -120,8 +120,8 @@ pub fn write_gif(
     out: impl Write,
     progress: FrameProgress<'_>,
 ) -> Result<(), AnimationError> {
-    let mut frames = Frames::new(frames, delay, progress)?;
-    let first = frames.first(MAX_GIF_SIDE)?;
+    let mut checked = Frames::new(frames, delay, progress)?;
+    let first = checked.first(MAX_GIF_SIDE)?;
 
     // `first` refuses a side that does not fit into 16 bits, and the changed parts of later frames lie within it.
     let (width, height) = (first.width as u16, first.height as u16);
@@ -158,7 +158,7 @@ pub fn write_gif(
         // The pixels of the change are freed before the next frame is drawn, so that two frames are in memory at a time.
         drop(change);
         encoder.write_frame(&frame).map_err(refused)?;
-        next = frames.next()?;
+        next = checked.next()?;
     }
 
     encoder.into_inner().map_err(refused)?;
@@ -181,9 +181,9 @@ pub fn write_apng(
     progress: FrameProgress<'_>,
 ) -> Result<(), AnimationError> {
     let count = frames.len();
-    let mut frames = Frames::new(frames, delay, progress)?;
+    let mut checked = Frames::new(frames, delay, progress)?;
     // The limit on pixels keeps the sides of a PNG far below what its format allows.
-    let first = frames.first(u32::MAX)?;
+    let first = checked.first(u32::MAX)?;
 
     let mut encoder = png::Encoder::new(out, first.width, first.height);
     encoder.set_color(png::ColorType::Rgba);
@@ -219,7 +219,7 @@ pub fn write_apng(
         writer.write_image_data(&rgba).map_err(refused)?;
         // Two frames are in memory at a time, as in a GIF.
         drop(change);
-        next = frames.next()?;
+        next = checked.next()?;
     }
 
     writer.finish().map_err(refused)

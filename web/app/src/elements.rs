@@ -131,7 +131,7 @@ impl Walk<'_> {
             let (Some(node), Some(number)) = (self.nodes.get(id), self.numbers.get(id)) else {
                 continue;
             };
-            let role = role(node, place.list);
+            let role = role_of(node, place.list);
             // Text runs are the letters of their parent's text, with places of their own.
             if node.role() == Role::TextRun {
                 continue;
@@ -145,8 +145,8 @@ impl Walk<'_> {
             siblings.push(*number);
             let mut element = self.element(node, role, place);
             if holds_others(role) {
-                let within = within(node, role, place);
-                self.add(node.children(), within, &mut element.children);
+                let inner = within(node, role, place);
+                self.add(node.children(), inner, &mut element.children);
                 if element.place.is_none() {
                     element.place = self.surround(&element.children);
                 }
@@ -278,7 +278,7 @@ fn holds_others(role: &str) -> bool {
 
 /// Returns the role of a node within a list or menu, by the names that `tree.js` has for roles; empty for what groups
 /// others without a name, and for what nothing can be said of.
-fn role(node: &Node, list: &str) -> &'static str {
+fn role_of(node: &Node, list: &str) -> &'static str {
     let is_named = node.label().is_some() || !node.labelled_by().is_empty();
 
     match node.role() {

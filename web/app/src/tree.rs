@@ -123,7 +123,7 @@ impl Tree {
             ("decrement", _) => (Action::Decrement, None),
             ("show", _) => (Action::ScrollIntoView, None),
             ("number", Some(text)) => match text.parse() {
-                Ok(number) => (Action::SetValue, Some(ActionData::NumericValue(number))),
+                Ok(typed) => (Action::SetValue, Some(ActionData::NumericValue(typed))),
                 // A number that is being typed need not be one yet.
                 Err(_) => return,
             },

@@ -108,9 +108,9 @@ impl Window {
 
             // A bounded domain has no copies, and a halo of a period holds all copies that matter.
             let has_all = !domain.periodic || halo >= domain.extent.max_element();
-            let polygons = found
+            let complete = found
                 .and_then(|found| polygons(&found, &samples, &domain, halo, has_all, &is_wanted));
-            if let Some(polygons) = polygons {
+            if let Some(polygons) = complete {
                 return Ok(Self {
                     samples,
                     polygons,

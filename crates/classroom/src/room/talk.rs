@@ -68,6 +68,8 @@ impl Classroom {
             } => self.make_handout(answers, notes, path, context),
             TalkCommand::Lecture => self.present_lecture(context),
             TalkCommand::Scenes => {
+                // A talk of earlier scenes gives the session back as it ends, and the lesson is made of that session's
+                // scenes.
                 self.end_talk(context);
                 context.ask(Effect::LessonOfScenes);
             }
@@ -198,9 +200,9 @@ impl Classroom {
 
         let learner = &mut open.learner;
         let is_last = learner.index() + 1 == learner.lesson().steps.len();
-        let waits = learner.is_open() && !learner.is_taken() && open.fault.is_none();
+        let awaits_answer = learner.is_open() && !learner.is_taken() && open.fault.is_none();
 
-        if waits {
+        if awaits_answer {
             if learner.question().is_none() {
                 // There is no question yet, as its run is being made: presses are ignored.
                 return;

@@ -69,8 +69,9 @@ impl SolidProcess {
         let throw = SolidThrow::new(self.key, self.level, self.throw);
         self.throw += 1;
 
-        let into = |cubes: &[Place], darts: &mut Vec<_>| throw.uncovered(cubes, &self.balls, darts);
-        let mut darts = gather(&self.active, schedule, &mut meter, into)?;
+        let uncovered_of =
+            |cubes: &[Place], darts: &mut Vec<_>| throw.uncovered(cubes, &self.balls, darts);
+        let mut darts = gather(&self.active, schedule, &mut meter, uncovered_of)?;
         let kept = match schedule {
             Schedule::OneByOne => {
                 darts.sort_unstable_by_key(SolidDart::arrival);
