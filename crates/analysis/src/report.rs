@@ -73,12 +73,12 @@ impl Report {
         } = set;
 
         // The scale is a power of two, so that lengths come back without rounding.
-        let conflict = |conflict: Conflict| Conflict {
+        let unscaled_conflict = |conflict: Conflict| Conflict {
             distance: conflict.distance / scale,
             ..conflict
         };
 
-        let gap = |gap: Gap| Gap {
+        let unscaled_gap = |gap: Gap| Gap {
             center: gap.center.map(|value| value / scale),
             distance: gap.distance / scale,
             ..gap
@@ -102,9 +102,9 @@ impl Report {
             // Searches stop counting conflicts somewhere beyond the limit, so that the number itself means nothing
             // there. Gaps are all counted.
             conflicts: found.conflicts.min(MAX_CONFLICTS),
-            worst_conflicts: conflicts.into_iter().map(conflict).collect(),
+            worst_conflicts: conflicts.into_iter().map(unscaled_conflict).collect(),
             gaps: found.gaps,
-            worst_gaps: gaps.into_iter().map(gap).collect(),
+            worst_gaps: gaps.into_iter().map(unscaled_gap).collect(),
             min_distance,
             covering_radius: found.covering_radius / scale,
             // Only `VaryingRegion::verify_prefix` measures it.

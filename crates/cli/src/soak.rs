@@ -406,7 +406,7 @@ fn round(parameters: &Parameters, dice: &Dice, verify: &VerifyOptions) -> Result
         &|_| interrupt::flow(),
     )?;
 
-    let mut round = Tally {
+    let mut tally = Tally {
         rounds: 1,
         samples: report.count as u64,
         conflicts: report.conflicts,
@@ -415,24 +415,24 @@ fn round(parameters: &Parameters, dice: &Dice, verify: &VerifyOptions) -> Result
     };
     // A reach of two radii may leave gaps: that is the finding of an experiment, and no fault.
     if parameters.search == Search::Complete {
-        round.gaps = report.gaps;
+        tally.gaps = report.gaps;
         // The radius of a round is 1.
-        round.covering_radius_r = report.covering_radius;
+        tally.covering_radius_r = report.covering_radius;
     }
 
     let engines_differ = "--engine sequential and --engine parallel differ: ";
     let checks = [
         (engines_agree, engines_differ),
         (are_windows_equal, "a --window differs from the set: "),
-        (round.conflicts + round.gaps == 0, "not valid: "),
+        (tally.conflicts + tally.gaps == 0, "not valid: "),
     ];
     let faults = faults_of(&checks);
     if !faults.is_empty() {
-        round.commands.push(faults + command(parameters).as_str());
+        tally.commands.push(faults + command(parameters).as_str());
     }
 
-    nested::add(&mut round, parameters, dice, verify)?;
-    Ok(round)
+    nested::add(&mut tally, parameters, dice, verify)?;
+    Ok(tally)
 }
 
 /// Returns the words of the checks that a round has failed; empty if it passed all.

@@ -210,9 +210,9 @@ fn meant(near: &[&str]) -> String {
 impl Query {
     /// Returns the query of a text; an empty one accepts every event.
     pub fn parse(text: &str) -> Result<Self, QueryError> {
-        let joined = joined(text);
+        let written = joined(text);
         // All words of a query must hold, so that "and" between them adds nothing.
-        let words = joined.split_whitespace().filter(|word| *word != "and");
+        let words = written.split_whitespace().filter(|word| *word != "and");
         let terms: Result<_, _> = words.map(parse_word).collect();
         Ok(Self { terms: terms? })
     }
@@ -331,22 +331,22 @@ pub fn verdict_name(event: &Event) -> Option<&'static str> {
 /// Returns a query without blanks around comparisons and with blanks for `&&`, as people write it in watches.
 fn joined(text: &str) -> String {
     let text = text.replace("&&", " ");
-    let mut joined = String::with_capacity(text.len());
+    let mut written = String::with_capacity(text.len());
 
     let compares = |c: char| "=<>!:".contains(c);
     let mut is_value_next = false;
     for c in text.chars() {
         // Blanks before a comparison are taken back, those behind it are not copied.
         if compares(c) {
-            joined.truncate(joined.trim_end().len());
+            written.truncate(written.trim_end().len());
         } else if c.is_whitespace() && is_value_next {
             continue;
         }
         is_value_next = compares(c);
 
-        joined.push(c);
+        written.push(c);
     }
-    joined
+    written
 }
 
 /// The parts of a comparison's text.

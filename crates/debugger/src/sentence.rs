@@ -172,9 +172,10 @@ impl Words<'_> {
             RunEvent::Leaf { block } => {
                 // A recording that was cut off may lack the block: the sentence then gives no size.
                 let leaf = blocks.leaves.get(block as usize);
-                let size = leaf.map_or_else(String::new, |leaf| format!(", {}", size(&leaf.rect)));
+                let of_size =
+                    leaf.map_or_else(String::new, |leaf| format!(", {}", size(&leaf.rect)));
                 let block = grouped(block.into());
-                format!("block {block} is a leaf of the KD-tree{size}")
+                format!("block {block} is a leaf of the KD-tree{of_size}")
             }
 
             RunEvent::Clip { block } => {

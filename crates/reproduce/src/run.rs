@@ -94,8 +94,8 @@ pub fn reproduce(
     let made_by = build_and_machine(&machine);
 
     // With `fresh` the parts of earlier runs are deleted below, so that none of them count as kept.
-    let kept = Some(options.out.as_path()).filter(|_| !options.fresh);
-    let each = plan(experiments, settings, kept);
+    let counted_folder = Some(options.out.as_path()).filter(|_| !options.fresh);
+    let each = plan(experiments, settings, counted_folder);
     watch.planned(&each);
 
     let mut summary = Summary {

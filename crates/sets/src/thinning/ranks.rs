@@ -76,7 +76,7 @@ impl FromStr for ThinningPriority {
 
     fn from_str(text: &str) -> Result<Self, UnknownPriority> {
         let seed = || text.strip_prefix("random ")?.parse().ok();
-        let column = |words: &str, first| {
+        let by_column = |words: &str, first| {
             let column = text.strip_prefix(words)?.to_owned();
             Some(Self::Column { column, first })
         };
@@ -85,8 +85,8 @@ impl FromStr for ThinningPriority {
         (text == "order")
             .then_some(Self::Order)
             .or_else(drawn)
-            .or_else(|| column(LEAST, FirstValue::Least))
-            .or_else(|| column(GREATEST, FirstValue::Greatest))
+            .or_else(|| by_column(LEAST, FirstValue::Least))
+            .or_else(|| by_column(GREATEST, FirstValue::Greatest))
             .ok_or_else(|| UnknownPriority(text.to_owned()))
     }
 }
@@ -105,7 +105,7 @@ pub fn ranks(priority: &ThinningPriority, count: usize, column: &[f64]) -> Optio
         ThinningPriority::Order => None,
         ThinningPriority::Column { first, .. } => {
             assert_eq!(column.len(), count, "one value for each point");
-            let value = |index: u32| {
+            let sort_key = |index: u32| {
                 // Adding 0 makes the two zeros equal.
                 let value = column[index as usize] + 0.0;
                 match first {
@@ -113,7 +113,7 @@ pub fn ranks(priority: &ThinningPriority, count: usize, column: &[f64]) -> Optio
                     FirstValue::Greatest => !sortable(value),
                 }
             };
-            Some(places(all.map(|index| (value(index), index)).collect()))
+            Some(places(all.map(|index| (sort_key(index), index)).collect()))
         }
         ThinningPriority::Random { seed } => {
             // Draws are keyed by the place in the file: no draw depends on the others, nor on threads.

@@ -115,9 +115,9 @@ impl<const TAGS: bool> Region<TAGS> {
                     if may_make(three, searched.number) {
                         let sites = three.map(DVec2::as_i64vec2);
                         let [a, b, c] = sites;
-                        if let Some(centre) = circumcentre(b - a, c - a) {
+                        if let Some(from_a) = circumcentre(b - a, c - a) {
                             let made = MadePlace {
-                                place: centre + a,
+                                place: from_a + a,
                                 sites: &sites,
                             };
                             self.try_place(simd, gaps, rules, searched, made, unsure);
