@@ -60,8 +60,8 @@ pub struct VaryingRecipe {
 }
 
 impl VaryingRecipe {
-    /// Returns the recipe by which the set of a certificate was made. Images are taken from `given`, and other given values take
-    /// the place of stated ones.
+    /// Returns the field, the shape and the domain in which the set of a certificate is judged, as a recipe without the
+    /// set's seed and count. Images are taken from `given`, and other given values take the place of stated ones.
     ///
     /// # Errors
     ///
@@ -92,7 +92,7 @@ impl VaryingRecipe {
             size: region.size().map(Some),
             origin: Some(stated.origin.unwrap_or_default()),
             boundary: Boundary::of(region.is_periodic()),
-            // To judge a set no other is made, so that neither has a meaning.
+            // Nothing is made by this recipe, so that neither seed nor count has a meaning.
             seed: 0,
             count: None,
         })
@@ -125,7 +125,8 @@ impl VaryingRecipe {
             return Ok((made, settled(self.radius.clone())));
         };
 
-        // A set of no sample would have a scale of 0, and radii that no further try could scale up again.
+        // An estimate of no sample at all would give a scale of 0, and radii that no further try could scale up again:
+        // it counts as half a sample (chosen, not measured). A set that was made has samples.
         let scale_for = |found: f64| (found.max(0.5) / count.max(1) as f64).sqrt();
         self.radius.check()?;
         let expected = self.expected(&self.radius)?;
@@ -169,6 +170,7 @@ impl VaryingRecipe {
         Ok(Made {
             set: PointSet::from_points(domain.users_from_lattice(&points)),
             facts: Facts {
+                // Where the radius varies, this is the least one.
                 radius: ground.varying.judged.radius(),
                 origin: ground.origin,
                 varying: Some(ground.varying),
@@ -224,7 +226,7 @@ impl VaryingRecipe {
 /// A field and a shape that are given to judge a set, besides its certificate.
 #[derive(Clone, Debug, Default)]
 pub struct GivenGround {
-    /// An expression, or an image as the grey values of a field.
+    /// The field: an expression, an image or a grid.
     pub radius: GivenRadius,
     /// The area to cover, if it is no rectangle.
     pub shape: Option<ShapeSource>,

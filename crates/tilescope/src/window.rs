@@ -53,8 +53,8 @@ fn opening_file(file: &Path) -> Command {
     Command::File(FileCommand::Open(file.to_string_lossy().into_owned()))
 }
 
-/// Opens the window, on a link, a lesson or a file if one is named. Returns the exit code once it is closed, or why it did not
-/// open.
+/// Opens the window, on a link, a lesson or a file if one is named. Returns the exit code once it is closed. If it does
+/// not open, returns why: the caller then starts a session without a window, or refuses the link or the file.
 pub fn open(
     link: Option<String>,
     played: Option<Played>,
@@ -74,8 +74,8 @@ pub fn open(
 
     match tilescope_app::run_native(&options) {
         Ok(()) => Ok(ExitCode::SUCCESS),
-        // A window that was open and is lost is an error; the headless session, which writes files, is only for
-        // machines without a display.
+        // A window that was open and is lost is an error: the session without a window, which writes files, is only for
+        // windows that did not open.
         Err(error) if error.was_open() => {
             tilescope_cli::note(&format!("tilescope: {error}"));
             Ok(ExitCode::FAILURE)

@@ -205,7 +205,8 @@ impl MeasuredSet {
         }
     }
 
-    /// Returns g(r) in bins of the radius or, without one that suits the set, in bins of `r_max`.
+    /// Returns g(r) in bins of a fortieth of the radius or, without one that suits the set, of the largest minimum
+    /// distance that so many samples can have.
     fn pairs_of(
         &self,
         points: &[[f64; 2]],
@@ -217,7 +218,8 @@ impl MeasuredSet {
         };
 
         match PairCorrelation::in_units_of(points, region, radius, control) {
-            // No bin of a fortieth of the radius can be counted: the radius that a caller gave does not suit the set.
+            // The radius that a caller gave does not suit the set: not even one bin lies within the distances that are
+            // counted, or the bins would be far too narrow.
             Err(MeasureError::OutOfRange { .. }) => {
                 PairCorrelation::to_look_at(points, region, control)
             }

@@ -218,8 +218,8 @@ fn restrict(
         .map(|(row, values)| {
             let mut sums = RingSums::default();
             let ky = y.middle + plan.first_row() + row as i64;
-            // The row `ky = 0` of a real plan holds both of any two opposite frequencies. Of any other two one is held, and
-            // counts twice.
+            // A real plan has no rows below ky = 0, and its row ky = 0 holds both of any two opposite frequencies. Of
+            // all other opposite frequencies just one is held, and counts twice.
             let times = if plan.real && ky == 0 { 1 } else { 2 };
 
             for (value, kx) in values.iter_mut().zip(x.middle - x.below..) {

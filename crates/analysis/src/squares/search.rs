@@ -305,13 +305,15 @@ impl<'a> TileSearch<'a> {
             return;
         }
 
-        // Conflicts and covering are decided by near places alone, not by places that are some times as far.
+        // Conflicts and covering are decided by samples that are near. The search for the covering factor gathers
+        // samples that are several times as far.
         let times = 1;
         let near = self.gather(tiles, &tile, &span, times);
         self.visit(&tile, share, near);
     }
 
-    /// Returns the lattice points of a square that starts in the region.
+    /// Returns the lattice points of a square that lie in the region. It has none if the square begins beyond the
+    /// region's border: then `min` exceeds `max` on an axis.
     fn span(&self, square: &TileSquare) -> PointSpan {
         let offset = [square.x, square.y].map(i64::from);
         let min = [0, 1].map(|axis| self.corner[axis] + offset[axis]);
@@ -320,9 +322,9 @@ impl<'a> TileSearch<'a> {
         PointSpan { min, max }
     }
 
-    /// Lists the samples that may be no farther from a place of the tile than `times` the largest distance of near
-    /// places, and returns the list, which is the first one. The tile's own samples come first. `span` has the lattice
-    /// points of the tile.
+    /// Lists the samples that may be no farther from a place of the tile than `times` the largest distance at which a
+    /// sample is near a place (see [`is_near`]), and returns the list, which is the first one. The tile's own samples
+    /// come first. `span` has the lattice points of the tile.
     fn gather(
         &mut self,
         tiles: &SampleTiles,
@@ -331,8 +333,8 @@ impl<'a> TileSearch<'a> {
         times: i64,
     ) -> List {
         let Self { judge, corner, .. } = *self;
-        // Near places are at most the harmonic mean of their radii apart, which exceeds neither the larger radius nor twice the
-        // smaller one.
+        // Places near each other are at most the harmonic mean of their radii apart, which exceeds neither the larger
+        // radius nor twice the smaller one.
         let greatest = judge.radii.range(*span, self.bits).greatest;
         let reach = times * judge.radii.greatest().min(2 * greatest);
         let wide = PointSpan {
@@ -387,12 +389,12 @@ impl<'a> TileSearch<'a> {
         }
     }
 
-    /// Looks for uncovered places and conflicts in a square. `around` and `near` are the share of the domain and the
-    /// samples that may be near a place of the larger square that it is a quarter of; of a tile they are its own.
-    /// Returns whether the square has an uncovered place.
+    /// Looks for uncovered places and conflicts in a square, and returns whether it has an uncovered place. `around` is
+    /// how much of the larger square, of which this one is a quarter, lies in the domain; `near` lists the samples that
+    /// may be near a place of the larger square. Of a tile, which has no larger square, they are the tile's own.
     fn visit(&mut self, square: &TileSquare, around: Share, near: List) -> bool {
         let span = self.span(square);
-        // A square may begin beyond the region's border.
+        // A square beyond the region's border has no lattice points.
         if (0..2).any(|axis| span.min[axis] > span.max[axis]) {
             return false;
         }
@@ -499,7 +501,8 @@ impl<'a> TileSearch<'a> {
             let one = self.lists[own_index];
             for near_index in near.all() {
                 let other = self.lists[near_index];
-                // Of a pair each sample finds the other, and the first one counts.
+                // Each sample of a pair finds the other: the pair is counted for the one of the lower number. An image
+                // of the sample itself, which has its number, is no conflict.
                 if one.index >= other.index || !self.counts_conflicts {
                     continue;
                 }

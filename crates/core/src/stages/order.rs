@@ -72,8 +72,9 @@ struct Phases {
 impl Phases {
     /// Returns the cells of a domain, and the random sequence of their groups.
     fn new(domain: &Domain, key: Key) -> Self {
-        // An even number, so that groups also alternate across a periodic border, and at least 2, so that there are all
-        // four.
+        // An even number, so that groups also alternate across a periodic border. Sides are at least 4r long, so that
+        // each axis has two cells of 2r, and all four groups have cells. `max` keeps the divisions below from a 0 in
+        // any case.
         let count = [domain.width(), domain.height()].map(|side| ((side / (2 * R)) & !1).max(2));
 
         // The groups have their turns in random sequence, as in Wei 2008 (a shuffle by Fisher and Yates).

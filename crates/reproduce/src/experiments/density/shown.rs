@@ -36,7 +36,8 @@ fn growing(batches: &[TorusSets]) -> Vec<TorusSets> {
     all
 }
 
-/// Returns the chart of the density of all batches up to each, less the published one.
+/// Returns the chart of the density of all batches up to each, less the published one, in millionths. What the lattice
+/// leaves out of the density is added.
 fn so_far(found: &DensityResults) -> LineChart {
     let quantile = student_quantile(MISSED, f64::INFINITY);
     let [left_out, doubt] = found.lattice.used();
@@ -45,6 +46,7 @@ fn so_far(found: &DensityResults) -> LineChart {
     for all in growing(&found.batches) {
         let [density, error] = all.density();
         let y = MILLION * (density + left_out - PUBLISHED);
+        // `doubt` is the error of what the lattice leaves out.
         let reach = MILLION * quantile * error.hypot(doubt);
         points.push([all.sums.samples as f64 / MILLION, y]);
         band.push([y - reach, y + reach]);
