@@ -89,9 +89,11 @@ impl LevelRegion {
             }
 
             self.insert(key.derive(Stream::Iteration, iteration), &candidates);
+            // A place that is just covered is no candidate, but uncovered places may lie within its reach.
             again(self, &places, &mut cells);
         }
 
+        // The next level empties the list and uses its memory again.
         self.dirty = cells;
         Ok(())
     }
@@ -103,6 +105,7 @@ impl LevelRegion {
         meter: &mut Meter<'_>,
     ) -> Result<Vec<GapPlace>, SampleError> {
         let mut places = Vec::new();
+        // A thread takes TURN cells at a time, and after each SHIFT of them the observer is asked whether to go on.
         for batch in cells.chunks(SHIFT) {
             let found = batch.par_chunks(TURN).map(|cells| {
                 let mut search = CellSearch::default();
@@ -133,6 +136,7 @@ impl LevelRegion {
                     offset.as_i64vec2().length_squared() <= i64::from(inner).pow(2)
                 });
 
+            // By the flag, which is unset below, a cell within reach of several places is listed once.
             if !is_covered {
                 let reach = place.reach + centre_margin(radius);
                 let mark = |cell| cells.push(cell as u32);
@@ -192,7 +196,8 @@ impl CellSearch {
         let reach = gathered(radius);
         self.gather_around(region, cell, open, nearest, reach);
 
-        // As many cells hold no more, but for a search that reaches far.
+        // Which of the gathered samples are in sight of a pixel is given by the bits of one number, if they are no more
+        // than 64. More are gathered only where the search reaches far.
         let are_bits = self.near.count <= 64;
         for number in each_bit(open) {
             let mut pixel = GapPixel::of_cell(cell, pixel_side, number);
@@ -220,7 +225,7 @@ impl CellSearch {
         }
     }
 
-    /// Gathers the samples that may be sites of open pixels, as far as `reach` from these.
+    /// Gathers the samples that may be sites of open pixels, but none farther than `reach` from these.
     #[inline(always)]
     fn gather_around(
         &mut self,
@@ -238,12 +243,14 @@ impl CellSearch {
         let (left, right) = (columns.trailing_zeros(), columns.ilog2());
 
         let pixel_side = region.grid.radius().side() / PIXELS as i32;
-        let pixel = GapPixel::of_cell(cell, pixel_side, 0);
+        // All pixels have the same slack.
+        let slack = GapPixel::of_cell(cell, pixel_side, 0).site_slack();
         let open_squares = each_bit(open).map(|number| nearest[usize::from(number)]);
         let farthest = open_squares
             .fold(0.0, |a, b| if b > a { b } else { a })
             .sqrt();
-        let reach = reach.min((farthest + pixel.site_slack() as f32) as i32 + 8);
+        // This exceeds the `sight` of all open pixels, to which `open_cell` adds only four units.
+        let reach = reach.min((farthest + slack as f32) as i32 + 8);
 
         let middle = |first: u32, last: u32| (first + last + 1) as i32 * pixel_side / 2;
         let half = (right - left).max(top - bottom) as i32 * pixel_side / 2;
@@ -251,6 +258,7 @@ impl CellSearch {
             cell.min.x + middle(left, right),
             cell.min.y + middle(bottom, top),
         );
+        // One unit more, as halves are rounded.
         region
             .grid
             .gather(middle, reach + half + 1, cell.min, &mut self.near);

@@ -107,7 +107,8 @@ pub fn tables(found: &DensityResults) -> Vec<Table> {
     ]
 }
 
-/// Returns the density step by step: as counted, without the lattice, published.
+/// Returns the table of the counted density, of two estimates of what the lattice leaves out, of the counted density
+/// with the estimate by levels added, and of the published density. Each value has its standard error.
 fn estimates(found: &DensityResults) -> Table {
     let counted = found.all.density();
     let rows = [
