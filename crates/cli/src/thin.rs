@@ -149,7 +149,8 @@ fn make(arguments: &ThinArguments) -> Result<ThinnedFile> {
     if let Some(path) = &arguments.out {
         file.check_name(&file_name(path)).in_file(path)?;
     }
-    // The choice goes by the order of the points.
+    // A choice needs the rank of each point in the order in which points are taken. A judge of kept points alone does
+    // not.
     let with_ranks = true;
     let mut thinning = recipe
         .prepare(&file, with_ranks)

@@ -16,7 +16,8 @@ use crate::stages::disks::DiskGrid;
 
 use super::check_levels;
 
-/// The shortest side of a pattern, in radii of its coarsest level: more than the 10 that a periodic domain needs.
+/// The shortest side of a pattern, in radii of its coarsest level: more than the 10 that a periodic domain needs. The
+/// 12 was chosen, not measured.
 const SHORTEST_SIDE: f64 = 12.0;
 
 /// A nested pattern, from which blocks clip all levels at one place.
@@ -49,11 +50,12 @@ impl NestedPattern {
         let mut made = Vec::with_capacity(levels as usize);
 
         for level in 0..levels {
-            // A level keeps all samples of those before it, which are farther apart. Its radius is that from which as
-            // many halvings of the square as there are finer levels lead to the finest.
+            // A level keeps all samples of those before it, which are farther apart. From level to level the square of
+            // the radius is halved, down to the finest radius.
+            let finer_levels = levels - 1 - level;
             let mut disks = DiskGrid::default();
             let periodic = true;
-            disks.reset(rect, periodic, Radius::before(levels - 1 - level));
+            disks.reset(rect, periodic, Radius::before(finer_levels));
             let fits = samples.iter().all(|&p| disks.insert(p));
             debug_assert!(fits, "the samples are conflict-free");
 

@@ -16,6 +16,8 @@ const FROM: &str = "";
 
 /// Returns the later module.
 pub fn encode(program: &Program<'_>, plan: &Plan) -> Result<Vec<u8>> {
+    // Its own functions, and copies of small ones of the first module, which cost less than imports. By name, similar
+    // ones follow each other and compress well.
     let own = by_name(program, |index| {
         plan.later.contains(&index) || plan.copied.contains(&index)
     });
@@ -50,8 +52,8 @@ fn imports(program: &Program<'_>, plan: &Plan, indices: &mut Indices) -> Result<
         imports.import(FROM, name, EntityType::Function(program.kind(*index)));
     }
 
-    // Tables, memories and globals have to have their types in the first module, or the browser refuses to join the
-    // two.
+    // Tables, memories and globals need the same types as in the first module, or the browser refuses to join the two.
+    // The types stand here in the order of `shared_places`: tables, the table of slots, memories, globals.
     let failed = |error| anyhow!("imports: {error}");
     let sections = &program.sections;
     let mut kinds = Vec::new();
@@ -86,7 +88,8 @@ fn elements(program: &Program<'_>, plan: &Plan, indices: &Indices) -> Result<Ele
     let [slots_table, ..] = program.counts();
     let in_slots = plan.slots.keys().map(|index| indices.get(*index));
     let in_slots: Vec<u32> = in_slots.collect::<Result<_>>()?;
-    // The first module looks at slot 0 alone: all are filled at once, when the later module is instantiated.
+    // All slots are filled at once, when the later module is instantiated. So the first module looks only at slot 0 to
+    // find out whether the later one is there.
     encode::fill(&mut elements, slots_table, 0, &in_slots);
 
     // Places that follow each other become one segment.

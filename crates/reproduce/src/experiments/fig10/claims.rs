@@ -150,7 +150,7 @@ fn horizon_alike(
 }
 
 /// Returns the claim about the paper's scene, which is not rendered. Instead it states the exponents by which the
-/// errors of the horizon fall with the samples per pixel, where these exponents are known.
+/// errors of the horizon fall with the samples per pixel from [`DENSE`] on, where these exponents are known.
 fn scene(all: &[SamplerResults]) -> Claim {
     let slope = |one: &SamplerResults| {
         Some(format!(
