@@ -19,7 +19,7 @@ impl Recording {
     ) -> Self {
         let mut tape = Tape::new(parameters, DEFAULT_BUDGET);
         for sample in 0..points.len() as u32 {
-            // Levels are not made in iterations; insertions have one, and the first stands for it.
+            // An event of an insertion names its iteration. Levels are not made in iterations, and 1 stands for all.
             let iteration = 1;
             tape.record(RunEvent::Insert { sample, iteration });
         }
@@ -47,6 +47,7 @@ impl Recording {
         let painted = RecordedLevels {
             request: levels.request,
             ranks: known().map(|sample| levels.ranks[sample]).collect(),
+            // No level is left whole, so that none ends.
             ends: Vec::new(),
             is_painted: true,
         };
@@ -62,7 +63,7 @@ impl Recording {
     /// Returns the recording of the first samples of nested levels; `None` if it has no levels.
     pub(crate) fn first_of_levels(&self, count: usize) -> Option<Self> {
         let levels = self.levels()?;
-        // A set without samples is none: nothing could be shown or asked of it.
+        // Of a set without samples nothing could be shown or asked: one sample is left at least.
         let count = count.max(1).min(levels.ranks.len());
         let ends = levels.ends.iter().copied();
 

@@ -237,6 +237,7 @@ impl<'a> PairSearch<'a> {
         let [all_x, all_y] = &self.coordinates;
 
         for start in run.clone().step_by(LANES) {
+            // The last vector of a run may have samples beyond it. Their bins are found too, and not counted.
             let end = start + LANES;
             let x = apart(
                 simd,

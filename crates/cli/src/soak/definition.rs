@@ -27,8 +27,8 @@ pub fn agrees(run: &Run, history: &PatternHistory) -> bool {
     found == expected
 }
 
-/// Returns the samples by the definition of exact tiling: all darts of all blocks are taken by their arrival, and one
-/// that no sample covers becomes a sample.
+/// Returns the samples of the first levels by the definition of exact tiling: the darts of all blocks are taken by
+/// their arrival, and one that no sample covers becomes a sample.
 fn first_samples(run: &Run, history: &PatternHistory) -> Vec<Point> {
     let mut darts = Vec::new();
     for block in &run.blocks.leaves {

@@ -7,8 +7,8 @@ use super::{Words, coordinates, count, fraction, grouped, radii, size};
 use crate::event::NONE;
 use crate::recording::Recording;
 
-/// Returns a short text of the event at `index` for a row of a list: at most about 60 characters, with numbers of
-/// samples.
+/// Returns a short text of the event at `index` for a row of a list, or "end" behind the last event: at most about 60
+/// characters, with numbers of samples.
 #[must_use]
 pub fn short(recording: &Recording, index: usize) -> String {
     let Some(event) = recording.event(index) else {
@@ -26,7 +26,7 @@ pub fn short(recording: &Recording, index: usize) -> String {
     }
 }
 
-/// Returns the number of a sample, a block or an iteration, or words for a sample that is not recorded.
+/// Returns a number of a sample, a block or an iteration, or of samples; words for a sample that is not recorded.
 fn number(id: u32) -> String {
     match id {
         NONE => "a sample".to_owned(),
@@ -35,7 +35,7 @@ fn number(id: u32) -> String {
 }
 
 impl Words<'_> {
-    /// Returns the short text of a run event. Events of single samples are passed on to functions of their own.
+    /// Returns the short text of a run event. Most events of single samples are passed on to functions of their own.
     fn short(&self, run_event: RunEvent) -> String {
         match run_event {
             RunEvent::Begin(stage) => format!("begin: {stage}"),

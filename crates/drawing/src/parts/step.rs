@@ -246,6 +246,7 @@ fn examination(scene: &Scene<'_>, surface: &mut impl Surface, examined: &Examine
         }
     }
 
+    // Unlike a dart's, a candidate's verdict always names the sample.
     if let Verdict::Covered { by } | Verdict::NotNearest { nearer: by } = examined.verdict {
         let covering = scene.at(scene.session.image_near(by, center));
         surface.dashes([at, covering], Stroke::new(1.6, color));

@@ -88,8 +88,8 @@ fn elements(program: &Program<'_>, plan: &Plan, indices: &Indices) -> Result<Ele
     let [slots_table, ..] = program.counts();
     let in_slots = plan.slots.keys().map(|index| indices.get(*index));
     let in_slots: Vec<u32> = in_slots.collect::<Result<_>>()?;
-    // All slots are filled at once, when the later module is instantiated. So the first module looks only at slot 0 to
-    // find out whether the later one is there.
+    // All slots are filled at once, when the later module is instantiated: to find out whether it is there, the first
+    // module looks at slot 0 alone.
     encode::fill(&mut elements, slots_table, 0, &in_slots);
 
     // Places that follow each other become one segment.
