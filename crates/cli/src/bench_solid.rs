@@ -127,7 +127,8 @@ fn add_round(timed: &mut Timed, samples: u64, seed: u64) -> Result<()> {
                     ..VerifyOptions::default()
                 };
                 let control = |_| interrupt::flow();
-                // Conflicts and cubes, or circles; the covering radius is measured for certificates alone.
+                // The time is that of the verdict alone: the covering radius, which certificates state, is not
+                // measured.
                 let report = verify_solid(&positions, region, radius, &options, &control)?;
                 seconds.push(began.elapsed().as_secs_f64());
                 timed.is_valid &= report.valid();

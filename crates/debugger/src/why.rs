@@ -87,7 +87,7 @@ pub fn history_of_sample(recording: &Recording, sample: u32) -> Vec<usize> {
 pub fn history_of_point(recording: &Recording, point: Point) -> Vec<usize> {
     let mut events = Vec::new();
 
-    // Each event that changed a sample whose disk has the point changed whether the point is covered.
+    // The samples whose disks have the point decide whether it is covered: all that happened to them belongs here.
     for sample in recording.ever_covering(point) {
         if let Some(life) = recording.life(sample) {
             events.extend([life.born, life.kept, life.lost, life.marked]);

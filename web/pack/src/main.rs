@@ -101,7 +101,7 @@ fn pack(arguments: &Arguments) -> Result<()> {
         sources.insert(name, page::Source::made(bytes));
     }
 
-    // The page loads this file only when lessons are opened.
+    // The program loads this file only when lessons are opened. Its words in other languages are in it, too.
     let tables = language::TABLES.iter();
     let lessons = shipped::to_json(&shipped::Loaded {
         lessons: shipped::all(),
@@ -114,6 +114,7 @@ fn pack(arguments: &Arguments) -> Result<()> {
         page::Source::made(lessons.into_bytes()),
     );
     sources.insert(names::COURSE.to_owned(), page::course(&arguments.course)?);
+    // A page without the program loads the words of one language alone.
     for &(language, table) in language::TABLES {
         sources.insert(format!("{language}.txt"), page::Source::made(table.into()));
     }
@@ -121,6 +122,7 @@ fn pack(arguments: &Arguments) -> Result<()> {
     if let Some(origin) = &arguments.xapi {
         page::allow_store(&mut sources, origin)?;
     }
+    // An empty address stands for one that is not given.
     let address = arguments.address.as_deref().unwrap_or_default();
     site::add(&mut sources, address)?;
     let mut files = page::assemble(&sources, address)?;

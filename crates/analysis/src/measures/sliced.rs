@@ -51,7 +51,7 @@ pub(crate) struct SlicedTransform {
 }
 
 impl SlicedTransform {
-    /// Begins the transform of samples; `None` for a plan with phases. Sorts the samples.
+    /// Begins the transform of samples; `None` for a plan that is not of real weights about zero. Sorts the samples.
     pub fn new(plan: TransformPlan, samples: &[Sample]) -> Option<Self> {
         if !plan.real {
             return None;
@@ -59,6 +59,7 @@ impl SlicedTransform {
 
         let ([x, y], rows) = (plan.axes, plan.rows());
         let spread = Spread::<1>::new(samples, plan.sizes(), |sample| [sample.weight]);
+        // Along y a slice is one complex line, made of two real ones; along x it is a block of complex lines.
         Some(Self {
             plan,
             grid: spread.empty_grid(),

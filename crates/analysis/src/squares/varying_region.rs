@@ -174,6 +174,7 @@ impl VaryingRegion {
             covering_radius: f64::INFINITY,
             // Only `verify_prefix` measures it.
             covering_factor: None,
+            // Where the radius varies, both this and `radius` are by the least one.
             density: count as f64 * self.radius * self.radius / area,
             relative_radius: min_distance / r_max,
         }

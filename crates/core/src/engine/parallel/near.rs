@@ -82,6 +82,7 @@ impl Near {
             for (held, column) in cells.iter().zip(-reach..) {
                 // All four slots are written, and those beyond the cell's count are overwritten by the next cell. The
                 // fourth holds the complement of the count.
+                // A slot has the offset to the right in its lowest bits, and that upwards in the others.
                 let (left, bottom) = (column * R, row * R);
                 let right = held.map(|slot| ((slot as i32 & (R - 1)) + left) as f32);
                 let up = held.map(|slot| ((slot >> CELL_BITS) as i32 + bottom) as f32);
@@ -121,7 +122,7 @@ impl Near {
     }
 
     /// Lists the samples that may make a candidate in the pixel whose centre is (x, y), and returns how many there
-    /// are.
+    /// are: as [`Self::measure`] finds them, for a search so wide that 64 bits do not hold all samples.
     #[inline(always)]
     pub(crate) fn list_sites<S: Simd>(
         &mut self,
