@@ -28,7 +28,7 @@ impl Drawn {
         }
     }
 
-    /// Returns the loops of the runs that make a gap.
+    /// Returns the loops of the runs that make a gap, each run with the periods by which it is moved.
     pub fn boundary(&mut self, runs: &Runs<'_>, members: &[(usize, IVec2)]) -> Vec<Vec<Edge>> {
         let mut loops = Vec::new();
         for &(run, shift) in members {
@@ -97,7 +97,7 @@ impl Runs<'_> {
     fn arc(&self, run: usize, shift: IVec2) -> Edge {
         let sample = self.cell(run);
         let place = self.cells.samples[sample];
-        // A run has at least one part, whose end takes the place of this one.
+        // The first value of `last` is never used, as a run has at least one part.
         let (mut last, mut angle) = (DVec2::X, 0.0);
         for &part in &self.list[run].parts {
             let [from, to] = self.places(part).map(|end| end - place);

@@ -27,7 +27,7 @@ pub fn units(settings: &Settings) -> usize {
     plan_of(settings).rounds as usize
 }
 
-/// Times the stages of the engines, and judges which of them takes longest.
+/// Times the stages of the engines, and judges whether elimination with the first insertion takes longest.
 pub fn run(study: &Study<'_>) -> Result<Outcome> {
     let plan = plan_of(study.settings);
     let rounds: Vec<StageRound> = stages::run(plan, study)?;

@@ -109,6 +109,7 @@ impl Horizon {
             per_pixel,
             count: points.len(),
             rmse: (squares / pairs.len() as f64).sqrt(),
+            // Of all pixels, those of the sky too: they get as many samples.
             empty: image.empty as f64 / (side * side) as f64,
             shades: shown.then(|| image.values.iter().map(|v| shade(*v)).collect()),
         }
@@ -178,6 +179,7 @@ pub fn errors(
         let points = sampler.points(count, index, settings, control)?;
         Ok(horizon.errors(index, per_pixel, &points, &exact))
     };
+    // A regular grid has only one set.
     (0..sampler.sets(sets)).map(one).collect()
 }
 
