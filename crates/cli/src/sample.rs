@@ -50,7 +50,8 @@ pub fn run(arguments: &SampleArguments) -> Result<u8> {
 /// Makes a set of one radius in a rectangle, and returns its report.
 fn outcome(arguments: &SampleArguments) -> Result<Outcome> {
     let mut recipe = arguments.run.recipe()?;
-    // So many samples decide whether the set is made band by band, and by which engine.
+    // The expected number decides whether the set is made band by band, which only sets by KDRT can be, and by which
+    // engine.
     let expected_samples = arguments.run.expected(&recipe.parameters)?;
     let is_streamed = arguments.streams(expected_samples)?;
 
@@ -137,6 +138,7 @@ fn with_remarks(
         outcome.warnings.insert(0, remark);
     }
 
+    // This is a note on the time alone, and comes last.
     if arguments.method() == SamplingMethod::Exact && (outcome.count as f64) < EXACT_PAYS_FROM {
         let remark = format!(
             "note: below about {} samples --method reference takes less time: it has the same law and makes no pattern",

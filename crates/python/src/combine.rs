@@ -91,9 +91,9 @@ fn set_of(
         let path = folder.join(path);
         ask_to_read(&path)?;
         let control = watch.control("verify");
+        // The certificate is read as well: it states what the layout leaves out. In a file without one the positions
+        // stay in its own unit, in which the layout's values for the set are, too.
         let certificate = true;
-        // Without a certificate positions stay in the unit of the file, and the layout's words about the set are in it,
-        // too.
         let read = of_file(&path, &Overrides::default(), certificate, &control)?.in_domain(None);
         let stated = read.certificate.as_ref().map(Into::into);
         let known = beside.over(stated).ok_or_else(missing)?;

@@ -72,6 +72,7 @@ fn columns(subject: &Subject, rows: &[Measure]) -> Vec<Column> {
         Column::new(name, words.into_iter().chain(rows.iter().map(cell)))
     };
 
+    // The rows about the set come first, in the order in which `measures` labels them.
     let words = [
         format(&subject.members),
         region_text(&subject.region),

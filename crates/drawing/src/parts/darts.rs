@@ -16,7 +16,8 @@ const MIN_SCALE_OF_LINES: f32 = 14.0;
 /// Half the side of the smallest square that shows a cell, in screen points: the last cells hold one lattice point.
 const LEAST_HALF: f32 = 1.5;
 
-/// Draws the cells that throw darts at the level that is shown, the darts that it refused, and those that wait.
+/// Draws the cells that throw darts at the level that is shown, the darts that it refused, and those that wait: with
+/// the layers of detectors, of eliminated samples and of candidates, in whose place they are.
 pub fn draw(scene: &Scene<'_>, surface: &mut impl Surface) {
     // Darts are read from recorded events.
     let Some(debugger) = scene.shown.debugger else {
@@ -30,7 +31,6 @@ pub fn draw(scene: &Scene<'_>, surface: &mut impl Surface) {
     }
 
     let (recording, cursor) = (debugger.recording(), debugger.state().cursor());
-    // Refused darts have no layer of their own, and share that of eliminated samples.
     if scene.has(Layer::Eliminated) {
         // Darts that earlier levels refused are not drawn: the level that is shown begins where the stage before it ends, or
         // with the recording.

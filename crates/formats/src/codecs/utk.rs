@@ -241,6 +241,7 @@ fn precision_of(code: u8) -> Result<Precision, FormatError> {
         }),
         _ => Err(FormatError::Header {
             format: Format::UtkBinary,
+            // The type's code follows the four bytes of the magic number.
             place: FilePlace::Offset(4),
             reason: format!("the type is {code}; UTK has 0 to 5"),
         }),

@@ -114,7 +114,8 @@ pub fn mean_curves(against: &[AgainstReference]) -> Option<Claim> {
     let [again, kdrt, exact] = [AveragedWay::Again, AveragedWay::Kdrt, AveragedWay::Exact].map(of);
     let (again, kdrt, exact) = (again?, kdrt?, exact?);
 
-    // There is a verdict only if the measures see the bias of KDRT, and see none among reference sets.
+    // There is a verdict only if both measures, by annuli of frequencies and by bins of distances, see the bias of KDRT
+    // and see none among reference sets.
     let is_within = |one: &AgainstReference| one.outside().map(|share| share <= OUTSIDE);
     let is_seen = is_within(again) == [true; 2] && is_within(kdrt) == [false; 2];
     let verdict = Verdict::if_known(is_seen, is_within(exact) == [true; 2]);
