@@ -33,7 +33,7 @@ pub struct HandoutTask {
     pub name: String,
     /// The content of the lesson's file.
     pub text: String,
-    /// The language of the words around it.
+    /// The language of the words around it; empty for English.
     pub language: String,
     /// The content of the translation's file, if the lesson is shown in one.
     pub translation: Option<String>,
@@ -98,8 +98,8 @@ pub fn lesson_sheet(task: &HandoutTask, size: [f64; 2]) -> Result<LessonSheet, S
             .map_err(|fault| format!("Step {}: {fault}.", index + 1))?;
         let step = open.learner.step();
 
-        // Apart, as a page may set the question off. Nothing is revealed, so that the controls show no answer. Of a trace the first
-        // event is asked for.
+        // Text and question are made apart, as a page may set the question off. Nothing is revealed, so that the
+        // controls show no answer. A question about a trace asks for one event after another; here the first is shown.
         let (mut texts, mut question) = (String::new(), String::new());
         for paragraph in &step.text {
             put(&mut texts, &open.learner.words(paragraph));

@@ -182,7 +182,7 @@ impl GroundArguments {
             _ => bail!("the set has no certificate; give --radius"),
         };
 
-        // As sets are made: a field seldom goes around, and a shape never.
+        // The same default as for making a set: few fields are periodic, and no shape is.
         let boundary = set.boundary.unwrap_or(Border::Bounded);
         Ok(VaryingRecipe {
             radius,

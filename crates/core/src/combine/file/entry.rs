@@ -92,8 +92,8 @@ impl PieceEntry {
     /// Returns the source of the set for the rectangle `rect`. A set that is made has the layout's `boundary` unless
     /// the entry gives another one; for a file the certificate does.
     ///
-    /// Fails when the piece is not one of the three kinds (a file, parameters or a seed), or its parameters cannot be
-    /// sampled.
+    /// Fails when the piece is not one of the three kinds (a file, parameters or a seed), when it has a value that its
+    /// kind has no use for, and when its parameters cannot be sampled.
     pub(super) fn source(
         &self,
         boundary: Boundary,

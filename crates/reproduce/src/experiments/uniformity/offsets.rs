@@ -265,6 +265,7 @@ impl PairedBias {
         // The classes within 1 r of a block's border.
         let near = |classes: &[u64]| classes[..BANDS[1]].iter().sum::<u64>() as f64;
         let share = |seed: &SeedCounts| seed.block_shares[..BANDS[1]].iter().sum::<f64>();
+        // The first sets are those of the reference sampler: a bias is measured by their mean.
         let count = |seed: &SeedCounts| seed.sets[0].count as f64;
         let mean = seeds.iter().map(count).sum::<f64>() / sets;
         let expected = mean * seeds.iter().map(share).sum::<f64>() / sets;
