@@ -93,7 +93,7 @@ impl Engines {
     /// Starts a pool for each of these numbers of threads, and one of a single thread. For all threads there is the global pool.
     pub fn open(threads: &[usize], gpus: Vec<Arc<Gpu>>) -> Result<Self> {
         let all = rayon::current_num_threads();
-        // Exact tiling is measured on one thread.
+        // Exact tiling is measured on one thread. If that is asked for as well, a second such pool does no harm.
         let pools = threads
             .iter()
             .chain(&[1])

@@ -337,8 +337,9 @@ impl CellVertices<'_> {
     /// Whether a vertex is farther than the limit, which is (1 + 2^-15) r.
     fn is_beyond(&self, index: usize) -> bool {
         let distance = self.vertices[index].at.length();
-        // The flatness is 1, as a place is off by a few last bits only (see `Meeting::place`).
-        exceeds(distance, self.limit, 1.0, || {
+        // How many times rounding is enlarged: a place is off by a few last bits only (see `Meeting::place`).
+        let flatness = 1.0;
+        exceeds(distance, self.limit, flatness, || {
             let Meeting {
                 offset,
                 determinant,

@@ -21,6 +21,7 @@ pub(super) fn read(
         Format::Csv | Format::Xyz if columns.is_some_and(is_coordinate) => None,
         Format::Csv | Format::Xyz => if_any(table::column(bytes, format, columns, RADIUS))?,
         Format::PlyAscii | Format::PlyBinary => if_any(ply::column(bytes, format, RADIUS))?,
+        // GeoJSON may stand in a file of any JSON.
         Format::Json | Format::GeoJson => of_features(bytes),
         Format::PsaText
         | Format::PsaRps

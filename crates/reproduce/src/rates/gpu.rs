@@ -61,7 +61,8 @@ impl Bench {
     /// Times a GPU against the parallel engine on all threads.
     pub fn gpu(&self, gpu: &Arc<Gpu>, watch: &dyn Watch) -> Result<GpuRates> {
         let base = self.base()?;
-        let control = Control::new(watch, 0, "the first run".to_owned());
+        let units_done = 0;
+        let control = Control::new(watch, units_done, "the first run".to_owned());
         let pattern = Pattern::of_spec(&base.pattern, &mut control.observer())?;
 
         // The parallel engine runs on all threads, for which no pool has to be opened.

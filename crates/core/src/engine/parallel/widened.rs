@@ -77,6 +77,7 @@ impl WidenedWindow {
         Ok(Self {
             positions: samples.iter().flat_map(shown).collect(),
             size: user(wide.max - wide.min - last),
+            // The upper corner may lie one unit beyond the set, where there is nothing to judge.
             window: [window.min, window.max].map(|corner| user(corner - wide.min)),
         })
     }
