@@ -284,6 +284,8 @@ pub fn keep_painted(
 
     // Each sample has the threshold of the pixel under it; white, 0, keeps none.
     let is_dark = |index: usize| ranked.ranks[index] < picture.darkness_at(points[index], size);
+    // The ranks stay as they are: under thresholds that differ from place to place, no level is left whole to divide
+    // them by.
     let (kept, ranks) = ranked.kept(is_dark);
     let highest = ranks.iter().copied().fold(0.0, f64::max);
     ensure!(

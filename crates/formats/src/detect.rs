@@ -122,6 +122,7 @@ pub fn detect(bytes: &[u8], path: &Path) -> Result<Detection, FormatError> {
     Ok(Detection { format, evidence })
 }
 
+/// Whether two formats have the same extension, as the two of PLY have.
 fn same_family(a: Format, b: Format) -> bool {
     a.extension() == b.extension()
 }

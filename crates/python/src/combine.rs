@@ -47,7 +47,8 @@ pub fn combine<'py>(
         given.insert(name.as_str(), held);
     }
 
-    // Memory is asked for before the pieces are made, which may take long.
+    // Memory is asked for before the pieces are made, which may take long. A combination keeps each sample with its
+    // fate, as the sequential engine does, and is taken to need as much.
     let samples = placed.domain.area_radii() * MAXIMAL_DENSITY;
     let made = run(py, progress, |watch| {
         ask_for(samples, Making::Sequential.bytes_a_sample())?;

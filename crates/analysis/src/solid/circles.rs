@@ -124,7 +124,7 @@ pub(super) fn search(
         }
     }
 
-    // All balls are apart, so that there are gaps, and the nearest pair was not seen.
+    // All balls are apart, so that there are gaps, and the nearest pair was not seen. A single sample has no pair.
     if all.min_distance.is_infinite() && count > 1 {
         return Ok(None);
     }

@@ -147,6 +147,7 @@ pub fn differences(reference: &Subject, subjects: &[Subject], all: &[Differences
 pub fn files(members: &[Member]) -> Table {
     let measures = members.first().map_or(&[][..], |first| &first.measures);
     let column = |(index, measure): (usize, &Measure)| {
+        // All files of an average have the same measures.
         let cell = |member: &Member| {
             let own = &member.measures[index];
             own.text(own.value, 0)

@@ -63,7 +63,8 @@ fn clip(domain: &Domain, pieces: &[Piece], piece: &Piece, reach: i32) -> Clip {
         }
     });
 
-    // Samples are sorted as in the clips of blocks, so that ids follow the rows of the piece.
+    // Near samples are sorted as in the clips of blocks, so that ids follow the rows of the piece. The deep ones get no
+    // ids, and their order is made with that of the whole result.
     near.sort_unstable_by_key(|&(at, index)| (at.y, at.x, index));
     Clip { near, deep }
 }

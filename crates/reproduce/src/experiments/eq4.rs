@@ -158,7 +158,7 @@ fn area(found: &[LeafShares], first: &LeafShares) -> Claim {
     claim("eq4/area", verdict, &values)
 }
 
-/// Judges whether the share of the margin is below the paper's bound.
+/// Judges whether the share of the margin is below the paper's bound. The share of the overlap is only reported.
 fn below(found: &[LeafShares]) -> Claim {
     // The paper's bound is for these leaves alone.
     let large = || found.iter().filter(|one| one.leaf >= FROM);

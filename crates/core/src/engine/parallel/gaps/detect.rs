@@ -81,8 +81,8 @@ impl<const TAGS: bool> Region<TAGS> {
         }
     }
 
-    /// Measures the open pixels of a cell, keeps those that no single sample covers, and returns the index of the
-    /// first.
+    /// Measures the open pixels of a cell, keeps those that no single sample covers, enters the cell in `gaps.open`,
+    /// and returns the index of the first pixel kept.
     #[inline(always)]
     fn keep_open<S: Simd>(&self, simd: S, gaps: &mut GapBuffers, cell: usize, open: u64) -> usize {
         let (column, row) = self.frame.column_row(cell);
