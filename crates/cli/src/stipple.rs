@@ -127,7 +127,7 @@ Examples:
 pub fn run(arguments: &StippleArguments) -> Result<u8> {
     interrupt::listen();
     arguments.threads.set()?;
-    // Options of the end are checked before the dots are made, which takes longest.
+    // To make the dots takes longest: before that, the options of the file and of the picture are checked, too.
     arguments.check_out()?;
     arguments.look.check()?;
     let recipe = arguments.recipe()?;

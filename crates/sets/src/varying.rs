@@ -204,7 +204,8 @@ impl VaryingRecipe {
         self.expected(&self.radius)
     }
 
-    /// Returns what certificates state of the way in which the set was made.
+    /// Returns what certificates state of the way in which the set was made. A count is not stated: the radii are those
+    /// that gave it.
     fn stated(&self, radius: &RadiusSource, ground: &Ground) -> Stated {
         // The sides of the domain that was made: those that were asked for may be missing.
         let [width, height] = ground.field.domain().size();

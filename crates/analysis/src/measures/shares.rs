@@ -224,8 +224,8 @@ fn restrict(
 
             for (value, kx) in values.iter_mut().zip(x.middle - x.below..) {
                 let length = (kx as f64 * unit_x).hypot(ky as f64 * unit_y);
-                // Only frequencies of the ring count. That of zero is in none: its power depends on the number of
-                // samples alone.
+                // Only frequencies of the ring count. The frequency zero is in no ring: its power depends on the number
+                // of samples alone.
                 if [kx, ky] == [0, 0] || !(inner..outer).contains(&length) {
                     *value = Complex::default();
                     continue;

@@ -77,7 +77,8 @@ fn undecided(verdict: Verdict, ratios: &[Option<Ratio>]) -> String {
         return String::new();
     }
 
-    // An interval without a verdict holds a limit; without an interval there was a single set.
+    // If there are intervals and no verdict, one of them contains a limit. There is no interval where there was one
+    // set.
     let all_have = ratios.iter().all(has_interval);
     text(
         if all_have {
