@@ -181,8 +181,8 @@ fn against(
         vec![false; points.len()]
     });
 
-    // Other columns, and the order of the rows, are compared as bytes; not after the finding above, where `kept` is
-    // empty.
+    // Other columns, and the order of the rows, are compared as bytes; not after the finding above, where no point
+    // counts as kept.
     if differences.is_empty() && keep_rows(given.bytes, &given.hint, &kept)?.bytes != chosen.bytes {
         differences.push(CertificateDifference {
             field: "rows",

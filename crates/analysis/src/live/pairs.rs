@@ -191,9 +191,9 @@ impl LivePairs {
         });
         self.samples[slot as usize] = (id, place);
 
+        let comes = true;
         // Of each sample `nearest` keeps the complement of the squared distance to the nearest one: the largest
         // complement is that of the closest pair, and 0 stands for no sample.
-        let comes = true;
         let mut largest_complement = 0;
         let steps = self.grid.around(place, REACH, |other, offset| {
             let distance_squared = square(offset);

@@ -169,7 +169,7 @@ pub fn power_difference_band(
         check_range("the number of powers", count, [0.5, 1e8])?;
     }
 
-    // The sum of all powers. A share of it is that of the first mean, and the rest that of the second one.
+    // A share of the sum of all powers belongs to the first mean, and the rest to the second one.
     let sum = powers[0] * counts[0] + powers[1] * counts[1];
     let tails = [0.5 - 0.5 * level, 0.5 + 0.5 * level];
     Ok(tails.map(|part| {

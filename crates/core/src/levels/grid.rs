@@ -136,8 +136,8 @@ impl LevelGrid {
     /// Gathers the samples at most `reach` away from `middle` on both axes, and some farther ones, as offsets from `from`, which
     /// are exact where they are shorter than 2^24.
     pub fn gather(&self, middle: Point, reach: i32, from: Point, out: &mut GatheredSamples) {
-        // An axis is cut into up to three spans. Measured in cells, the first touches less than two more than its
-        // length, and each other one less than one more: five in all, as the length is rounded down. Beyond the last
+        // An axis is cut into up to three spans. The first touches fewer than two cells more than its length in cells,
+        // and each other one fewer than one more: with the rounding of the length these are five. Beyond the last
         // sample a group is written.
         let columns = ((2 * reach) >> self.layout.bits()) as usize + 5;
         let room = SLOTS * columns * columns + LANES;
