@@ -232,7 +232,8 @@ impl HandoutTask {
         }
         html.push_str("</div>\n</div>\n");
 
-        // The controls are written first: once the answer is revealed they show it. Of a trace the first event is asked for.
+        // The controls are written first: once the answer is revealed they show it. A question about a trace asks for
+        // one event after another; here the first is shown.
         if let Some(question) = open.learner.question() {
             let controls = open.controls(&self.language);
             ask(html, question.ask(0), &controls, self.decimal_sign());

@@ -61,7 +61,8 @@ pub(super) fn text_of<const N: usize>(
 /// Returns the chosen set with only those of its lines that are kept.
 pub(super) fn keep_text(bytes: &[u8], chosen: Option<usize>, kept: &[bool]) -> Vec<u8> {
     let mut out = Vec::with_capacity(bytes.len() / 2);
-    // As they are read: a separator ends a set that is not empty, and without a choice there is only one set.
+    // Sets are divided as when they are read: a separator ends a set that is not empty. Without a choice there is only
+    // one set.
     let (mut set, mut is_begun, mut flags) = (0, false, kept.iter());
     for (_, row) in lines(bytes).filter(|(_, row)| !row.is_empty()) {
         // Remarks of other programs separate no sets.
@@ -257,7 +258,7 @@ pub(super) fn write_binary(
     Ok(out)
 }
 
-/// The head of a file of one set of `count` points.
+/// The head of a file of one set of `count` points in the plane.
 pub(super) fn head(count: u64, precision: Precision) -> Result<Vec<u8>, FormatError> {
     let count = u32::try_from(count).map_err(|_| FormatError::TooMany {
         format: Format::UtkBinary,

@@ -49,8 +49,7 @@ pub fn pictures(
     let of_plates = json!({ "side": plate.side, "edge": EDGE });
     let of_errors = json!({ "error": ERROR_SHOWN });
     let of_curves = json!({ "nyquist": NYQUIST });
-    // The note below an image states how large its errors are; that below the picture of the errors, of which
-    // frequencies.
+    // The note of an image states its errors, and that of a picture of errors their parts below and above Nyquist.
     let plates = plate_tiles(all, IMAGE, "fig10/errors")?;
     let errors = plate_tiles(all, ERROR, "fig10/parts")?;
 

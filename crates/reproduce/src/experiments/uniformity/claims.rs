@@ -189,7 +189,7 @@ fn frame_of(how: &str, reference: &SamplerUniformity, ours: &SamplerUniformity) 
     claim("uniformity/frame", verdict, &values)
 }
 
-/// Which side of the border of a periodic domain has more samples.
+/// Judges whether both sides of the border of a periodic domain have equally many samples.
 fn sides(order: &str, reference: &SamplerUniformity, ours: &SamplerUniformity) -> Claim {
     // Two sides count as even if their intervals overlap.
     let even = |subject: &SamplerUniformity| {
