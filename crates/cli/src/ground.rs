@@ -190,7 +190,7 @@ impl GroundArguments {
             size: [set.width, set.height],
             origin: set.origin(),
             boundary: Boundary::of(boundary == Border::Periodic),
-            // By these a set is made; only the field and the shape are taken to judge one.
+            // A seed and a count are for making a set; to judge one, only the field and the shape are taken.
             seed: 0,
             count: None,
         })

@@ -248,8 +248,8 @@ pub fn set_below(
     let claim = view
         .claim(below, kept.len())
         .context("there are no levels")?;
-    // What covers nothing promises nothing that a certificate could state. The finest threshold of 0 is that of the
-    // first level.
+    // Without a whole level the set covers nothing, so that a certificate would have nothing to state. For 0 the finest
+    // threshold is that of the first level.
     ensure!(
         claim.covering.is_some(),
         "{name}: of its first level the ranks go up to {}, and samples below {below} hold no whole level",

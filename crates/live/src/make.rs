@@ -119,8 +119,8 @@ impl Course {
         nested: &NestedRequest,
         observer: &mut dyn Observer,
     ) -> Result<Self, CourseError> {
-        // Unless the request is for exactly so many samples, the radius of the parameters is used, which is already an
-        // estimate if the recipe has a count.
+        // Unless the request is for an exact number of samples, the radius of the parameters is used, which is already
+        // an estimate if the recipe has a count.
         let mut expected = recipe.parameters;
         if let Some(count) = nested.exactly {
             expected.radius = radius_estimate(&expected, count as u64)?;

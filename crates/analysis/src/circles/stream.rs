@@ -185,7 +185,7 @@ impl CircleBands {
         let mut search = Search::resumed(question, samples, self.farthest, self.least);
         let tiles = search.rectangles(rows.start as i64..rows.end as i64);
         let refuse = |declined| refused(declined, question, samples.len());
-        // The first band gives the circles a radius to begin with.
+        // The first band gives the circles a radius to begin with; 0 stands for none yet.
         if self.least == 0.0 {
             search.begin(&tiles).map_err(refuse)?;
         }
@@ -197,7 +197,7 @@ impl CircleBands {
         Ok(())
     }
 
-    /// Cuts out the exposed cells of rows that are ready.
+    /// Cuts out the Voronoi cells of exposed samples in rows that are ready.
     fn holes(
         &mut self,
         question: &Question,

@@ -70,8 +70,8 @@ struct FarthestTask<'a> {
 }
 
 impl FarthestTask<'_> {
-    /// Returns the largest squared distance in a cube, or that of the sketch, given all samples that may be nearest to a place
-    /// of it.
+    /// Returns the largest squared distance that is found in a cube, or that of the sketch if none is larger, given all
+    /// samples that may be nearest to a place of the cube.
     fn of_cube(&self, cube: &Cube, near: &[[f64; 3]]) -> Result<f64, SolidError> {
         // A place is no farther from its nearest sample than any sample is from its farthest place of the cube: the
         // least of these distances bounds all.

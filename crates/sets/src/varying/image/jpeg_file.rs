@@ -86,7 +86,8 @@ fn stated_size(bytes: &[u8]) -> Option<[u32; 2]> {
     }
 }
 
-/// Returns how Exif data say that the first row and column lie, from 1, upright, to 8.
+/// Returns the orientation that Exif data state, from 1, upright, to 8: at which sides of the picture the file's first
+/// row and first column lie.
 fn orientation(exif: &[u8]) -> u16 {
     const UPRIGHT: u16 = 1;
     const TAG: u32 = 0x0112;
