@@ -11,7 +11,8 @@ use crate::paths::InFile;
 use crate::{EXIT_BAD_INPUT, EXIT_FINE, EXIT_NEGATIVE, output, verdict_code};
 
 /// Carries out the text of a script: prints the state after each command or after the last one; passes on the number of
-/// each command that was refused or failed, why, and whether a file could not be read or written; returns the verdict.
+/// each command that was refused or failed, why, and whether a file could not be read or written; returns whether the
+/// samples at the end are valid, `None` if the verifier has not judged them.
 pub type CarryOut = fn(
     text: &str,
     after_each: bool,

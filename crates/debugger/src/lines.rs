@@ -106,6 +106,7 @@ impl Lines {
         let darts = self == Self::Darts;
         match *run_event {
             RunEvent::Take { .. } => ("eliminate", 2),
+            // The rest are the samples that were never contested. They are kept once no turn is left.
             RunEvent::Keep { rest, .. } => ("eliminate", if rest { 6 } else { 3 }),
             RunEvent::Test { .. } => ("eliminate", 4),
             RunEvent::Eliminate { .. } => ("eliminate", 5),

@@ -55,7 +55,7 @@ impl SolidRecipe {
             seed,
         };
 
-        // A number of samples is searched for by whole sets, of which the last one is returned.
+        // For a wanted number of samples, whole sets with different radii are made until one has about as many.
         let (found, is_beginning) = match balls {
             BallSize::Radius(radius) => {
                 // With a given radius there is nothing to search for: one set is made.

@@ -140,7 +140,7 @@ pub(super) fn check(question: &SolidQuestion<'_>) -> Result<(), SolidError> {
     if !(0.0..=1.0).contains(&tolerance) {
         return Err(SolidError::BadTolerance { tolerance });
     }
-    // In a longer period at most one of a sample's images is near a place.
+    // With sides of more than twice the limit, at most one image of a sample lies within the limit of a place.
     let (side, limit) = (region.shortest(), question.bound());
     if region.is_periodic() && side <= 2.0 * limit {
         return Err(SolidError::Period { side, limit });

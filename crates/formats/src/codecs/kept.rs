@@ -27,31 +27,35 @@ pub struct KeptRows {
 ///
 /// As [`decode`](super::decode), and [`FormatError::NotChosen`] for formats that cannot keep what belongs to a point.
 pub fn keep_rows(bytes: &[u8], hint: &Hint<'_>, kept: &[bool]) -> Result<KeptRows, FormatError> {
-    // The same bytes and format as in `decode`, as the flags are those of the points that it returned.
-    let utf8 = &*as_utf8(bytes);
-    let format = detected(utf8, hint)?.format;
+    // The same bytes and format as in `decode`, as the flags are those of the points that it returned. Binary files stay
+    // as they are.
+    let bytes = &*as_utf8(bytes);
+    let format = detected(bytes, hint)?.format;
     let mut left_out = Vec::new();
-    let bytes = match format {
-        Format::Csv | Format::Xyz => table::keep(utf8, format, hint.columns, kept),
-        Format::PsaText => Ok(psa::keep_text(utf8, kept)),
+    let file = match format {
+        Format::Csv | Format::Xyz => table::keep(bytes, format, hint.columns, kept),
+        Format::PsaText => Ok(psa::keep_text(bytes, kept)),
         // A row is two f32.
-        Format::PsaRps => Ok(rows(utf8, 8, kept)),
-        Format::UtkText => Ok(utk::keep_text(utf8, hint.set, kept)),
-        Format::UtkBinary => utk::keep_binary(utf8, hint.set, kept),
-        Format::Npy => npy::keep(utf8, kept),
+        Format::PsaRps => Ok(rows(bytes, 8, kept)),
+        Format::UtkText => Ok(utk::keep_text(bytes, hint.set, kept)),
+        Format::UtkBinary => utk::keep_binary(bytes, hint.set, kept),
+        Format::Npy => npy::keep(bytes, kept),
         Format::PlyAscii | Format::PlyBinary => {
-            let file;
-            (file, left_out) = ply::keep(utf8, format, kept)?;
-            Ok(file)
+            let kept_file;
+            (kept_file, left_out) = ply::keep(bytes, format, kept)?;
+            Ok(kept_file)
         }
-        Format::Json | Format::GeoJson => json(utf8, kept),
+        Format::Json | Format::GeoJson => json(bytes, kept),
         Format::Svg => Err(FormatError::NotChosen {
             format,
             reason: "a circle may have a style that other elements give it; convert the file to csv first",
         }),
     }?;
 
-    Ok(KeptRows { bytes, left_out })
+    Ok(KeptRows {
+        bytes: file,
+        left_out,
+    })
 }
 
 /// Returns the numbers of a column, one for each point: of a text table, by its name or its number from 1; a scalar property of

@@ -157,7 +157,7 @@ impl StreamReader {
                 self.rows.whole(&self.pending)
             };
 
-            // A line may go on in the next block, but not through any number of them.
+            // No line ends in what was read so far: it may go on in the next block, unless it is too long for a point.
             if used == 0 && !ended {
                 self.check_line()?;
                 continue;
@@ -180,6 +180,7 @@ impl StreamReader {
     fn end(&self) -> Result<Option<Vec<[f64; 2]>>, FormatError> {
         let format = self.detection.format;
 
+        // A text table is refused if its head states another number of points or, without a row, names no columns to read.
         self.rows.finish(self.read)?;
         if self.read == 0 {
             return Err(FormatError::Empty { format });

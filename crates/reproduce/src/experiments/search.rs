@@ -1,5 +1,6 @@
-//! Section 3.2.2: how far detectors have to look. Runs that look 2r far are compared with runs that look 4r far. Sets
-//! with gaps are what this experiment is about, so the verifier counts gaps here and no set is refused.
+//! Section 3.2.2: how far detectors have to look. Runs that look 2r far (`Search::TwoRadii`) are compared with runs that
+//! look 4r far (`Search::Complete`, in periodic domains). Sets with gaps are what this experiment is about, so the
+//! verifier counts gaps here and no set is refused.
 
 mod gaps;
 mod picture;
@@ -55,7 +56,7 @@ pub fn units(settings: &Settings) -> usize {
     cases(settings).len()
 }
 
-/// Counts the gaps of the sets of all cases, and draws the largest ones.
+/// Counts the gaps of the sets of all cases, and draws the largest ones of one set.
 pub fn run(study: &Study<'_>) -> Result<Outcome> {
     let settings = study.settings;
     let mut found: Vec<GapStatistics> = Vec::new();
@@ -72,7 +73,8 @@ pub fn run(study: &Study<'_>) -> Result<Outcome> {
 
     let control = study.control("the pictures");
     let mut pictures = vec![gaps::bars(&found)?];
-    // Sets are not kept: the one by stages with the largest gap is made again to be drawn.
+    // Of the sets by stages whose detectors looked 2r far, the one with the largest gap is drawn. Sets are not kept, so
+    // that it is made again.
     if let Some(worst) = gaps::worst(&found) {
         let (leaf, variant) = (worst.leaf, Variant::Staged);
         let case = SearchCase { leaf, variant };

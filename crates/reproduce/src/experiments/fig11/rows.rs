@@ -60,13 +60,13 @@ pub fn rows(rounds: &[StageRound]) -> Vec<LeafTimes> {
         .collect()
 }
 
-/// Returns the row of a leaf size, of its times in each round.
+/// Returns the row of a leaf size, of its times in each round; `None` without rounds.
 fn row(times: &[&StageTimes]) -> Option<LeafTimes> {
     let whole = |one: &StageTimes| one.seconds.iter().map(|(_, seconds)| seconds).sum::<f64>();
     let each = times.iter().flat_map(|one| &one.seconds).map(|(of, _)| *of);
     let procedures: BTreeSet<Procedure> = each.collect();
 
-    let shares_of = |procedure: Procedure| {
+    let with_summaries = |procedure: Procedure| {
         let seconds_of = |one: &StageTimes| {
             let found = one.seconds.iter().find(|(of, _)| *of == procedure);
             // A round that needed fewer iterations spent no time on this one.
@@ -81,7 +81,7 @@ fn row(times: &[&StageTimes]) -> Option<LeafTimes> {
     Some(LeafTimes {
         leaf: first.leaf,
         printed: first.printed,
-        procedures: procedures.into_iter().filter_map(shares_of).collect(),
+        procedures: procedures.into_iter().filter_map(with_summaries).collect(),
         whole: Summary::of(times.iter().map(|one| whole(one)))?,
         // The algorithm as printed is not timed in parallel, which leaves nothing to sum up.
         parallel: Summary::of(times.iter().filter_map(|one| one.parallel)),

@@ -38,7 +38,7 @@ struct Gap {
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Ranked {
     pub classes: Vec<u64>,
-    /// Samples whose gap was too small to find places in it.
+    /// Samples that lie in no gap, or in one of which too little was left to find places in.
     pub skipped: u64,
 }
 
@@ -69,22 +69,26 @@ impl<'a> Gaps<'a> {
         ranked
     }
 
-    /// Returns how many of [`PLACES`] uniform places of a gap are nearer to a sample than `place`, which lies in that gap and was
-    /// filled after the `earlier` samples; `None` if it lies in no gap, or if too little of the gap is left.
+    /// Returns how many of [`PLACES`] uniform places of a gap are nearer to a sample than `place`, which lies in that gap: a
+    /// sample was inserted there after the `earlier` ones. `None` if it lies in no gap, or if too little of the gap is left.
     fn rank(
         &self,
         place: [f64; 2],
         earlier: &[[f64; 2]],
         draws: &mut impl FnMut() -> f64,
     ) -> Option<usize> {
-        let near = |gap: &&Gap| self.distance(place, gap.region.deepest.0.into()) <= gap.reach;
+        let from_deepest = |gap: &Gap, other| {
+            let (deepest, _distance) = gap.region.deepest;
+            self.distance(other, deepest.into())
+        };
+        let near = |gap: &&Gap| from_deepest(gap, place) <= gap.reach;
         // The distance is cheap and rules most gaps out, so that few gaps have their triangles looked at.
         let gap = (self.each.iter().filter(near)).find(|gap| gap.region.contains(place))?;
 
         // Earlier samples more than 2 r from every place of the gap are left out: they cover none of these places, to which
         // survivors are nearer.
         let farthest = gap.reach + 2.0 * self.radius;
-        let around = |p: &&[f64; 2]| self.distance(**p, gap.region.deepest.0.into()) <= farthest;
+        let around = |p: &&[f64; 2]| from_deepest(gap, **p) <= farthest;
         let earlier: Vec<[f64; 2]> = earlier.iter().filter(around).copied().collect();
 
         let own = self.clearance(gap, &earlier, place);
@@ -92,7 +96,8 @@ impl<'a> Gaps<'a> {
         for _ in 0..TRIES * PLACES {
             let other = gap.draw(draws);
             let clearance = self.clearance(gap, &earlier, other);
-            // A place that an earlier sample covers is no longer in the gap.
+            // A place that an earlier sample covers is no longer in the gap. The triangles that are drawn from reach a little
+            // over the disks around the gap.
             if clearance > self.radius && gap.region.contains(other) {
                 places += 1;
                 nearer += usize::from(clearance < own);
