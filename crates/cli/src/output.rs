@@ -358,7 +358,7 @@ pub fn verdict_text(report: &Report, levels: &[CertifiedLevel]) -> String {
             "   samples   smallest distance above   covering radius up to\n{rows}verdict        {valid}\n"
         );
     }
-    // A set that was judged by subdivision has no single radius in which its lengths could be given.
+    // Sets that are judged by subdivision alone mostly have radii that vary: their lengths are given in the unit of the file.
     if report.judges == [Judge::Subdivision] {
         return subdivision_text(report);
     }
@@ -403,10 +403,11 @@ pub fn verdict_text(report: &Report, levels: &[CertifiedLevel]) -> String {
     out
 }
 
-/// Returns the verdict on a set whose radius varies or that covers a shape. No length of it is a radius.
+/// Returns the verdict on a set whose radius varies or that covers a shape, with lengths in the unit of the file.
 fn subdivision_text(report: &Report) -> String {
     let covers = match report.covering_factor {
-        // The factor is rounded up, so that the sentence is true of every place.
+        // A set that is the beginning of a larger one has a factor. It is rounded up, so that the sentence is true of every
+        // place.
         Some(factor) => format!(
             "prefix         yes   every place is within {:.6} times its radius",
             (factor * 1e6).ceil() / 1e6
@@ -424,7 +425,7 @@ fn subdivision_text(report: &Report) -> String {
         Judge::joined(&report.judges),
     );
 
-    // Three of each show the fault. Lengths stay in the units of the file, as each place has a radius of its own.
+    // Three of each show the fault.
     for conflict in report.worst_conflicts.iter().take(3) {
         let (a, b, apart) = (conflict.first, conflict.second, Number(conflict.distance));
         let _ = writeln!(out, "  conflict: samples {a} and {b}, {apart} apart");

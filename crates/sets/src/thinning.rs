@@ -209,7 +209,7 @@ pub fn bounds(points: &[[f64; 2]]) -> ([f64; 2], [f64; 2]) {
     (low, [high[0] - low[0], high[1] - low[1]])
 }
 
-/// Judges which points were kept by the code of another crate, which shares nothing with this one.
+/// Judges the choice of the points that are kept. The judge is code of another crate, which shares nothing with this one.
 ///
 /// # Errors
 ///

@@ -32,7 +32,7 @@ impl SolidContext {
         in_space(self.planar.region, self.depth)
     }
 
-    /// Judges the positions as a file in this format holds them.
+    /// Judges positions in domain units. Errors name the precision that a file in this format has.
     fn judge(
         &self,
         points: &[[f64; 3]],
@@ -102,7 +102,6 @@ pub(crate) fn export_through(
     context: &SolidContext,
     control: Control<'_>,
 ) -> Result<SolidBytes, ExportError> {
-    // A format that cannot hold the set fails in `encode`, before anything is stored.
     let format = target(name, &context.planar)?.format;
     let precision = format.precision(context.planar.precision);
     let mapping = SolidMapping::new(format, &context.region(), precision);
@@ -110,6 +109,7 @@ pub(crate) fn export_through(
     // In the order of the file, so that indices of the verdict are those of its points.
     let points = ordered(points, context);
     let written = mapping.stored(&points);
+    // A format that cannot hold the set fails in `encode`, before anything is stored.
     let data = store(codec::encode(&written, format, precision)?)?;
 
     // Only positions that were decoded from the stored bytes are judged and certified.

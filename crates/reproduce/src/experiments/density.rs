@@ -46,7 +46,8 @@ struct DensityPlan {
 
 impl DensityPlan {
     fn of(settings: &Settings) -> Self {
-        // 96 batches have 2.2 x 10^9 samples, 480 have 1.1 x 10^10.
+        // 96 batches have 2.2 x 10^9 samples, whose error is about that of the published density. 480 have 1.1 x 10^10, for
+        // a smaller error. The other numbers are chosen, not measured.
         let batches = if settings.many { 480 } else { 96 };
         let whole = Self {
             batches,
@@ -141,12 +142,13 @@ fn on_large_tori(study: &Study<'_>) -> Result<Vec<TorusSets>> {
         found.push(study.unit(&key, &what, |control| {
             let seeds = plan.indices(batch);
             let seeds: Vec<u64> = seeds.map(|index| seed_of(study.settings, index)).collect();
+            // Once in each batch the judge has to refuse sets that are wrong: the batch fails if it does not.
             torus::refuse_controls(SIDE, seeds[0], control)?;
             TorusSets::made(SIDE, seeds, control)
         })?);
     }
 
-    // The error comes from the spread between sets, of which a batch has several.
+    // One batch is enough: the error comes from the spread between sets, of which a batch has several.
     if found.is_empty() {
         let none = "no batch is kept; run the same command without --kept".to_owned();
         return Err(ReproduceError::Engine(none));
