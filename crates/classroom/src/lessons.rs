@@ -346,7 +346,7 @@ pub(crate) fn in_language(language: &str) -> impl Fn(&str) -> String {
 }
 
 impl OpenLesson {
-    /// Returns a lesson that was just opened.
+    /// Returns a lesson that was just opened. Its text, and when its file was changed, are filled in by the caller.
     pub(crate) fn new(learner: Learner, source: LessonSource) -> Self {
         Self {
             learner,

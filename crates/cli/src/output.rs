@@ -358,7 +358,8 @@ pub fn verdict_text(report: &Report, levels: &[CertifiedLevel]) -> String {
             "   samples   smallest distance above   covering radius up to\n{rows}verdict        {valid}\n"
         );
     }
-    // Sets that are judged by subdivision alone mostly have radii that vary: their lengths are given in the unit of the file.
+    // Sets that are judged by subdivision alone mostly have radii that vary: their lengths are given in the unit of the
+    // file.
     if report.judges == [Judge::Subdivision] {
         return subdivision_text(report);
     }
@@ -406,8 +407,8 @@ pub fn verdict_text(report: &Report, levels: &[CertifiedLevel]) -> String {
 /// Returns the verdict on a set whose radius varies or that covers a shape, with lengths in the unit of the file.
 fn subdivision_text(report: &Report) -> String {
     let covers = match report.covering_factor {
-        // A set that is the beginning of a larger one has a factor. It is rounded up, so that the sentence is true of every
-        // place.
+        // A set that is the beginning of a larger one has a factor. It is rounded up, so that the sentence is true of
+        // every place.
         Some(factor) => format!(
             "prefix         yes   every place is within {:.6} times its radius",
             (factor * 1e6).ceil() / 1e6

@@ -35,8 +35,8 @@ pub struct RunArguments {
     pub typed: Vec<Parameter>,
 }
 
-/// The options that say how large the samples' disks are. One of them must be given, or one that a command adds to their
-/// group, such as the formula of `--radius-expression`.
+/// The options that say how large the samples' disks are. One of them must be given, or one that a command adds to
+/// their group, such as the formula of `--radius-expression`.
 const SIZE: [&str; 2] = ["radius", "count"];
 
 impl Args for RunArguments {

@@ -363,6 +363,7 @@ fn quoted_length(text: &str) -> Option<usize> {
 /// Returns an expression with the signs `&&` and `||` for the words `and` and `or`, which queries have, too. Texts in quotes
 /// stay, and so do the positions of all other characters, which errors name.
 fn with_signs(text: &str) -> String {
+    // All letters count, those that names cannot have, too: `and` beside one of them is no word of its own.
     let is_of_name = |c: char| c.is_alphanumeric() || c == '_';
     let mut signs = String::with_capacity(text.len());
     let mut rest = text;

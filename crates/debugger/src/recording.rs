@@ -143,7 +143,8 @@ impl Recording {
         budget: usize,
         observer: &mut dyn Observer,
     ) -> Result<Self, SampleError> {
-        // The tape finds the lines of events by the parameters: of these, by the kind of insertion.
+        // The tape finds the lines of events by the parameters. Here their kind of insertion must say that darts are
+        // thrown.
         let parameters = &Parameters {
             insertion: Insertion::Uniform,
             ..*parameters

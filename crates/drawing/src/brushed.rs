@@ -75,7 +75,8 @@ pub fn tint(found: Option<&BrushedCause>, id: u32, palette: &Palette) -> Option<
         return None;
     }
 
-    // A few shares lie far beyond the others: they all have the strongest colour.
+    // A few shares lie far beyond the others: they all have the strongest colour. Below the mean that is the blue of
+    // detectors, and above it the red of conflicts; the mean itself has the colour of eliminated samples.
     let deviation = ((share - *mean_power as f32) / strongest).clamp(-1.0, 1.0);
     let strongest_color = if deviation < 0.0 {
         palette.detector

@@ -221,7 +221,8 @@ impl Writer {
                 style,
             } => {
                 let center = at.pixel(*center);
-                // The outlines of markers have straight sides, and a dot has none.
+                // The size of a marker is in pixels already. All markers have outlines with straight sides, but for the
+                // dot.
                 if *marker == Marker::Dot {
                     self.circle(center, size / 2.0, *style);
                 } else {

@@ -209,7 +209,8 @@ pub fn bounds(points: &[[f64; 2]]) -> ([f64; 2], [f64; 2]) {
     (low, [high[0] - low[0], high[1] - low[1]])
 }
 
-/// Judges the choice of the points that are kept. The judge is code of another crate, which shares nothing with this one.
+/// Judges the choice of the points that are kept. The judge is code of another crate, which shares nothing with this
+/// one.
 ///
 /// # Errors
 ///

@@ -34,8 +34,8 @@ impl PairBins {
     /// Numbers of samples that are averaged differ from the first set's by this part of it at most.
     pub const MAX_COUNT_SPREAD: f64 = 0.1;
 
-    /// Returns the bins for a set of this number of samples, which serve all sets that may be averaged with it. `radius` is
-    /// the radius of all its samples; `None`, and also 0, if they have none in common or it is not known.
+    /// Returns the bins for a set of this number of samples, which serve all sets that may be averaged with it.
+    /// `radius` is the radius of all its samples; `None`, and also 0, if they have none in common or it is not known.
     #[must_use]
     pub fn of(radius: Option<f64>, samples: usize, region: Region) -> Self {
         let r_max = largest_min_distance(samples, region.area());

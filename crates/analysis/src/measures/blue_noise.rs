@@ -102,8 +102,8 @@ impl PowerCurve {
     /// `P(nu) = 1 + 2 pi int (g(s) - 1) J0(2 pi nu s) s w(s) ds`, `s` the distance in units of the mean spacing
     /// `sqrt(area / N)`, `w` a Blackman window that falls to zero at the end of `g`.
     ///
-    /// It smooths by about the inverse of the range of `g` and needs bins far shorter than a wave: of eight `r_max` in 800
-    /// bins a wave of `nu = 6` has 15. Unlike psa it takes no absolute value.
+    /// It smooths by about the inverse of the range of `g` and needs bins far shorter than a wave: of eight `r_max` in
+    /// 800 bins a wave of `nu = 6` has 15. Unlike psa it takes no absolute value.
     ///
     /// Among `N` samples `g` tends to `1 + (1 - P(0)) / N`, since all pairs are counted: that is taken off instead of 1, or small
     /// sets would have power at zero by their number alone. [`PairCorrelation::samples`] of 0 stand for any number.

@@ -38,8 +38,8 @@ impl SolidCorrelation {
     ///
     /// # Errors
     ///
-    /// [`SolidError::Measure`] for fewer than two samples, a distance beyond half the shortest side or below a millionth of
-    /// that, and no bins or more than 65,536; points and regions that cannot be judged are refused as by
+    /// [`SolidError::Measure`] for fewer than two samples, a distance beyond half the shortest side or below a
+    /// millionth of that, and no bins or more than 65,536; points and regions that cannot be judged are refused as by
     /// [`verify_solid`](crate::verify_solid).
     pub fn of(
         points: &[[f64; 3]],
@@ -54,8 +54,8 @@ impl SolidCorrelation {
             return Err(MeasureError::TooFew { count, limit }.into());
         }
         check_count("bins of g(r)", bins, MAX_BINS)?;
-        // Up to half the shortest side two samples have one pair of nearest images. Bins need a width: a millionth of the
-        // half for all of them together is chosen, not measured.
+        // Up to half the shortest side two samples have one pair of nearest images. Bins need a width: a millionth of
+        // the half for all of them together is chosen, not measured.
         let half = 0.5 * region.shortest();
         check_range("the largest distance of g(r)", most, [1e-6 * half, half])?;
 

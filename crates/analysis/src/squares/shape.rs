@@ -27,8 +27,8 @@ pub(super) enum ShapeIndex {
 }
 
 impl ShapeIndex {
-    /// Returns the index of a shape in a region. Fails for a ring with too few corners, and for a mask without whole rows
-    /// or with pixels that are too wide.
+    /// Returns the index of a shape in a region. Fails for a ring with too few corners, and for a mask without whole
+    /// rows or with pixels that are too wide.
     pub(super) fn new(region: LatticeRegion, shape: &Shape) -> Result<Self, SquaresError> {
         match shape {
             Shape::Rectangle => Ok(Self::Rectangle),

@@ -44,7 +44,8 @@ impl Candidates<'_> {
         }
     }
 
-    /// Adds the place at `centre` of the pixel if no sample is nearer to it than `made_by` and none covers it by two units.
+    /// Adds the place at `centre` of the pixel if no sample is nearer to it than `made_by` and none lies within R - 2
+    /// units.
     fn consider(&self, centre: Option<I64Vec2>, made_by: &[IVec2], found: &mut Vec<GapPlace>) {
         let side = 0..i64::from(self.pixel.side);
         // Each pixel finds the places that it holds, so that no two search for the same.
@@ -56,10 +57,10 @@ impl Candidates<'_> {
         // `made_by` is never empty.
         let nearest_square = made_by.iter().map(square).min().unwrap_or(0);
         let radius = self.region.grid.radius();
-        // The same slack as in `stages/detect.rs`, at this level's radius.
+        // By so much rounding can change squared distances: 9.7 R at most (`stages/detect.rs`), and 12 R are allowed.
         let slack = 12 * i64::from(radius.units);
-        // A sample within R covers the place, however near those that made it are. `search` has the reason for the two
-        // units.
+        // A sample within R covers the place, however near those that made it are. But rounding moved the place by up
+        // to 0.71 units: two units farther out, its true circumcentre may still be bare.
         let units = i64::from(radius.units);
         let limit = (nearest_square - slack).max((units - 2).pow(2) + 1);
         let squares = self.sites.iter().map(square);

@@ -27,8 +27,8 @@ pub struct KeptRows {
 ///
 /// As [`decode`](super::decode), and [`FormatError::NotChosen`] for formats that cannot keep what belongs to a point.
 pub fn keep_rows(bytes: &[u8], hint: &Hint<'_>, kept: &[bool]) -> Result<KeptRows, FormatError> {
-    // The same bytes and format as in `decode`, as the flags are those of the points that it returned. Binary files stay
-    // as they are.
+    // The same bytes and format as in `decode`, as the flags are those of the points that it returned. Binary files
+    // stay as they are.
     let bytes = &*as_utf8(bytes);
     let format = detected(bytes, hint)?.format;
     let mut left_out = Vec::new();

@@ -431,7 +431,7 @@ impl TableRows {
             row.split(|&b| b == by).nth(column)
         };
 
-        // `parse` also accepts NaN and infinities, which have no place in an order.
+        // `parse` also accepts NaN and infinities, which are no coordinates and have no place in an order.
         let field = field.unwrap_or_default().trim_ascii();
         let value = std::str::from_utf8(field)
             .ok()

@@ -180,7 +180,8 @@ impl StreamReader {
     fn end(&self) -> Result<Option<Vec<[f64; 2]>>, FormatError> {
         let format = self.detection.format;
 
-        // A text table is refused if its head states another number of points or, without a row, names no columns to read.
+        // A text table is refused if its head states another number of points or, without a row, names no columns to
+        // read.
         self.rows.finish(self.read)?;
         if self.read == 0 {
             return Err(FormatError::Empty { format });

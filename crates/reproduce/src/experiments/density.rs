@@ -46,8 +46,8 @@ struct DensityPlan {
 
 impl DensityPlan {
     fn of(settings: &Settings) -> Self {
-        // 96 batches have 2.2 x 10^9 samples, whose error is about that of the published density. 480 have 1.1 x 10^10, for
-        // a smaller error. The other numbers are chosen, not measured.
+        // 96 batches have 2.2 x 10^9 samples, whose error is about that of the published density. 480 have 1.1 x 10^10,
+        // for a smaller error. The other numbers are chosen, not measured.
         let batches = if settings.many { 480 } else { 96 };
         let whole = Self {
             batches,

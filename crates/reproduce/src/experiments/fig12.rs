@@ -179,6 +179,7 @@ fn maximal(found: &[LayoutResult], last: &LayoutResult) -> Claim {
         _ => format!("{} conflicts and gaps", count(faults)),
     };
 
+    // The text of the claim ends with "in it", in the set that it has just named, or with "in 3 layouts".
     let layouts = match found.len() {
         1 => "it".to_owned(),
         layouts => format!("{layouts} layouts"),

@@ -1,5 +1,5 @@
-//! Section 3.2.2: how far detectors have to look. Runs that look 2r far (`Search::TwoRadii`) are compared with runs that
-//! look 4r far (`Search::Complete`, in periodic domains). Sets with gaps are what this experiment is about, so the
+//! Section 3.2.2: how far detectors have to look. Runs that look 2r far (`Search::TwoRadii`) are compared with runs
+//! that look 4r far (`Search::Complete`, in periodic domains). Sets with gaps are what this experiment is about, so the
 //! verifier counts gaps here and no set is refused.
 
 mod gaps;

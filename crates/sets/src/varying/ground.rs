@@ -189,6 +189,7 @@ impl VaryingRecipe {
         let least = radii.iter().copied().fold(f64::INFINITY, f64::min);
         let greatest = radii.iter().copied().fold(0.0, f64::max);
 
+        // Radii of a density that are too large become the largest possible ones: only others are refused.
         if greatest > MAX_CONTRAST * least && !self.radius.is_capped() {
             return Err(VaryingError::Contrast {
                 least,
@@ -376,7 +377,7 @@ impl VaryingRecipe {
         let least = asked.iter().copied().fold(f64::INFINITY, f64::min);
         let greatest = asked.iter().copied().fold(0.0, f64::max);
 
-        // The finest lattice that is needed and no finer, as sides have at most 2^31 units.
+        // The coarsest lattice in which the least radius has R units: sides have at most 2^31 units.
         let in_units = |bits: u32, length: f64| length / pitch * f64::from(1_u32 << bits);
         let bits = (0..=MAX_PITCH_BITS)
             .find(|&bits| in_units(bits, least) >= f64::from(R))

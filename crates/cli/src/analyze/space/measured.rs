@@ -95,6 +95,7 @@ impl Request<'_> {
         // A set that judges refuse, as one of a box too small for its radius, has measures all the same.
         let judged = watched("verify", |control| {
             let options = VerifyOptions {
+                // One judge is enough, as numbers are measured here and nothing is certified.
                 judges: JudgeChoice::Subdivision,
                 ..VerifyOptions::default()
             };
@@ -235,7 +236,8 @@ fn number(
 }
 
 impl Measured {
-    /// Returns the powers by shell, and the middles of the bins of g(r) in radii, with the values there.
+    /// Returns three curves: the power and the anisotropy of each shell over its frequency, and g(r) over the distance
+    /// in radii.
     pub fn curves(&self) -> [Vec<[f64; 2]>; 3] {
         let shells = || self.spectrum.shells.iter();
         // The radius is that of the first set where several are averaged.

@@ -102,7 +102,8 @@ impl<const TAGS: bool> Region<TAGS> {
                 continue;
             }
 
-            // Unknown samples may fill a reached cell: it is unsure if it has an open place.
+            // Unknown samples may fill a reached cell: it is unsure if it has an open place. All samples that may cover
+            // a place of it are within the `USUAL` number of cells.
             if self.flags[cell] & flag::REACHED != 0 {
                 gaps.near
                     .gather(&self.slots, self.frame.stride(), cell, USUAL);
@@ -120,8 +121,8 @@ impl<const TAGS: bool> Region<TAGS> {
 
         if !rules.is_exact() {
             // A pattern that misses lattice points has gaps of its own. The sequential engine fills them only in the
-            // cells around lost samples, so that exactly these cells must be taken here. Around samples of unknown fate
-            // cells are reached, and nothing is inserted in them.
+            // cells around lost samples, at most `SLACK` units beyond r, so that exactly these cells must be taken
+            // here. Around samples of unknown fate cells are reached, and nothing is inserted in them.
             for lost in self.lost.iter().filter(|lost| lost.loss == Loss::Certain) {
                 let reach = R + SLACK;
                 let low = [lost.x - reach, lost.y - reach];

@@ -49,8 +49,8 @@ pub fn claims(each: &[Against], rows: &[EngineRate]) -> Vec<Claim> {
         of_kdrt.filter(|one| one.method.fits() == fits).collect()
     };
 
-    // `holding` are sets whose patterns hold the largest block. In `close`, leaves are nearly as large as the pattern: a
-    // block that does not fit into it repeats a part of it.
+    // `holding` are sets whose patterns hold the largest block. In `close`, leaves are nearly as large as the pattern:
+    // a block that does not fit into it repeats a part of it.
     let [holding, close] = [true, false].map(kdrt);
     let control = each.iter().find(|one| one.method == Method::Copies);
 
@@ -112,8 +112,8 @@ fn similar(each: &[Against]) -> Claim {
     let judged = |one: &&Against| one.tiled() && one.chance <= 2.0 * SIMILAR;
     let quiet: Vec<Against> = each.iter().filter(judged).copied().collect();
 
-    // The words name the set whose difference is the most times that of chance. The verdict is about the largest remainder,
-    // which may be that of another set.
+    // The words name the set whose difference is the most times that of chance. The verdict is about the largest
+    // remainder, which may be that of another set.
     let (verdict, words) = match worst(&quiet, Against::ratio) {
         None => (Verdict::NotComparable, text("fig13/loud", &json!({}))),
         Some((ratio, worst)) => {
@@ -213,7 +213,8 @@ fn detectable(each: &[Against], apart: f64) -> String {
     } else {
         "fig13/detectable"
     };
-    // Anisotropy is a variance in decibels. This is the share of it by which the variance exceeds that of reference sets.
+    // Anisotropy is a variance in decibels. This is the share of it by which the variance exceeds that of reference
+    // sets.
     let more = 10_f64.powf(0.1 * most) - 1.0;
     text(
         id,

@@ -147,7 +147,7 @@ fn curves(spectrum: &Spectrum) -> Curves {
             .then(|| annulus.anisotropy_noise_db(sets))
     };
 
-    let [nu, power] = [0, 1].map(|axis| spectrum.power().iter().map(|p| p[axis]).collect());
+    let [nu, power] = [0, 1].map(|part| spectrum.power().iter().map(|p| p[part]).collect());
     Curves {
         nu,
         power,
@@ -158,7 +158,7 @@ fn curves(spectrum: &Spectrum) -> Curves {
 }
 
 /// Returns the picture of a mean spectrum. The power at the frequency zero, which may have no value, is 0 there and so
-/// white.
+/// white. Domains are squares here, so that the picture reaches as far along both axes.
 fn grid(spectrum: &Spectrum) -> MeanPicture {
     let picture = &spectrum.picture;
     let value = |power: &f64| {

@@ -69,8 +69,9 @@ impl<'a> Gaps<'a> {
         ranked
     }
 
-    /// Returns how many of [`PLACES`] uniform places of a gap are nearer to a sample than `place`, which lies in that gap: a
-    /// sample was inserted there after the `earlier` ones. `None` if it lies in no gap, or if too little of the gap is left.
+    /// Returns how many of [`PLACES`] uniform places of a gap are nearer to a sample than `place`, which lies in that
+    /// gap: a sample was inserted there after the `earlier` ones. `None` if it lies in no gap, or if too little of the
+    /// gap is left.
     fn rank(
         &self,
         place: [f64; 2],
@@ -85,8 +86,8 @@ impl<'a> Gaps<'a> {
         // The distance is cheap and rules most gaps out, so that few gaps have their triangles looked at.
         let gap = (self.each.iter().filter(near)).find(|gap| gap.region.contains(place))?;
 
-        // Earlier samples more than 2 r from every place of the gap are left out: they cover none of these places, to which
-        // survivors are nearer.
+        // Earlier samples more than 2 r from every place of the gap are left out. They are the nearest to none of these
+        // places, each of which has a survivor within 2 r (core's `stages/detect.rs` has the proof).
         let farthest = gap.reach + 2.0 * self.radius;
         let around = |p: &&[f64; 2]| from_deepest(gap, **p) <= farthest;
         let earlier: Vec<[f64; 2]> = earlier.iter().filter(around).copied().collect();
@@ -96,8 +97,8 @@ impl<'a> Gaps<'a> {
         for _ in 0..TRIES * PLACES {
             let other = gap.draw(draws);
             let clearance = self.clearance(gap, &earlier, other);
-            // A place that an earlier sample covers is no longer in the gap. The triangles that are drawn from reach a little
-            // over the disks around the gap.
+            // A place that an earlier sample covers is no longer in the gap. The triangles that are drawn from reach a
+            // little over the disks around the gap.
             if clearance > self.radius && gap.region.contains(other) {
                 places += 1;
                 nearer += usize::from(clearance < own);

@@ -71,8 +71,8 @@ impl<const TAGS: bool> Region<TAGS> {
             return;
         }
 
-        // The definition asks that no sample covers the place, and that no sample is nearer to it than the nearest site.
-        // Of squared distances, a difference of up to the slack does not count.
+        // The definition asks that no sample covers the place, and that no sample is nearer to it than the nearest
+        // site. Of squared distances, a difference of up to the slack does not count.
         let square = |site: &I64Vec2| site.distance_squared(place);
         // A place has at least one site.
         let nearest_square = sites.iter().map(square).min().unwrap_or(0);
