@@ -87,7 +87,8 @@ impl Lessons {
         })
     }
 
-    /// Returns name and title of the lesson that follows in the list.
+    /// Returns name and title of the lesson that follows in the list; `None` after the last lesson before the forms,
+    /// and after one that is not in the list.
     fn lesson_after(&self, name: &str) -> Option<(String, String)> {
         let mut shelf = self.shelf.iter();
         shelf.find(|shipped| shipped.name == name)?;

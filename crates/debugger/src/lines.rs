@@ -60,6 +60,7 @@ impl Lines {
             RunEvent::NoGap { .. } => ("detect", 4),
             RunEvent::Pairs { .. } => ("gaps", 1),
 
+            // A dart is examined as it is thrown, and once more in its turn, by rank, if nothing covered it.
             RunEvent::Dart { ranked: false, .. } => ("darts", 2),
             RunEvent::Dart {
                 ranked: true,

@@ -195,7 +195,8 @@ fn violates(recording: &Recording, index: usize, event: &Event) -> bool {
         return false;
     }
 
-    let sample = event.samples()[0];
+    // Events of these kinds name one sample: the one that is kept or inserted.
+    let [sample, ..] = event.samples();
     let Some(point) = recording.point(sample) else {
         return false;
     };

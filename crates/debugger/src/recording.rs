@@ -486,6 +486,7 @@ impl Recording {
             RunEvent::Pass { point, .. }
             | RunEvent::Wake { point, .. }
             | RunEvent::Dart { point, .. } => Some(point),
+            // A cell is named by its lowest point.
             RunEvent::Cut { cell, .. } => Some(cell),
             // Other events are where the first sample is that they name, if they name one.
             _ => self.point(event.samples()[0]),

@@ -73,6 +73,7 @@ pub fn spoken_row(
     for (column, cell) in cells.into_iter().enumerate() {
         let id = Id::unique((row.id, "cell", column));
         let rect = Rect::from_x_y_ranges(cell.across, row.rect.y_range());
+        // A widget has a node in the tree, with its place on the screen; it only has to be there.
         ui.interact(rect, id, Sense::hover());
         ui.ctx().accesskit_node_builder(id, |node| {
             node.set_role(cell.role);

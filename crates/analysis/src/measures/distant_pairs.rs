@@ -63,12 +63,14 @@ pub fn pairs_between(
     limit: usize,
     control: Control<'_>,
 ) -> Result<DistantPairs, MeasureError> {
-    check_set(points, region, 1)?;
+    let fewest = 1;
+    check_set(points, region, fewest)?;
     check_count("pairs to hold", limit, MAX_PAIRS)?;
     let half = 0.5 * region.shorter_side();
     check_range("the least distance of a pair", least, [0.0, half])?;
     check_range("the largest distance of a pair", most, [0.0, half])?;
     if most <= least {
+        // Of the two distances the second is named, as that which does not rise.
         return Err(MeasureError::NotRising {
             name: "the distances of pairs",
             index: 1,

@@ -142,7 +142,8 @@ pub(super) struct EdgeRows {
 }
 
 impl EdgeRows {
-    /// Lists the sides of rings, in a region of the given number of rows, by bands.
+    /// Lists the sides of rings by bands of rows. There are the rows 0 to `height`: a bounded region includes the last
+    /// one.
     fn new(height: i64, rings: &[Vec<[i32; 2]>]) -> Self {
         let mut edges = Vec::new();
         for ring in rings {

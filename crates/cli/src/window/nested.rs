@@ -62,7 +62,7 @@ pub fn run(
     }
     let _ = writeln!(text, "verdict        {}", output::validity(is_valid));
 
-    // Formats with columns write level and rank of each sample.
+    // Formats with columns write level and rank of each sample. There are ranks, as `check` demands a random order.
     let facts = Facts {
         levels: claims(&found, &plane),
         ranks: found.ranks().unwrap_or_default().into(),

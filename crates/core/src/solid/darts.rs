@@ -81,13 +81,11 @@ impl SolidThrow {
         for &[x, y, z] in cubes {
             // Cubes are given by their lowest places.
             let cube_key = planes.of(z >> log2_of_side, z).derive_at(x, y);
+            // The words of a key were drawn themselves: the first one is the draw of the number of darts.
+            let [word, _] = cube_key.words();
             // A cube of side 1 has one place, which gets exactly one dart: after it no cube is left, so that the
             // process ends.
-            let count = if self.side() == 1 {
-                1
-            } else {
-                poisson(cube_key.words()[0])
-            };
+            let count = if self.side() == 1 { 1 } else { poisson(word) };
 
             for index in 0..count {
                 let [right, up, deep] = self.offset(cube_key.draw(Stream::Dart, index));

@@ -46,10 +46,8 @@ pub(crate) fn tile<T: Recorder>(
     let mut tiles = Vec::with_capacity(blocks.leaves.len());
 
     for (block, index) in blocks.leaves.iter().zip(0..) {
-        let symmetry = below(
-            block.key.draw(Stream::Dihedral, 0)[0],
-            variants.len() as u32,
-        );
+        let [word, _] = block.key.draw(Stream::Dihedral, 0);
+        let symmetry = below(word, variants.len() as u32);
         let variant = &variants[symmetry as usize];
         let start = clip_start(block, variant)?;
 

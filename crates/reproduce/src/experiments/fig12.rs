@@ -258,7 +258,7 @@ fn pictures(glued: &Glued, rects: &[Cells]) -> Vec<Picture> {
 }
 
 /// Returns the picture of the glued set. With a window it shows this part alone, and the eliminated samples as crosses.
-fn scene(glued: &Glued, rects: &[Cells], window: Option<Rect>, caption: String) -> Scene {
+fn scene(glued: &Glued, rects: &[Cells], window: Option<Rect>, title: String) -> Scene {
     let combined = &glued.combined;
     let user = |p: Point| combined.domain.user_from_lattice(p);
     let points = combined.positions();
@@ -284,7 +284,7 @@ fn scene(glued: &Glued, rects: &[Cells], window: Option<Rect>, caption: String) 
         blocks: blocks.into(),
         block_of: Some(combined.sources.iter().map(block).collect()),
         exposed: Vec::new(),
-        caption,
+        caption: title,
     };
 
     let mut scene = set_scene(&set, &options);

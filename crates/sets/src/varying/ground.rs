@@ -216,7 +216,8 @@ impl VaryingRecipe {
         match (frame.squares, radius) {
             (Some(squares), _) => {
                 let radii = self.requests(radius, &frame, squares)?;
-                // Each node stands for the area of one square, in which the radius is about that of the node.
+                // Each node stands for the area of one square, in which the radius is about that of the node. Those on
+                // the far border of a bounded domain count, too, which a rough number may ignore.
                 let square = |&radius: &f64| samples_in(squares.pitch * squares.pitch, radius);
                 Ok(radii.iter().map(square).sum())
             }

@@ -180,6 +180,7 @@ pub fn averages(study: &Study<'_>) -> Result<Vec<AgainstReference>> {
     });
 
     let each: Vec<MeanCurves> = measured.into_iter().collect::<Result<_>>()?;
+    // The reference is the first of all ways.
     let [reference, others @ ..] = &each[..] else {
         return Ok(Vec::new());
     };

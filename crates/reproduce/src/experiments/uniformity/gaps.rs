@@ -82,7 +82,7 @@ impl<'a> Gaps<'a> {
             let (deepest, _distance) = gap.region.deepest;
             self.distance(other, deepest.into())
         };
-        let near = |gap: &&Gap| from_deepest(gap, place) <= gap.reach;
+        let near = |&gap: &&Gap| from_deepest(gap, place) <= gap.reach;
         // The distance is cheap and rules most gaps out, so that few gaps have their triangles looked at.
         let gap = (self.each.iter().filter(near)).find(|gap| gap.region.contains(place))?;
 

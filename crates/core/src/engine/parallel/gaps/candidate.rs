@@ -229,7 +229,7 @@ impl<const TAGS: bool> Region<TAGS> {
         let key = rules.key.derive(Stream::Iteration, iteration);
         for candidate in &mut gaps.candidates {
             let (y, x) = candidate.row_major;
-            candidate.rank = key.draw_at(x, y)[0];
+            [candidate.rank, _] = key.draw_at(x, y);
         }
 
         // Several triples of samples may make one place, which is one candidate.

@@ -79,7 +79,7 @@ impl<const TAGS: bool> Region<TAGS> {
         let around = |row: usize| &self.slots[row - 1..=row + 1];
         let (below, own, above) = (around(cell - stride), around(cell), around(cell + stride));
         // Cells around are numbered row by row from the lower left one: the cell itself is number 4. Of a cell's four
-        // slots the last holds a count, and is no sample.
+        // slots the last holds a count, and is no sample; the stamp of a free one is empty.
         let covered_by = |from: usize, &[a, b, c, _]: &Slots| {
             stamps.stamp(from, a) | stamps.stamp(from, b) | stamps.stamp(from, c)
         };
