@@ -143,9 +143,9 @@ fn read(arguments: &ConvertArguments) -> Result<(PointSet, ExportContext)> {
         // Without a certificate the smallest distance may have to serve as the radius.
         Err(CheckError::NoRadius | CheckError::NoRegion(_)) => uncertified(arguments)?,
         outcome => {
-            let (set, check) = outcome.map_err(hinted).in_file(path)?;
-            let format = check.detection.format;
-            let mut context = certified(check, path)?;
+            let (set, found) = outcome.map_err(hinted).in_file(path)?;
+            let format = found.detection.format;
+            let mut context = certified(found, path)?;
             // Ranks stand in a column of the file, beside the levels that its certificate states.
             if !context.levels.is_empty() {
                 let ranks = ranks::of_file(path, &arguments.set, format)?;

@@ -109,8 +109,8 @@ fn session(folder: &Path) -> Result<u8> {
     let mut outcome = Worked { made, work }.finish(Some(&path), &context)?;
     // Notes on the limits of CSV would distract from a first look.
     outcome.warnings.clear();
-    let (text, path) = (outcome.text(), named(&path));
-    output::emit(&format!("{text}set            {path}\n"))?;
+    let (text, file) = (outcome.text(), named(&path));
+    output::emit(&format!("{text}set            {file}\n"))?;
     for picture in pictures(run, folder)? {
         output::emit(&format!("picture        {}\n", named(&picture)))?;
     }

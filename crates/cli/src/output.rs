@@ -232,11 +232,11 @@ pub fn certificate_text(
     certificate: Option<&Certificate>,
     differences: &[CertificateDifference],
 ) -> String {
-    let Some(stated) = certificate else {
+    let Some(certificate) = certificate else {
         return "certificate    none\n".to_owned();
     };
     if differences.is_empty() {
-        let keys = stated.unchecked().join(", ");
+        let keys = certificate.unchecked().join(", ");
         let unchecked = shown_in_line(&keys);
         return format!("certificate    true\n  stated only: {unchecked}\n");
     }
@@ -365,14 +365,13 @@ pub fn verdict_text(report: &Report, levels: &[CertifiedLevel]) -> String {
     }
 
     let (r, count, density) = (report.radius, report.count, report.density);
-    let (closest, farthest) = (report.min_distance / r, report.covering_radius / r);
     let conflict_free = conflicts_answer(report.conflicts);
     let maximal = answer(report.maximal(), report.gaps);
     // Positions are rounded to a lattice, and maximality has a tolerance for it. Squares of lengths on the lattice are whole
     // numbers, 2^30 for r: lengths near r differ by 2^-31 r and more, which about nine decimals show.
     let limit = 1.0 + report.covering_tolerance;
-    let (closest, _) = compared(closest, 1.0, 9);
-    let (farthest, most) = compared(farthest, limit, 9);
+    let (closest, _) = compared(report.min_distance / r, 1.0, 9);
+    let (farthest, most) = compared(report.covering_radius / r, limit, 9);
     let judges = Judge::joined(&report.judges);
 
     let mut out = format!(
@@ -385,11 +384,11 @@ pub fn verdict_text(report: &Report, levels: &[CertifiedLevel]) -> String {
 
     // A set may have millions of conflicts; three show the fault.
     for conflict in report.worst_conflicts.iter().take(3) {
-        let (a, b, apart) = (conflict.first, conflict.second, conflict.distance / r);
-        let apart = match compared(apart, 1.0, 6) {
+        let (a, b) = (conflict.first, conflict.second);
+        let apart = match compared(conflict.distance / r, 1.0, 6) {
             // Below r by less than the digits of a quotient can show.
-            (apart, one) if apart == one => "less than 1 r apart by rounding".to_owned(),
-            (apart, _) => format!("{apart} r apart"),
+            (distance, one) if distance == one => "less than 1 r apart by rounding".to_owned(),
+            (distance, _) => format!("{distance} r apart"),
         };
         let _ = writeln!(out, "  conflict: samples {a} and {b}, {apart}");
     }

@@ -44,7 +44,7 @@ pub fn destination(path: &Path) -> Result<PathBuf, FormatError> {
         let folder = file.parent().unwrap_or(Path::new(""));
         // A process has links to its open files, such as /dev/stdout, which do not lead to a place in a folder.
         let of_process = || folder.canonicalize().is_ok_and(|f| f.starts_with("/proc"));
-        let refused = |kind| Err(not_a_file(path, kind));
+        let refused = |what| Err(not_a_file(path, what));
 
         if !found.is_symlink() {
             return refused(kind(found));

@@ -135,7 +135,7 @@ pub enum Warning {
 
 impl fmt::Display for Warning {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        let cause = |by_rounding: bool| {
+        let cause_of = |by_rounding: bool| {
             if by_rounding {
                 ", made by rounding; npy, bin, csv, ply, json and geojson with f64 and without an origin keep every position"
             } else {
@@ -145,11 +145,11 @@ impl fmt::Display for Warning {
 
         match *self {
             Self::Conflicts { count, by_rounding } => {
-                let cause = cause(by_rounding);
+                let cause = cause_of(by_rounding);
                 write!(f, "the written set has {count} pairs in conflict{cause}")
             }
             Self::Gaps { count, by_rounding } => {
-                let cause = cause(by_rounding);
+                let cause = cause_of(by_rounding);
                 write!(
                     f,
                     "the written set is not maximal: {count} places are uncovered{cause}"

@@ -120,12 +120,12 @@ pub async fn start(
 
     let runner = WebRunner::new();
     let shared = Rc::<Shared>::default();
-    let web_options = web_options(&options, &shared);
+    let runner_options = web_options(&options, &shared);
     let (pool_of_page, shared_with_page) = (pool.clone(), Rc::clone(&shared));
     let started = runner
         .start(
             canvas,
-            web_options,
+            runner_options,
             Box::new(move |creation| {
                 Ok(Box::new(Page::new(
                     creation,

@@ -563,12 +563,12 @@ impl LiveCover {
     /// samples.
     #[must_use]
     pub fn largest(&self) -> Option<Gap> {
-        let largest = f64::from_bits(self.reaches.largest());
+        let reach = f64::from_bits(self.reaches.largest());
         let slots = self.reaches.winners().into_iter();
         let circles = slots.flat_map(|slot| {
             let all = self.vertices_of(slot);
             // The reach of a cell is computed as this length is, so that the two are equal bit for bit.
-            let farthest = move |index: &usize| all.vertices[*index].at.length() == largest;
+            let farthest = move |index: &usize| all.vertices[*index].at.length() == reach;
             (0..all.vertices.len())
                 .filter(farthest)
                 .map(move |index| Gap {

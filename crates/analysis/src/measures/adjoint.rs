@@ -77,10 +77,11 @@ fn back_along_x(
     rows.try_for_each_init(
         // Each row is transformed where it lies: no buffer for lines is needed.
         || Scratch::new(&fft, 0),
-        |scratch, ((row, line), values)| {
+        |scratch, ((row, line), values_of_row)| {
             let along_y = y_axis.factor(plan.first_row() + row as i64);
             // Offsets of frequencies count from the middle one of the axis, with `below` of them under it.
-            for ((value, factor), offset) in values.iter().zip(&factors).zip(-x_axis.below..) {
+            let with_factors = values_of_row.iter().zip(&factors);
+            for ((value, factor), offset) in with_factors.zip(-x_axis.below..) {
                 // The adjoint has the conjugates of the factors of the transform.
                 line[x_axis.index(offset)] = value * (factor * along_y).conj();
             }
@@ -221,18 +222,18 @@ fn read<const C: usize>(
 
     let mut sorted = vec![0.0; samples.len()];
     let chunks = sorted.par_chunks_mut(CHUNK).zip(order.par_chunks(CHUNK));
-    chunks.try_for_each(|(values, order)| {
-        for (out, index) in values.iter_mut().zip(order) {
+    chunks.try_for_each(|(outs, order)| {
+        for (out, index) in outs.iter_mut().zip(order) {
             let sample = &samples[*index as usize];
             *out = value(sample, sums(sample));
         }
-        monitor.advance(values.len() as u64)
+        monitor.advance(outs.len() as u64)
     })?;
 
     // Values go back to the order of `samples`.
     let mut values = vec![0.0; samples.len()];
-    for (value, index) in sorted.into_iter().zip(order) {
-        values[index as usize] = value;
+    for (out, index) in sorted.into_iter().zip(order) {
+        values[index as usize] = out;
     }
     Ok(values)
 }

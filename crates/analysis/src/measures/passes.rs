@@ -48,8 +48,8 @@ impl TransformPlan {
         };
         let spread = Spread::<2>::new(samples, self.sizes(), moved);
         let transform = |grid: &_, pair, scratch: &mut _, fft: &_, out: &mut [_]| {
-            for (odd, out) in out.chunks_mut(self.rows()).enumerate() {
-                self.line_along_y(grid, 2 * pair + odd, scratch, fft, out);
+            for (odd, values) in out.chunks_mut(self.rows()).enumerate() {
+                self.line_along_y(grid, 2 * pair + odd, scratch, fft, values);
             }
         };
         self.strips_along_y(&spread, transform, &Idle::default(), monitor)
@@ -80,9 +80,9 @@ impl TransformPlan {
             let count = spread.spread_strip(strip, &mut grid);
             monitor.advance(count as u64)?;
             let lines = out.len() / rows;
-            for (pair_of_strip, out) in out.chunks_mut(2 * rows).enumerate() {
+            for (pair_of_strip, values) in out.chunks_mut(2 * rows).enumerate() {
                 let pair = strip * STRIP / 2 + pair_of_strip;
-                transform(&grid, pair, &mut scratch, &fft, out);
+                transform(&grid, pair, &mut scratch, &fft, values);
             }
 
             rooms.give((scratch, grid));
@@ -197,10 +197,10 @@ impl TransformPlan {
         }
         scratch.run(fft);
 
-        for (row, out) in out.chunks_exact_mut(columns).enumerate() {
+        for (row, values) in out.chunks_exact_mut(columns).enumerate() {
             let line = &scratch.line[row * x_axis.size..][..x_axis.size];
             let along_y = y_axis.factor(self.first_row() + (start + row) as i64);
-            for ((value, factor), offset) in out.iter_mut().zip(factors).zip(-x_axis.below..) {
+            for ((value, factor), offset) in values.iter_mut().zip(factors).zip(-x_axis.below..) {
                 *value = line[x_axis.index(offset)] * factor * along_y;
             }
         }

@@ -184,7 +184,7 @@ impl Cells {
 
         sides
             .into_iter()
-            .find(|&side| self.sides[side].beyond == Some(back))
+            .find(|&theirs| self.sides[theirs].beyond == Some(back))
     }
 
     /// Returns the head and the tail of a side: its parts outside the disk of its cell. The distance from the sample is convex

@@ -41,7 +41,7 @@ impl Lessons {
         };
 
         // In which language the author of a file wrote is not stated there: it counts as the window's.
-        let text_language = match open.source {
+        let language_of_text = match open.source {
             LessonSource::Shipped => text_language(&self.language),
             LessonSource::File(_) | LessonSource::Text => self.language.as_str(),
         };
@@ -51,12 +51,12 @@ impl Lessons {
 
         let labels = lesson_labels(&self.language);
         // All steps, for the list of links; the fields below are about the step that is shown.
-        let steps = lesson.steps.iter().map(|step| {
-            let gate = step.gate.as_ref();
+        let steps = lesson.steps.iter().map(|each| {
+            let gate = each.gate.as_ref();
 
             json!({
-                "name": step.name,
-                "title": learner.words(&step.title),
+                "name": each.name,
+                "title": learner.words(&each.title),
                 "score": gate.and_then(|gate| self.shown_score(lesson, &gate.name)),
             })
         });
@@ -66,7 +66,7 @@ impl Lessons {
             "form": lesson.form,
             "title": learner.words(&lesson.title),
             "language": self.language,
-            "text_language": text_language,
+            "text_language": language_of_text,
             "next_language": next_tag(&self.language),
             "step": step.name,
             "index": learner.index(),
@@ -308,12 +308,12 @@ impl Classroom {
     /// Takes the lessons that a page has loaded, as JSON, or why they could not be loaded.
     pub fn take_lessons(&mut self, loaded: Result<&str, &str>, context: &mut Context) {
         let read = loaded.map_err(str::to_owned).and_then(|text| {
-            let loaded =
+            let parsed =
                 tilescope_lessons::shipped::from_json(text).map_err(|error| error.to_string())?;
-            for (tag, table) in &loaded.tables {
+            for (tag, table) in &parsed.tables {
                 tilescope_session::language::add(tag, table)?;
             }
-            Ok(loaded.lessons)
+            Ok(parsed.lessons)
         });
 
         match read {

@@ -59,7 +59,7 @@ pub fn round(parameters: &Parameters, dice: &Dice, options: &VerifyOptions) -> R
         (verdict.valid(), "not valid: "),
     ];
     let faults = faults_of(&checks);
-    let command = || format!("{faults}{}", command(parameters, dice));
+    let with_faults = || format!("{faults}{}", command(parameters, dice));
     Ok(Tally {
         rounds: 1,
         samples: report.count as u64,
@@ -67,7 +67,7 @@ pub fn round(parameters: &Parameters, dice: &Dice, options: &VerifyOptions) -> R
         gaps: report.gaps,
         covering_radius_r: verdict.covering_radius / radius,
         unequal: u64::from(!schedules_agree),
-        commands: (!faults.is_empty()).then(command).into_iter().collect(),
+        commands: (!faults.is_empty()).then(with_faults).into_iter().collect(),
         ..Tally::default()
     })
 }

@@ -45,12 +45,12 @@ impl OutlinedElement {
         };
 
         let mut cursor = Cursor::new(bytes, 0, Format::PlyBinary);
-        let width = |stored: &Stored| match stored {
+        let width_of = |stored: &Stored| match stored {
             Stored::Scalar(scalar) => Some(scalar.bytes() as u64),
             Stored::List { .. } => None,
         };
         // Rows without lists all have the same width, so that they are not gone through.
-        if let Some(width) = self.stored.iter().map(width).sum::<Option<u64>>() {
+        if let Some(width) = self.stored.iter().map(width_of).sum::<Option<u64>>() {
             cursor.records(self.count, width)?;
             return Ok(cursor.offset() as usize);
         }

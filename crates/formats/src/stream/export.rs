@@ -317,8 +317,11 @@ impl StreamExport {
         let found = provenance.map_or(0, <[_]>::len);
         let expected = if self.provenance { points.len() } else { 0 };
         if found != expected {
-            let points = points.len();
-            return Err(FormatError::Provenance { found, points }.into());
+            return Err(FormatError::Provenance {
+                found,
+                points: points.len(),
+            }
+            .into());
         }
 
         // The head with this number is not written here. It is made because it fails if the format cannot count that

@@ -216,15 +216,15 @@ impl StreamReader {
         let before = self.pending.len();
         self.pending.resize(before + want, 0);
         let read = read_some(&mut self.file, &mut self.pending[before..]);
-        let count = read.map_err(|e| io_error(&self.path, e))?;
-        self.pending.truncate(before + count);
+        let filled = read.map_err(|e| io_error(&self.path, e))?;
+        self.pending.truncate(before + filled);
 
         if let Some(digest) = &mut self.digest {
             digest.update(&self.pending[before..]);
         }
 
-        self.left = self.left.map(|left| left - count as u64);
-        Ok(count < want || self.left == Some(0))
+        self.left = self.left.map(|left| left - filled as u64);
+        Ok(filled < want || self.left == Some(0))
     }
 
     /// Refuses a line longer than a block, which cannot be a point.

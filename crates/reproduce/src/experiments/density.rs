@@ -140,8 +140,10 @@ fn on_large_tori(study: &Study<'_>) -> Result<Vec<TorusSets>> {
 
         let what = format!("batch {} of {}", batch + 1, plan.batches);
         found.push(study.unit(&key, &what, |control| {
-            let seeds = plan.indices(batch);
-            let seeds: Vec<u64> = seeds.map(|index| seed_of(study.settings, index)).collect();
+            let indices = plan.indices(batch);
+            let seeds: Vec<u64> = indices
+                .map(|index| seed_of(study.settings, index))
+                .collect();
             // Once in each batch the judge has to refuse sets that are wrong: the batch fails if it does not.
             torus::refuse_controls(SIDE, seeds[0], control)?;
             TorusSets::made(SIDE, seeds, control)

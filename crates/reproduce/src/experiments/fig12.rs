@@ -137,8 +137,8 @@ fn measure(side: f64, seed: u64, control: &Control<'_>) -> Result<LayoutResult> 
 
     let rects = nine_rects(&domain);
     // A sample eliminated in the margin around its rectangle is no loss there, as the place belongs to another set.
-    let lost = combined.eliminated.iter().filter(|lost| lost.own);
-    let depth = |lost: &EliminatedSample| rects[lost.piece as usize].depth(lost.point);
+    let lost = combined.eliminated.iter().filter(|sample| sample.own);
+    let depth = |sample: &EliminatedSample| rects[sample.piece as usize].depth(sample.point);
     // Without losses the depth is 0.
     let deepest = lost.clone().map(depth).max().unwrap_or(0);
 
@@ -336,10 +336,10 @@ fn legend(scene: &mut Scene, palette: &Palette, close: bool) {
             .shapes
             .push(Shape::marker(kind, [x, middle], size * MARK, style));
 
-        let mut text = Text::new([x + MARK + 4.0, middle], name, TEXT, palette.text);
-        text.baseline = Baseline::Middle;
+        let mut label = Text::new([x + MARK + 4.0, middle], name, TEXT, palette.text);
+        label.baseline = Baseline::Middle;
         x += MARK + 4.0 + text_width(name, Font::Regular, TEXT) + 2.5 * MARK;
-        group.shapes.push(Shape::Text(text));
+        group.shapes.push(Shape::Text(label));
     }
 
     scene.groups.push(group);

@@ -75,12 +75,12 @@ pub fn run(study: &Study<'_>) -> Result<Outcome> {
     let mut pictures = vec![gaps::bars(&found)?];
     // Of the sets by stages whose detectors looked 2r far, the one with the largest gap is drawn. Sets are not kept, so
     // that it is made again.
-    if let Some(worst) = gaps::worst(&found) {
-        let (leaf, variant) = (worst.leaf, Variant::Staged);
+    if let Some(shown) = gaps::worst(&found) {
+        let (leaf, variant) = (shown.leaf, Variant::Staged);
         let case = SearchCase { leaf, variant };
-        let parameters = case.parameters(case.amounts(settings).1, worst.seed);
+        let parameters = case.parameters(case.amounts(settings).1, shown.seed);
         let (set, _) = make(&parameters, Search::TwoRadii, &control)?;
-        pictures.extend(picture::witnesses(&set, &worst.two.worst)?);
+        pictures.extend(picture::witnesses(&set, &shown.two.worst)?);
     }
 
     Ok(Outcome {

@@ -139,7 +139,7 @@ pub fn errors(
     let exact = plate.exact();
     let image = plate.render(&points);
     let pairs = image.values.iter().zip(&exact);
-    let differences: Vec<f64> = pairs.map(|(found, exact)| found - exact).collect();
+    let differences: Vec<f64> = pairs.map(|(found, wanted)| found - wanted).collect();
 
     let shades = || {
         let result = image.values.iter().map(|v| shade(*v)).collect();
@@ -166,7 +166,7 @@ fn measured(plate: Plate, exact: &[f64], errors: &[f64]) -> PlateErrors {
     let mut classes = vec![Squares::default(); (highest / CLASS).ceil() as usize];
     let [mut below, mut above, mut all, mut signal] = [Squares::default(); 4];
 
-    for (index, (error, exact)) in errors.iter().zip(exact).enumerate() {
+    for (index, (error, wanted)) in errors.iter().zip(exact).enumerate() {
         let frequency = plate.frequency(index);
         let class = ((frequency / CLASS) as usize).min(classes.len() - 1);
 
@@ -178,7 +178,7 @@ fn measured(plate: Plate, exact: &[f64], errors: &[f64]) -> PlateErrors {
         for squares in [&mut classes[class], part, &mut all] {
             add(squares, *error);
         }
-        add(&mut signal, *exact);
+        add(&mut signal, *wanted);
     }
 
     // Classes of few pixels, such as that at the corner, say nothing about their frequency.

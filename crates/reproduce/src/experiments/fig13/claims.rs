@@ -116,12 +116,12 @@ fn similar(each: &[Against]) -> Claim {
     // remainder, which may be that of another set.
     let (verdict, words) = match worst(&quiet, Against::ratio) {
         None => (Verdict::NotComparable, text("fig13/loud", &json!({}))),
-        Some((ratio, worst)) => {
+        Some((ratio, named)) => {
             let left = largest(quiet.iter().map(|one| one.left));
             let values = json!({
                 "difference": percent(&quiet, |one| one.difference),
-                "chance": percent(&quiet, |one| one.chance), "ratio": ratio, "radius": worst.radius,
-                "leaf": worst.method.leaf(), "left": left,
+                "chance": percent(&quiet, |one| one.chance), "ratio": ratio, "radius": named.radius,
+                "leaf": named.method.leaf(), "left": left,
             });
             (Verdict::of(left <= SIMILAR), text("fig13/similar", &values))
         }

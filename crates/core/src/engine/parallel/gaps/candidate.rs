@@ -128,8 +128,8 @@ impl<const TAGS: bool> Region<TAGS> {
             };
 
             let reach = Reach::new(&rules.domain, rules.search, point);
-            let within = |other: I64Vec2, reach: i32| {
-                site.distance_squared(other) <= i64::from(reach) * i64::from(reach)
+            let within = |other: I64Vec2, distance: i32| {
+                site.distance_squared(other) <= i64::from(distance) * i64::from(distance)
             };
 
             // By definition a detector finds places within its radius, made by samples within its search radius
@@ -178,8 +178,8 @@ impl<const TAGS: bool> Region<TAGS> {
         // The lost sample that covered the place is nearly always near enough to the site, too. It lies in one of the nine
         // cells around the place, which are looked at first.
         let stride = self.frame.stride();
-        let rows = [cell, cell - stride, cell + stride].into_iter();
-        let mut around = rows.flat_map(|row| [row, row - 1, row + 1]);
+        let middles = [cell, cell - stride, cell + stride].into_iter();
+        let mut around = middles.flat_map(|middle| [middle, middle - 1, middle + 1]);
         let proves = |lost: &LostSample| lost.loss == Loss::Certain && reaches(lost);
         if around.any(|c| self.lost_in(c).any(proves)) {
             return Known::Yes;
