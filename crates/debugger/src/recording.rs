@@ -380,7 +380,7 @@ impl Recording {
             .map_or(Status::Absent, |life| self.status_of(&life, sample, cursor))
     }
 
-    /// Returns the status of a sample after the events before `cursor`.
+    /// Returns the status of a sample, which has this life, after the events before `cursor`.
     pub(crate) fn status_of(&self, life: &Life, sample: u32, cursor: usize) -> Status {
         let before = |event: u32| (event as usize) < cursor;
 

@@ -181,7 +181,8 @@ impl FieldArgument<'_> {
     }
 }
 
-/// Returns the recipe of a domain, of which fields and shapes are still to be said.
+/// Returns the recipe of a domain, to which a field and a shape are still to be given. Sides and a corner that are
+/// `None` may follow from these.
 pub fn bare(size: [Option<f64>; 2], origin: Option<[f64; 2]>, boundary: Boundary) -> VaryingRecipe {
     let expression = Expression::parse("1").map(|expression| RadiusSource::Expression {
         expression,
@@ -218,7 +219,8 @@ impl Ground {
         })
     }
 
-    /// Returns the field and the shape that a certificate states. Those that are given stand for its own.
+    /// Returns the field and the shape that a certificate states. Images have to be given, as it does not state their
+    /// pixels; other values that are given take the place of stated ones.
     fn of_certificate(
         stated: &Certificate,
         domain: &GivenDomain,

@@ -45,7 +45,7 @@ impl Candidates<'_> {
     }
 
     /// Adds the place at `centre` of the pixel if no sample is nearer to it than `made_by` and none lies within R - 2
-    /// units.
+    /// units. Samples in one line have no centre, and make no place.
     fn consider(&self, centre: Option<I64Vec2>, made_by: &[IVec2], found: &mut Vec<GapPlace>) {
         let side = 0..i64::from(self.pixel.side);
         // Each pixel finds the places that it holds, so that no two search for the same.

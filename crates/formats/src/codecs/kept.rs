@@ -83,7 +83,7 @@ pub fn read_column(bytes: &[u8], hint: &Hint<'_>, name: &str) -> Result<Vec<f64>
     }
 }
 
-/// Returns the rank of each point, if the file has a column, or a property, of that name: files of nested levels have one.
+/// Returns the rank of each point, if the file has a column or a property named `rank`, as files of nested levels have.
 ///
 /// # Errors
 ///

@@ -176,7 +176,8 @@ impl StreamReader {
         }
     }
 
-    /// Ends the reading. Fails if there are no points, or another number of them than the file states.
+    /// Ends the reading with `None`, as no points follow. Fails if there were none, or another number than the file
+    /// states.
     fn end(&self) -> Result<Option<Vec<[f64; 2]>>, FormatError> {
         let format = self.detection.format;
 
