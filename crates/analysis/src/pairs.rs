@@ -289,9 +289,8 @@ impl<'a> Scan<'a> {
         used
     }
 
-    /// Returns the cell indices along an axis that touch `index`, each once, with their shift as in [`Stretch`]. An
-    /// outer
-    /// `None` stands for no cell: beyond the border of a bounded region, or where a torus has fewer than three.
+    /// Returns the cell indices along an axis that touch `index`, each once, with their shift as in [`Stretch`].
+    /// `None` in place of such a pair stands for no cell: beyond a border, or where a torus has fewer than three.
     fn near(&self, index: usize, axis: usize) -> [Option<(usize, Option<f64>)>; 3] {
         let cells = self.grid.cells[axis];
         let period = self.grid.domain.extent[axis];
