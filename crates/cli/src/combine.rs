@@ -146,6 +146,7 @@ fn glue(path: &Path, out: Option<&Path>) -> Result<Glued> {
     }
 
     let (pieces, census) = pieces::make(&placed, folder)?;
+    // The time that the pieces took is in the census: this is the time of gluing alone.
     let mut watch = Stopwatch::start();
     let combined = combine(placed.domain, &pieces, &layout.options(), &mut watch)?;
     let work = Work::on_cpu(&mut watch);

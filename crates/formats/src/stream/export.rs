@@ -270,8 +270,8 @@ impl StreamExport {
             Ok(used)
         });
 
-        let left = taken?;
-        checkpoint.matches(file, &self.partial.rows_digest()?, count, left)?;
+        let unused = taken?;
+        checkpoint.matches(file, &self.partial.rows_digest()?, count, unused)?;
         Ok(self.partial.truncate(checkpoint.bytes)?)
     }
 

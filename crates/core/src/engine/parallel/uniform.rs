@@ -103,7 +103,7 @@ impl<const TAGS: bool> Region<TAGS> {
             }
 
             // Unknown samples may fill a reached cell: it is unsure if it has an open place. All samples that may cover
-            // a place of it are within the `USUAL` number of cells.
+            // a place of it lie in cells that are at most `USUAL` away.
             if self.flags[cell] & flag::REACHED != 0 {
                 gaps.near
                     .gather(&self.slots, self.frame.stride(), cell, USUAL);
