@@ -34,8 +34,8 @@ pub fn to_png_controlled(
     scale: f64,
     control: Control<'_>,
 ) -> Result<Vec<u8>, FigureError> {
-    let rows = size(scene, scale)?[1] as usize;
-    let mut steps = Steps::new(scene.shapes() + rows, control);
+    let [_, rows] = size(scene, scale)?;
+    let mut steps = Steps::new(scene.shapes() + rows as usize, control);
 
     let Pixels {
         width,

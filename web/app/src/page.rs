@@ -434,9 +434,9 @@ impl Page {
         let display = connect(&mut app, creation);
 
         let storage = creation.storage.filter(|_| stores);
-        let language = storage.and_then(|storage| restore(&mut app, storage, options));
+        let stored_language = storage.and_then(|storage| restore(&mut app, storage, options));
         // A language that the learner chose earlier comes before those that the browser prefers.
-        let languages = language.iter().chain(&options.languages);
+        let languages = stored_language.iter().chain(&options.languages);
         app.state.restore(Settings {
             page: Some(PageAddress {
                 address: address(),
@@ -445,7 +445,7 @@ impl Page {
             ..Settings::default()
         });
         // A preference of the browser is not stored: only a change from it is.
-        let language = language.or_else(|| Some(app.state.lessons().language.clone()));
+        let language = stored_language.or_else(|| Some(app.state.lessons().language.clone()));
 
         // Opening a link removes notices, so that it comes before the notices of the start.
         if !options.link.is_empty() {
@@ -574,7 +574,7 @@ impl Page {
             .classroom()
             .talk_json(&state.runs().first.canvas_view())
             .to_string();
-        // A page within another page reports no talk.
+        // A talk is reported for the window with its notes, which a page within another page does not open.
         if talk != self.talk && self.stores {
             hooks::talk(&talk);
             self.talk = talk;

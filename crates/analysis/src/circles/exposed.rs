@@ -121,17 +121,18 @@ fn of_open_circles<T: Send>(
     let looked_at = tiles
         .par_iter()
         .map_init(Scratch::default, |scratch, rectangle| {
+            // The scan marks the circles that are open. What it finds besides, as conflicts, is not asked for here.
             let mut found = Found::new(question.witnesses);
             search
                 .scan(scratch, rectangle, &mut found)
                 .map_err(declined)?;
 
             let open: Vec<usize> = scratch.tile.open().collect();
-            let looked = open.into_iter().map(|index| {
+            let look_at = |index: usize| {
                 let id = samples.at(scratch.tile.source[index] as usize).id as usize;
                 look(&search, scratch, index, id)
-            });
-            let looked: Vec<T> = looked.collect();
+            };
+            let looked: Vec<T> = open.into_iter().map(look_at).collect();
 
             monitor.advance(scratch.tile.own().map(|run| run.len() as u64).sum())?;
             Ok(looked)

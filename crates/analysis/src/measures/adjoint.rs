@@ -206,9 +206,9 @@ fn read<const C: usize>(
         let (first, ahead) = first_grid_point(sample.at, sizes);
         let [along_x, along_y] = ahead.map(|ahead| kernel.values(ahead));
 
-        let mut columns = [[0.0; WIDTH]; C];
+        let mut components = [[0.0; WIDTH]; C];
         for (factor, line) in along_x.iter().zip(first[0] as usize..) {
-            for (component, columns) in columns.iter_mut().enumerate() {
+            for (component, columns) in components.iter_mut().enumerate() {
                 // Along x the grid goes on from its beginning; along y each line has a margin for that.
                 let start = (line % sizes[0] * C + component) * stride + first[1] as usize;
                 let near = cells[start..].first_chunk::<WIDTH>().into_iter().flatten();
@@ -217,7 +217,7 @@ fn read<const C: usize>(
                 }
             }
         }
-        columns.map(|columns| columns.iter().zip(along_y).map(|(sum, y)| sum * y).sum())
+        components.map(|columns| columns.iter().zip(along_y).map(|(sum, y)| sum * y).sum())
     };
 
     let mut sorted = vec![0.0; samples.len()];

@@ -37,8 +37,9 @@ pub fn page(blocks: &[Block]) -> String {
 
                 let head_cells: Vec<String> = heads.iter().map(|head| cell(head)).collect();
                 let rule = "---|".repeat(heads.len());
-                let row = |row: &Vec<Span>| {
-                    let cells: Vec<String> = row.iter().map(|one| cell(&span_text(one))).collect();
+                let row = |spans: &Vec<Span>| {
+                    let cells: Vec<String> =
+                        spans.iter().map(|one| cell(&span_text(one))).collect();
                     format!("| {} |\n", cells.join(" | "))
                 };
 

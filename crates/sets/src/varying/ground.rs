@@ -104,7 +104,7 @@ impl VaryingRecipe {
         let shapes = self.shapes(&frame, &domain, bits)?;
         let stated = stated_radius(radius, &nodes);
         // The judge gets the same integers, and makes its own tables of them.
-        let columns = RadiusField::node_counts(&domain, bits)?[0];
+        let [columns, _] = RadiusField::node_counts(&domain, bits)?;
         let radii = if nodes.units.len() == 1 {
             Radii::Constant(nodes.units[0])
         } else {

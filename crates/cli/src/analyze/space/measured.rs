@@ -78,12 +78,14 @@ impl Request<'_> {
         // A hair less than half the side, since rounding may lift a whole number of bins above it.
         let reach = (REACH * radius).min(0.499 * shortest);
         let bins = first.map_or((reach / bin) as usize, |first| first.correlation.g.len());
+        // The radius may be so long for its box that no bin fits.
         let bins = bins.max(1);
 
         let spectrum = watched("spectrum", |control| {
             SolidSpectrum::of(points, region, most / unit, control)
         })
         .map_err(|error| match error {
+            // Of what a spectrum is asked for, only a frequency that is given may be out of range.
             SolidError::Measure(_) if self.most.is_some() => {
                 anyhow::Error::from(error).context("--frequencies")
             }

@@ -197,6 +197,7 @@ impl<const TAGS: bool> Region<TAGS> {
 
         for cell in active {
             let min = Point::new(cell.domain_x, cell.domain_y);
+            // One draw has 16 bits for each coordinate of a dart, which is enough: cells are at most half of R wide.
             for (rank, p) in cell_darts(key, Cell { min, side }, DartDraws::One) {
                 let (x, y) = (cell.x + p.x - min.x, cell.y + p.y - min.y);
                 // Darts that a sample covers now are refused in any turn, and need not be sorted. Cells at the far
