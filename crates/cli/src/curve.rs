@@ -50,10 +50,10 @@ pub struct CurveArguments {
 
 /// Returns the text at the end of the help, with the numbers that a curve may have.
 fn examples() -> String {
-    let keys = |of_spectrum| -> String {
-        let numbers = live_numbers().filter(|number| is_of_spectrum(number) == of_spectrum);
-        let keys: Vec<&str> = numbers.map(|number| number.key).collect();
-        keys.join(", ")
+    let keys = |needs_spectrum| -> String {
+        let numbers = live_numbers().filter(|number| is_of_spectrum(number) == needs_spectrum);
+        let each: Vec<&str> = numbers.map(|number| number.key).collect();
+        each.join(", ")
     };
     let [quick, of_spectrum] = [false, true].map(keys);
     format!(

@@ -48,8 +48,8 @@ pub struct DistantPairs {
 /// Returns the unordered pairs of samples with `least <= distance < most`, in the length unit of the samples.
 ///
 /// At most `limit` pairs are held. If there are more, those around the samples of lowest `y` are held, row by row of
-/// grid cells. Time grows with the number of pairs closer than `most`, and with twice that where all are held. The
-/// result does not depend on the number of threads.
+/// grid cells. Time grows with the number of pairs closer than `most`; it is doubled where all are held, as each is
+/// then met twice. The result does not depend on the number of threads.
 ///
 /// # Errors
 ///

@@ -100,8 +100,8 @@ pub fn run(plan: TimingPlan, study: &Study<'_>) -> Result<Vec<StageRound>> {
             };
 
             // The printed parameters and the base ones, which the GPUs take, have this leaf size.
-            let pattern = pattern(&fitting(ONE_LEAF), control)?;
-            let (times, _) = verified(&printed, &pattern, control)?;
+            let of_one_leaf = pattern(&fitting(ONE_LEAF), control)?;
+            let (times, _) = verified(&printed, &of_one_leaf, control)?;
             timed.push(times);
 
             let mut passes = Vec::new();
@@ -109,8 +109,8 @@ pub fn run(plan: TimingPlan, study: &Study<'_>) -> Result<Vec<StageRound>> {
                 let open = engines.gpu(&gpu.name)?;
                 // All passes of a stage are one row, whatever their names.
                 let by_stage = |report: &PassReport| [report.stage.to_string(), String::new()];
-                let run = run_timed(&open, base, &pattern, control, by_stage)?;
-                passes.extend(run.passes.into_iter().map(|one| (gpu.name.clone(), one)));
+                let made = run_timed(&open, base, &of_one_leaf, control, by_stage)?;
+                passes.extend(made.passes.into_iter().map(|one| (gpu.name.clone(), one)));
             }
 
             Ok(StageRound { timed, passes })

@@ -263,8 +263,8 @@ fn measure(
     for first in sets.clone().step_by(AT_ONCE) {
         // Sets are measured on all threads, but added in the sequence of their seeds: sums of floats depend on the order, and
         // must not depend on threads.
-        let seeds = (first..sets.end.min(first + AT_ONCE)).into_par_iter();
-        let some = seeds.map(|index| once(plan, way, settings.seed_of(index as u64), control));
+        let indices = (first..sets.end.min(first + AT_ONCE)).into_par_iter();
+        let some = indices.map(|index| once(plan, way, settings.seed_of(index as u64), control));
         for one in some.collect::<Result<Vec<MeasuredOnce>>>()? {
             counts.push(one.count as f64);
             periodograms.add(one.periodogram)?;
