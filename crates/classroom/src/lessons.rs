@@ -346,7 +346,7 @@ pub(crate) fn in_language(language: &str) -> impl Fn(&str) -> String {
 }
 
 impl OpenLesson {
-    /// Returns a lesson that was just opened. Its text, and when its file was changed, are filled in by the caller.
+    /// Returns a lesson that was just opened.
     pub(crate) fn new(learner: Learner, source: LessonSource) -> Self {
         Self {
             learner,
@@ -422,7 +422,7 @@ impl OpenLesson {
 
         // A sample that the list has marked, with its number as the label, is not marked again.
         for &sample in question.named(event) {
-            if !marks.iter().any(|made| made.label == sample.to_string()) {
+            if !marks.iter().any(|mark| mark.label == sample.to_string()) {
                 marks.push(mark(position(sample), sample.to_string(), MarkKind::Named));
             }
         }
