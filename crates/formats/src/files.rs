@@ -121,8 +121,9 @@ pub fn export(
     })
 }
 
-/// Stores what `make` writes through its store in the place of `path`, with the certificate whose bytes it returns.
-/// Returns its other result, and the path of the certificate.
+/// Calls `make` with a store and the file's name. The store writes bytes to a temporary file and returns them as read
+/// back. Then that file is put in the place of `path`, beside a certificate of the bytes that `make` returned. Returns
+/// the other result of `make`, and the path of the certificate.
 pub(crate) fn stored_at<T>(
     path: &Path,
     make: impl FnOnce(&mut Store<'_>, &str) -> Result<(Vec<u8>, T), ExportError>,

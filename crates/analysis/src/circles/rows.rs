@@ -68,7 +68,7 @@ impl SortedRows {
     }
 
     /// Sorts the samples of `open` in the rows from the end of these ones to `end`, and appends them. Samples of later rows
-    /// stay in `open`. Samples of the lowest row that come after it was sorted move to `lowest`.
+    /// stay in `open`. Samples of the lowest row move to `lowest` if these rows begin above it, as they do on a torus.
     pub fn take(&mut self, open: &mut Held, lowest: &mut Held, cells: &Cells, end: usize) {
         let first = self.end(cells);
         let complete = first..end;
@@ -101,7 +101,7 @@ impl SortedRows {
             let (point, id) = (open.points[index], open.ids[index]);
             let row = cells.row(cells.domain.scale_point(point).y);
 
-            // The lowest row of a torus stays open to the end, since its samples may come late.
+            // On a torus the lowest row is sorted last, since its samples may come at any time.
             if row < first {
                 debug_assert_eq!(row, 0, "rows are complete when they are sorted");
                 lowest.push(point, id);

@@ -252,8 +252,9 @@ impl Tile {
         }
     }
 
-    /// Scans all pairs of neighbours once: marks in both circles the bins that the other disk of radius `rho` covers,
-    /// and counts the conflicts of the tile's own samples.
+    /// Scans all pairs of neighbours once: marks in both circles the bins that the other disk covers, and counts the
+    /// conflicts of the tile's own samples. Circles and disks have the radius `rho`, the largest that is known to be
+    /// needed so far. Samples nearer than `radius`, that of the set, are in conflict.
     ///
     /// A pair belongs to the tile of the sample that comes first in the sequence of rows and columns, counted on across
     /// the seams, so it is counted in one tile.
@@ -419,8 +420,8 @@ fn in_squares_at_most(length_square: f64, squares_per_area: f64) -> f32 {
     (farthest * farthest).min(f64::from(f32::MAX)) as f32
 }
 
-/// Returns the distance of two samples, the shorter way around a torus. The long way is summed so that its rounding is
-/// relative to the offset and not to the period.
+/// Returns the distance of two samples, the shorter way around a torus. Across a seam the parts on both sides of it are
+/// summed, so that the rounding is relative to the offset and not to the period.
 pub(super) fn distance(one: Sample, other: Sample, periods: DVec2) -> f64 {
     let along = |axis: usize| {
         let (a, b) = (one.position[axis], other.position[axis]);

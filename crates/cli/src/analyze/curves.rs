@@ -20,7 +20,7 @@ const MAX_DIFFERENCE: f64 = 4.0;
 const MAX_BAND: f64 = 1.5;
 /// Anisotropies of fewer frequencies scatter by decibels; the axis may cut them off.
 const FEW: u64 = 50;
-/// Periodograms in a figure that has curves as well.
+/// Periodograms in one figure: four rows, chosen and not measured.
 const MAX_PICTURES: usize = 12;
 /// Periodograms in a row.
 const IN_A_ROW: usize = 3;
@@ -61,7 +61,7 @@ pub fn figure(analysis: &Analysis) -> (Figure, usize) {
 /// Returns the figures of a page: curves, differences, and all periodograms.
 pub fn figures(analysis: &Analysis) -> Vec<Figure> {
     let subjects = &analysis.subjects;
-    // One figure has room for the periodograms of two subjects.
+    // The periodograms of two subjects stand in one row with the pair correlation: one figure shows all.
     if subjects.len() <= 2 {
         return vec![figure(analysis).0];
     }
@@ -128,7 +128,8 @@ fn curve_rows(analysis: &Analysis) -> (Vec<Panel>, Panel) {
     (drawn([power, anisotropy]), Panel::Lines(pairs))
 }
 
-/// Returns the differences of all subjects from the reference, if there is one.
+/// Returns the differences of all subjects from the reference, if there is one: of the two curves that have differences.
+/// Anisotropies are compared with the levels in their own chart.
 fn difference_row(analysis: &Analysis) -> Vec<Panel> {
     let texts = [
         ("radial mean power", FREQUENCY, "P(\u{3bd})"),
@@ -140,6 +141,7 @@ fn difference_row(analysis: &Analysis) -> Vec<Panel> {
         // Colours are those of the curves above, which count without the reference as well.
         let lines = each.enumerate().map(|(index, (subject, differences))| {
             let (_, curve) = &differences.curves[number];
+            // No title is needed: titles only mark the reference, which is not among these.
             series(&subject.label, Look::Numbered(index), curve)
         });
         let all: Vec<Series> = lines.flatten().collect();

@@ -200,8 +200,8 @@ impl NestedPlane {
     /// a radius larger by the root of 2. The pattern is made here (see [`NestedPattern`]).
     ///
     /// Fails when the parameters cannot be sampled, there are no or more than [`crate::MAX_LEVELS`] levels, the domain is too
-    /// small for the coarsest radius, or a choice other than the default is made for the order of elimination, insertion,
-    /// search, variant or the pattern's boundary.
+    /// small for the coarsest radius, or a choice other than the default is made for the method of tiling, the order of
+    /// elimination, insertion, search, variant or the pattern's boundary.
     pub fn new(
         parameters: &Parameters,
         levels: u32,
@@ -252,9 +252,8 @@ impl NestedPlane {
         self
     }
 
-    /// Returns exactly `count` samples: the first of a run whose finest set has at least as many, and at most a
-    /// few more. The
-    /// radius of `parameters` is not used.
+    /// Returns exactly `count` samples: the first of a run whose finest set has at least as many. Its radius is estimated,
+    /// and made smaller until the set has as many; the radius of `parameters` is not used.
     ///
     /// There is no maximal set of exactly `count` samples in general. [`Nested::guarantee`] has the guarantees of
     /// these. Fails as [`Self::new`], or when there is no such radius.
@@ -436,7 +435,7 @@ impl NestedPlane {
             }
         }
 
-        // The widest halo, the coarsest level's, is stated in radii of the finest level.
+        // States the halo that the coarsest level adds, without `MORE_HALO`, in radii of the finest level.
         Err(SampleError::Entangled {
             radii: (HALO << MAX_REPAIRS) as f64 * self.radius(0) / self.radius(self.levels - 1),
         })
@@ -479,6 +478,7 @@ impl NestedPlane {
 
         let frame_of = |level: u32| {
             let halo = self.halo(level, halo);
+            // On each axis the plane goes on below and above the frame, unless a border cuts it (below).
             let mut frame = LevelFrame {
                 goes_on: [[true; 2]; 2],
                 ..LevelFrame::at(domain, window.min.into())

@@ -124,8 +124,9 @@ impl BallFrame {
     /// returns whether it did. Each cell comes with the offset of its lowest place from `min`, the cube's lowest one.
     /// The cube lies in one cell, and its side is a power of two.
     ///
-    /// `depth` is how far into the cube from each of its sides a sample must reach: cells from which none does are left
-    /// out, too.
+    /// `depth` is how far into the cube a ball must reach, counted from the side at which it enters, to be of use to the
+    /// caller: one that covers an octant reaches through half of the cube. Cells from which no ball reaches so deep are
+    /// left out, too.
     #[inline]
     pub fn any_cell_near(
         &self,
@@ -142,8 +143,8 @@ impl BallFrame {
 
         for &number in &self.orders[block(inside, side)] {
             let Neighbour { at, step, offset } = self.around[usize::from(number)];
-            // The list is that of a whole block, and samples need only cover places of it. A cell may be too far for a
-            // cube that is a part of the block, or to reach so deep. `at` is below 3: the mask spares the check of an
+            // The list has every cell within R of the block, which may be larger than the cube: a cell of it may be too
+            // far from the cube, or too far to reach `depth` into it. `at` is below 3: the mask spares the check of an
             // index.
             let gap = x_gaps[at[0] & 3] + y_gaps[at[1] & 3] + z_gaps[at[2] & 3];
             if gap > R_SQUARED as u64 {

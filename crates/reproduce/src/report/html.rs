@@ -41,6 +41,7 @@ pub fn page(blocks: &[Block], figures: &Path) -> String {
                 writeln!(out, "<p>{text}</p>")
             }
             Block::Facts(facts) => {
+                // The names are words of this program, without letters that would have to be escaped.
                 let fact = |(name, value): &(&str, Span)| {
                     format!("<dt>{name}</dt><dd>{}</dd>", span_text(value))
                 };

@@ -68,8 +68,8 @@ impl CellPattern {
         }
     }
 
-    /// Calls `visit` with the position, counted from `corner`, and the pattern index of every sample of a `width` x
-    /// `height` rectangle whose lowest corner lies at `start` of the (repeated) pattern.
+    /// Calls `visit` with the position and the pattern index of every sample of a rectangle that begins at `start` of the
+    /// repeated pattern. The lowest corner of the rectangle is laid at `corner`.
     #[inline(always)]
     fn clip(
         &self,
@@ -159,8 +159,9 @@ impl CellPattern {
         let width = u32x8::splat(simd, piece.width() as u32);
         let height = u32x8::splat(simd, piece.height() as u32);
 
+        // A cell has a side of R, which is 2^CELL_BITS: the bits below are the place within the cell.
         let place_bits = R as u32 - 1;
-        // Coordinates count from the corner of the padding, so that none is negative.
+        // Coordinates count from the corner of the cells of padding around the frame, so that none is negative.
         let (right, up) = (corner.x + (PAD << CELL_BITS), corner.y + (PAD << CELL_BITS));
         let stride = u32x8::splat(simd, frame.stride() as u32);
 
@@ -303,9 +304,8 @@ impl Clipper {
     pub fn blocks(&self, frame: &Frame, out: &mut Vec<PlacedBlock>) -> Result<(), SampleError> {
         out.clear();
         let target = frame.tiled();
+        // It is empty: a search that fails does not give its stack back.
         let mut stack = self.stacks.take();
-        // The stack may still have nodes of an earlier search that failed.
-        stack.clear();
         stack.push((Node::root(&self.domain, self.key), 0, 0));
         let mut sequence = 0;
 
