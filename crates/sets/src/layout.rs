@@ -32,7 +32,8 @@ pub fn set_of_piece<E: From<SampleError>>(
             read(path, &given)
         }
 
-        // A set that this program makes needs no check.
+        // A set that this program makes needs no check, unlike one from a file. `own` is the domain of the piece's
+        // rectangle.
         PieceSource::Reference { seed, own } => Ok(Set::of_reference(*own, *seed, observer)?),
         PieceSource::Run { parameters, .. } => {
             let pattern = Pattern::of_spec(&parameters.pattern, observer)?;

@@ -111,7 +111,7 @@ impl Pool {
         inner.program.later = Some(later);
     }
 
-    /// Ends all workers and cancels their tasks.
+    /// Ends all workers, and cancels their tasks and those that wait.
     pub fn close(&self) {
         let (slots, waiting) = {
             let mut inner = self.0.borrow_mut();

@@ -129,6 +129,7 @@ fn certified(check: SolidCheck, file: &Path) -> Result<SolidContext> {
         planar.method = stated.method;
         planar.parameters = stated.parameters;
         planar.precision = stated.precision;
+        // Of a prefix only the number of points that were made is repeated: the rest is measured on the new file.
         planar.made = stated.prefix.map(|prefix| prefix.made);
     }
     Ok(context)

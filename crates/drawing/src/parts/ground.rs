@@ -97,6 +97,7 @@ pub fn field(scene: &Scene<'_>, surface: &mut impl Surface) {
     // Radii are compared by their ratios: twice the radius is paler by the same number of shades everywhere.
     let shade = |place: Point| {
         let radius = f64::from(locality.radius_at(place));
+        // All radii lie between the extremes, so that only rounding is cut off.
         let share = ((radius / least).ln() / range).clamp(0.0, 1.0);
         locality
             .inside(place)
@@ -122,7 +123,7 @@ pub fn outside(scene: &Scene<'_>, surface: &mut impl Surface) {
     });
 }
 
-/// Draws the outline of a polygon.
+/// Draws the outline of the shape that the samples fill, if it is a polygon: all of its rings.
 pub fn outline(scene: &Scene<'_>, surface: &mut impl Surface) {
     let Some(made) = &scene.session.ground else {
         return;
@@ -158,7 +159,7 @@ pub fn darts(scene: &Scene<'_>, surface: &mut impl Surface) {
     }
 }
 
-/// Draws the cells that throw darts in a throw.
+/// Draws the cells that throw darts in the throw `number`.
 fn cells(scene: &Scene<'_>, surface: &mut impl Surface, number: u32) {
     let Some(iteration) = scene.session.iteration(number) else {
         return;
@@ -168,11 +169,11 @@ fn cells(scene: &Scene<'_>, surface: &mut impl Surface, number: u32) {
     let end = scene.session.size_radii();
 
     for cell in &iteration.cells {
-        // What of a cell lies beyond the border holds no places.
+        // The part of a cell beyond the domain's border holds no places.
         let low = position(cell.min);
         let corners = [low, (low + radii(cell.side)).min(end)].map(|at| scene.at(at));
         let square = Rect::from_two_pos(corners[0], corners[1]);
-        // The last cells hold one lattice point, which is far smaller than a pixel.
+        // Cells are smaller from throw to throw, down to one lattice point, which is far smaller than a pixel.
         let least = Rect::from_center_size(square.center(), Vec2::splat(2.0 * LEAST_HALF));
         let shown = square.union(least);
         if shown.intersects(scene.rect) {
@@ -215,7 +216,7 @@ fn thrown(scene: &Scene<'_>, surface: &mut impl Surface) {
 
         let color = dart_color(scene, verdict);
         match verdict {
-            // It has become a sample, or waits for its turn.
+            // The dart becomes a sample, by an event that may come later.
             Verdict::Accepted => surface.mark(Mark::Triangle, at, [size, NO_GROWTH], color),
             Verdict::Covered { .. } => {
                 surface.mark(Mark::Cross, at, [size, NO_GROWTH], color);

@@ -165,6 +165,7 @@ fn tile_row(
     let mut below = top;
     for (index, tile) in (0..).map(f64::from).zip(all) {
         let (left, side) = match tile.side {
+            // The tiles of a row are taken to have one side: those before this one have its side as well.
             Some(side) => (first_tile + index * (side + tiles::GAP), side),
             // Without a side of its own, a tile is as wide as the plots of charts above and below it.
             None => (MARGIN + index * column + LEFT, column - LEFT - RIGHT),

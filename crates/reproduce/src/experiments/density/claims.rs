@@ -25,6 +25,7 @@ fn published(found: &DensityResults) -> Claim {
     let [left_out, doubt] = found.lattice.used();
     let (difference, interval) = found.beside_published(density);
 
+    // The control sets have a radius off by `OFF` to either side, or stop after the level `UNFINISHED`.
     let controls = found
         .controls()
         .map(|control| found.beside_published(control).0);
