@@ -136,7 +136,7 @@ pub fn symbol(layer: Layer, kind: SessionKind, palette: &Palette) -> Vec<SymbolS
             ]
         }
         Layer::Tree => tree(palette),
-        // Two sets, and the seam between them in its band.
+        // The line at which two sets meet, in the band of their seam.
         Layer::Seams => vec![
             filled(rect(9.0, 13.0), palette.accent.gamma_multiply(0.3)),
             line(

@@ -201,6 +201,7 @@ impl Painter {
                 size,
                 style,
             } => {
+                // A marker is as large in every view.
                 let (center, size) = (at.pixel(*center), size * self.scale);
                 // The outlines of markers have straight sides, and a dot has none.
                 if *marker == Marker::Dot {

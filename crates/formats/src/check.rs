@@ -351,6 +351,7 @@ impl Judged {
             .or_else(|| certificate.map(|c| c.region))
             .or_else(|| format.is_unit_torus().then_some(unit_torus))
             .ok_or(CheckError::NoRegion(format))?;
+        // A certificate with a radius that varies comes with a `varying` domain: the others state one radius.
         let radius = (judged.map(VaryingRegion::radius))
             .or(overrides.radius)
             .or_else(|| certificate.map(|c| c.radius.least()))
@@ -507,10 +508,11 @@ pub(crate) fn contradictions(stated: &Certificate, found: &Contents) -> Vec<Cert
 
 /// Returns the verdict that follows from the numbers of a certificate, by the judges' rule.
 fn implied_verdict(stated: &Certificate) -> bool {
+    // Where the radius varies, and of a thinned set, the judge only counts conflicts and gaps: neither distances nor a
+    // limit are compared.
+    let is_counted = stated.is_counted();
     let radius = stated.radius.least();
     let limit = (1.0 + stated.covering_tolerance) * radius;
-    // Some verdicts follow from the counts alone: subdivision measures no covering radius.
-    let is_counted = stated.is_counted();
     // A prefix covers within its factor of the radius, and not within the radius: there only the number of gaps counts.
     let has_no_limit = is_counted || stated.prefix.is_some();
     // A single point of a bounded region has no distance, and no conflict.
@@ -594,8 +596,8 @@ fn described(shape: Option<&CertifiedShape>) -> String {
     }
 }
 
-/// Compares the stated levels with those found, which end with `last`. Levels that state less than nested levels promise
-/// would let any set pass.
+/// Compares the stated levels with those found, which end with `last`. Those found have the count, the distance and the
+/// covering that were claimed. Claims of less than nested levels promise would let any set pass.
 fn compare_levels(
     list: &mut Differences,
     stated: &Certificate,
@@ -603,7 +605,7 @@ fn compare_levels(
     last: &CertifiedLevel,
 ) {
     let covers = |level: &CertifiedLevel| {
-        // Levels without a stated covering promise no maximality: infinity is above every limit.
+        // A claim without a covering promises no maximality: infinity is above every limit.
         let covering = level.covering.unwrap_or(f64::INFINITY);
         covering <= MAX_COVERING * level.distance
     };

@@ -309,6 +309,7 @@ fn read(source: Source<'_>, arguments: &SetArguments) -> Result<VerifiedFile> {
     let check =
         |overrides: &_| verifying(|control| tilescope_formats::check(path, overrides, control));
 
+    // A set without a stated domain is taken for one of the periodic unit square.
     let mut outcome = check_or_unit_square(&overrides, check);
     let has_radius = !matches!(outcome, Err(CheckError::NoRadius));
     if !has_radius {

@@ -41,6 +41,7 @@ pub(super) fn read_text(bytes: &[u8]) -> Result<Raw, FormatError> {
         });
     }
 
+    // The place is that of the stated count, which may be the number that is wrong.
     if let Some(x) = lone_x {
         return Err(FormatError::Header {
             format: FORMAT,

@@ -289,6 +289,7 @@ pub(super) fn write(points: &[[f64; 2]], target: &Target, columns: &Columns) -> 
         ),
     );
     match &columns.drawing {
+        // The blue of Okabe and Ito's palette.
         None => push(&mut out, format_args!("<g fill=\"#0072b2\">\n")),
         Some(Drawing { paper, ink, .. }) => {
             let ([paper, ink], turned) = ([paper, ink].map(|&color| hex(color)), upward(y, height));

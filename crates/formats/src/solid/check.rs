@@ -112,7 +112,8 @@ impl SolidFile {
         let judged = SolidJudged::new(format, stated.as_ref(), overrides, depth)?;
         let mapping = SolidMapping::new(format, &judged.region, precision);
 
-        // The digest is of the positions as they are in the file; the judges get those in the domain.
+        // The positions are digested as they are in the file; the judges get those in the domain. A certificate beside
+        // a file always states the file's digest, so that one is needed.
         let found = Contents {
             format,
             precision,
