@@ -86,7 +86,7 @@ impl Context {
             // current sample.
             RunEvent::Insert { sample, .. } if self.search.is_none() => self.sample = Some(sample),
 
-            // A wake is no test, so that its dart has no verdict yet: it counts as accepted.
+            // A wake is no test, so that its dart has no verdict yet. It is shown as accepted: what refused it is gone.
             RunEvent::Wake { point, .. } => self.dart = Some((point, Verdict::Accepted)),
             RunEvent::Dart { point, verdict, .. } => self.dart = Some((point, verdict)),
 

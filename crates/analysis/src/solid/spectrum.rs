@@ -179,9 +179,10 @@ impl Shell {
         let Range { start, end } = self.range();
         let size = self.region.size();
         let shortest = self.region.shortest();
-        // One frequency takes a cycle along each side. Half of the shell's are opposite to another one.
-        let volume = 2.0 / 3.0 * std::f64::consts::PI * (end.powi(3) - start.powi(3));
-        let about = volume * self.region.volume() / shortest.powi(3);
+        // Frequencies are a cycle along each side apart: their number is about the volume of the shell in such cells. Of
+        // two opposite ones one is counted, so that half of the shell is enough.
+        let half_shell = 2.0 / 3.0 * std::f64::consts::PI * (end.powi(3) - start.powi(3));
+        let about = half_shell * self.region.volume() / shortest.powi(3);
         if about > WHOLE {
             return self.drawn(draws);
         }
@@ -307,7 +308,8 @@ fn powers(
         let weighed: Vec<f64> = some.iter().map(|&point| weight(point, region)).collect();
         weights += weighed.iter().map(|weight| weight * weight).sum::<f64>();
 
-        // Each sum takes the samples in their order, on whichever thread.
+        // Each sum takes the samples in their order, on whichever thread. The 64 sums that a thread takes at least are
+        // chosen, not measured.
         sums.par_iter_mut()
             .zip(frequencies)
             .with_min_len(64)

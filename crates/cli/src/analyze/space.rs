@@ -287,6 +287,7 @@ impl Subject {
 
     /// Returns the column of the average of some sets, at least one.
     fn average(sets: &[Measured]) -> Result<Self> {
+        // All sets have the same numbers, of which some may be undefined.
         let numbers = (0..sets[0].numbers.len()).map(|index| {
             let all: Vec<&Measure> = sets.iter().map(|set| &set.numbers[index]).collect();
             Measure::mean(&all)

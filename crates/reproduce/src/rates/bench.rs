@@ -204,7 +204,7 @@ impl Bench {
 
         for round in 0..self.rounds as u32 {
             // The lower corner of the window is drawn in the unit square, which the plane repeats without end: windows
-            // at its upper borders go on beyond them.
+            // at its upper borders go on beyond them. Any stream of the key will do.
             let [x, y] = key.draw(Stream::Dart, round).map(f64::from);
             let low = [x, y].map(|v| v / f64::from(u32::MAX));
             let window = plane.domain().window(low, low.map(|v| v + side))?;
