@@ -30,6 +30,7 @@ pub fn judge(path: &Path, set: &SetArguments, as_json: bool) -> Result<Option<u8
     };
     let region = region(path, set, &read)?;
 
+    // The judge of thinned sets compares each pair by its own two radii. Here all points count as kept.
     let all = vec![true; read.set.len()];
     let samples = ThinnedSet {
         given: &read.set.points,
@@ -61,7 +62,7 @@ fn region(path: &Path, set: &SetArguments, read: &ReadSet) -> Result<Option<Regi
         return Ok(None);
     }
 
-    // As sets are made: a field seldom goes around.
+    // Sets in a field are made in a bounded domain unless another one is asked for, since few fields are periodic.
     let is_periodic = false;
     let region = set.region_over(Region::new([1.0, 1.0], is_periodic));
     set.refuse_degrees(read, region)?;

@@ -165,6 +165,7 @@ impl Part {
             Self::Disks => is_tiled && scene.is_fine() && has(Layer::Disks),
             Self::Tree | Self::TreeNumbers => has(Layer::Tree),
             Self::Clips => has(Layer::Pattern),
+            // Which stages have conflicts is decided where they are drawn.
             Self::Conflicts => has(Layer::Conflicts),
             Self::Pairs => is_tiled && scene.subject.causes.is_some(),
             // At the end of a stage the whole stage is shown, not its last event.

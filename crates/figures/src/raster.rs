@@ -266,6 +266,7 @@ impl Painter {
     /// Fills a path and draws its border. `hatch` returns the lines of a hatching at a distance in pixels.
     fn area(&mut self, path: Option<Path>, style: Style, hatch: impl Fn(f64) -> Vec<[DVec2; 2]>) {
         match style.fill {
+            // As in the SVG of a scene: where a polygon overlaps itself it is not filled.
             Some(Fill::Solid(color)) => self.fill(path.as_ref(), color, FillRule::EvenOdd),
             Some(Fill::Hatch(Hatch {
                 color,

@@ -368,8 +368,8 @@ impl Certificate {
         })
     }
 
-    /// Returns the certificate with the version that its parts need. A set without any keeps the version that programs before
-    /// there were parts read.
+    /// Returns the certificate with the version that its parts need. Without a part that is version 1, which programs from
+    /// before version 2 read as well.
     pub(crate) fn with_version(self) -> Self {
         let has_parts = self.parts().next().is_some();
         Self {

@@ -207,7 +207,7 @@ pub fn decode(bytes: &[u8], hint: &Hint<'_>) -> Result<ReadSet, FormatError> {
         Format::Svg => svg::read(bytes),
     }?;
 
-    // Sets that no format may hold are refused here, so that the codecs need not.
+    // Empty sets are refused here for all formats, so that the codecs need not.
     if raw.set.is_empty() {
         return Err(FormatError::Empty { format });
     }

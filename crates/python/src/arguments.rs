@@ -189,7 +189,7 @@ impl SetArgument<'_> {
 }
 
 /// Returns the parameters of a run, and which of them are given. The others have their defaults; a radius that is not
-/// given is 0.
+/// given is 0 until [`settle_radius`] replaces it.
 fn parameters_of(
     given: Option<&Bound<'_, PyDict>>,
     radius: Option<f64>,

@@ -19,10 +19,10 @@ pub struct Settings {
     pub quick: bool,
     /// Seed of the first set; every set of an experiment has its own.
     pub seed: u64,
-    /// As many sets as tell a bias of uniformity that is half as large, and a density to two millionths, for the whole sizes
-    /// alone.
+    /// Makes more sets than usual: these show a bias of uniformity half as large as the usual number of sets does, and the
+    /// density to two millionths. It has a meaning for the whole sizes alone.
     pub many: bool,
-    /// Whether batches of density that no earlier run left are left out. The numbers of the others do not depend on it.
+    /// Takes only those batches of density that an earlier run has kept. Their numbers do not depend on it.
     pub kept: bool,
 }
 

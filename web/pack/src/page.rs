@@ -165,9 +165,9 @@ pub fn assemble(sources: &BTreeMap<String, Source>, address: &str) -> Result<Vec
         open: Vec::new(),
     };
 
-    // The files that `index.html` leads to are finished first, as these are needed to start.
+    // The files that `index.html` leads to are finished first: those that are needed to start are among them.
     assembly.finish("index.html")?;
-    let to_start: BTreeSet<String> = assembly.done.keys().cloned().collect();
+    let led_to: BTreeSet<String> = assembly.done.keys().cloned().collect();
 
     let own = |(name, source): &(&String, &Source)| *name != WORKER && !source.is_apart;
     for (name, _) in sources.iter().filter(own) {
@@ -191,7 +191,8 @@ pub fn assemble(sources: &BTreeMap<String, Source>, address: &str) -> Result<Vec
             &mut apart
         };
         list.push(File {
-            to_start: to_start.contains(&name) && !names::is_later(&name),
+            // Some files that others name are loaded on demand alone.
+            to_start: led_to.contains(&name) && !names::is_later(&name),
             hashed: !names::is_stable(&name),
             path,
             bytes,

@@ -121,7 +121,8 @@ impl PairsByDistance {
     }
 }
 
-/// Counts the pairs closer than `most` in so many bins of equal width.
+/// Counts the pairs closer than `most` by their distance, in `bins` intervals of equal width. The bins of samples in space
+/// are called cells here.
 pub(super) fn pairs_by_distance(
     points: &[[f64; 3]],
     region: &SolidRegion,
@@ -325,6 +326,7 @@ impl<'a> Bins<'a> {
                     // Rounding may put the largest distance into the bin beyond the last.
                     let bin = ((distance / most * bins as f64) as usize).min(bins - 1);
                     let apart = self.region.apart(one.place, other.place);
+                    // The volume of the places at which a pair with this offset fits into the box.
                     let room: f64 = if self.region.is_periodic() {
                         self.region.volume()
                     } else {

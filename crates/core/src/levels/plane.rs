@@ -190,7 +190,9 @@ pub struct NestedPlane {
     draws: BlockDraws,
     levels: u32,
     key: Key,
+    /// The pattern by symmetry, and by level.
     variants: Vec<Vec<LevelClip>>,
+    /// Side of the windows into which larger ones are cut, in units.
     window_side: i32,
     idle: Pool<LevelRegion>,
 }

@@ -127,6 +127,7 @@ pub(super) struct LevelRegion {
     pub dirty: Vec<u32>,
 }
 
+/// The end of a cell's list of unknowns.
 const NONE: u32 = u32::MAX;
 
 /// Fates decided between two calls of the observer.

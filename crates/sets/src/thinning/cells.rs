@@ -116,7 +116,7 @@ pub(super) struct Layer {
     pub ranks: Vec<u32>,
     /// The index of each point in the cloud.
     pub indices: Vec<u32>,
-    /// The first point of each cell that is not decided.
+    /// The first point of each cell that is not decided. The last number, behind all cells, is not used.
     heads: Vec<AtomicU32>,
     /// How many points of each cell are kept.
     counts: Vec<AtomicU32>,

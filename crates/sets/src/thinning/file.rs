@@ -200,7 +200,9 @@ pub struct Thinning {
     pub origin: [f64; 2],
     /// The radius, as certificates state it.
     pub radius: CertifiedRadius,
+    /// The radius at each point, where it varies.
     radii: Option<Vec<f64>>,
+    /// The order of the points, if it is needed and not that of the file.
     ranks: Option<Vec<u32>>,
     priority: ThinningPriority,
     parameters: Stated,
@@ -225,7 +227,8 @@ impl ThinRecipe {
         })
     }
 
-    /// Returns by what a file is thinned. Without `with_ranks` no order is needed, and all points of the file are kept ones.
+    /// Returns by what a file is thinned. `with_ranks` is false for a file of chosen points that is judged without its
+    /// source: all of its points are kept, and their order does not matter.
     ///
     /// # Errors
     ///

@@ -230,7 +230,9 @@ pub struct Clipper {
     domain: Domain,
     leaf: i32,
     key: Key,
+    /// The pattern by symmetry.
     variants: Vec<CellPattern>,
+    /// For every split of the tree, in order, the number of leaves of its lower side; `None` until blocks are counted.
     counts: Option<Vec<u32>>,
     /// Lists of the nodes that a search has yet to visit.
     stacks: Pool<Vec<Visit>>,
@@ -425,6 +427,7 @@ fn count(node: &Node, leaf: i32, counts: &mut Vec<u32>) -> u32 {
 /// The images of a rectangle of the domain that, enlarged by r, meet a frame's target.
 struct Images {
     rect: Rect64,
+    /// Sides of the domain.
     sides: I64Vec2,
     /// First and last shift on each axis, in sides.
     shifts: [[i64; 2]; 2],

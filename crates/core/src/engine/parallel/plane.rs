@@ -52,11 +52,13 @@ const NEIGHBOURS: i32 = 8;
 pub struct Plane {
     domain: Domain,
     order: Order,
+    /// Whether a block may be as long as the periodic domain, and so touch its own image.
     touches_itself: bool,
     clipper: Clipper,
     ranking: Ranking,
     rules: Rules,
     instructions: InstructionSet,
+    /// The run over the whole domain, if that is small and periodic.
     whole: Option<Whole>,
     plain: Pool<Scratch<false>>,
     #[cfg(not(tilescope_untagged))]
