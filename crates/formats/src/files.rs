@@ -50,7 +50,7 @@ pub struct Exported {
 ///
 /// # Errors
 ///
-/// [`FormatError`] when the file is missing or unreadable, and as [`read_bytes`] for its certificate.
+/// As [`read_whole`] and [`read_bytes`], and when the certificate beside the file cannot be read.
 pub fn read(path: &Path, hint: &Hint<'_>) -> Result<ReadSet, FormatError> {
     let bytes = read_whole(path)?;
     let name = file_name(path)?;
@@ -328,7 +328,8 @@ fn read_limited(path: &Path, limit: u64) -> Result<Vec<u8>, FormatError> {
         .try_reserve_exact(length as usize)
         .map_err(no_memory)?;
 
-    // The file may grow while it is read: a byte beyond the limit shows that it is too large.
+    // The file may grow while it is read: a byte beyond the limit shows that it is too large. The error then has the size
+    // that was read, as the whole one is not known.
     let mut limited = input.take(limit + 1);
     limited.read_to_end(&mut bytes).map_err(failed)?;
 

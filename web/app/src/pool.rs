@@ -231,7 +231,8 @@ impl Pool {
 
         let (pool, from) = (self.clone(), worker.clone());
         // An error in the script is an event with a message. A script that cannot be loaded, and data that cannot be read, are
-        // events without a message. All have the same type here, so that the message is looked up by its name.
+        // events without a message, of which the text below names the first alone. All have the same type here, so that
+        // the message is looked up by its name.
         let on_error = Closure::<dyn FnMut(Event)>::new(move |event: Event| {
             let message = (Reflect::get(&event, &"message".into()).ok())
                 .and_then(|message| message.as_string());

@@ -86,10 +86,10 @@ impl SortedRows {
         let (starts, order) = sorted(&cell_of, complete.len() * cells.counts[0]);
         self.append_starts(&starts);
 
-        let order = order.iter().map(|&index| index as usize);
+        let indices = order.iter().map(|&index| index as usize);
         self.points
-            .extend(order.clone().map(|index| open.points[index]));
-        self.ids.extend(order.map(|index| open.ids[index]));
+            .extend(indices.clone().map(|index| open.points[index]));
+        self.ids.extend(indices.map(|index| open.ids[index]));
 
         // Samples of later rows move to the front of `open`, in their order.
         let mut kept = 0;

@@ -189,6 +189,7 @@ pub fn cut(label: &str, series: &[Series]) -> Axis {
         return Axis::new(format!("{label}, cut off at {MAX_PEAK}")).with_range(0.0, MAX_PEAK);
     }
     let [low, high] = ends_of_bands(series);
+    // Curves that are 0 everywhere would give an empty range.
     if top > 0.0 && high > MAX_BAND * top {
         return Axis::new(format!("{label}, bands cut off")).with_range(0.0, MAX_BAND * top);
     }

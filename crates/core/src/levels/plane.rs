@@ -389,7 +389,8 @@ impl NestedPlane {
             }
         }
 
-        // The whole run is made once, and serves all windows that would be more work than it.
+        // The whole run is made once, and serves all windows that would be more work than it. All windows count as done:
+        // the meter only lets the observer stop this work, too.
         let mut meter = Meter::resume(observer, stage, total, total)?;
         if !cheaper_whole.is_empty() {
             let mut region = LevelRegion::default();
@@ -404,6 +405,7 @@ impl NestedPlane {
         Ok(self.in_order(levels, is_run))
     }
 
+    /// Returns the samples that each level adds as a nested set. `is_run` says whether these are all samples of the run.
     fn in_order(&self, levels: Vec<Vec<Point>>, is_run: bool) -> Nested {
         Nested::in_random_order(*self.domain(), levels, self.key, is_run)
     }

@@ -22,7 +22,7 @@ const STRIDE: u64 = 1 << 14;
 /// without work while another one ends.
 const BANDS_A_THREAD: usize = 4;
 
-/// The layers of a cloud, and which of two points counts where radii differ.
+/// A choice in the making: the layers of the cloud, with the points that are decided in them.
 struct Choice<'a> {
     cloud: &'a Cloud<'a>,
     layers: Vec<Layer>,

@@ -344,7 +344,7 @@ impl Clipper {
         Ok(())
     }
 
-    /// Appends the images of a block in the frame.
+    /// Appends the images of a block in the frame. Fails if the block does not fit a bounded pattern.
     fn push_images(
         &self,
         block: &Block,
@@ -382,8 +382,8 @@ impl Clipper {
         self.variants[block.symmetry as usize].clip(start_of(block, &rect), size, rect.min, visit);
     }
 
-    /// Visits the samples that [`Self::clip`] visits when `target` is all that `frame` tiles, but calls `visit` with
-    /// each sample's cell of `frame` and its slot there: 15 bits of x, and above them 15 bits of y.
+    /// Visits the samples that [`Self::clip`] visits with [`Frame::tiled`] as the target, but calls `visit` with each
+    /// sample's cell of `frame` and its slot there: 15 bits of x, and above them 15 bits of y.
     #[inline(always)]
     pub fn clip_slots<S: Simd>(
         &self,

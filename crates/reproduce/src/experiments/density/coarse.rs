@@ -36,7 +36,7 @@ impl CoarseSets {
             if control.flow().is_break() {
                 return Err(ReproduceError::Cancelled);
             }
-            // All lattices have the same seeds, and draws of their own.
+            // All lattices have the same seeds, and draws of their own. Any stream of the key will do.
             let key = Key::from_seed(seed).derive(Stream::Order, radius.into());
             Ok(CountSums::of(count(i32::from(SIDE * radius), &disk, key)))
         });
@@ -66,7 +66,7 @@ fn disk(radius: i32) -> Vec<[i32; 2]> {
         .collect()
 }
 
-/// No place of a list.
+/// Stands in `slots` for a place that is no longer open.
 const GONE: u32 = u32::MAX;
 
 /// The places of a torus that no sample covers.
