@@ -253,8 +253,7 @@ impl Run {
     /// Returns the stages that have run, in order.
     #[must_use]
     pub fn stages(&self) -> Vec<Stage> {
-        // There are five stages besides the iterations: pattern, blocks, tiling, elimination and finish. Every run begins
-        // with the first, which shows nothing in a run without a pattern.
+        // There are five stages besides the iterations: pattern, blocks, tiling, elimination and finish.
         let mut stages = Vec::with_capacity(5 + self.iterations.len());
         stages.push(Stage::Pattern);
 
