@@ -54,7 +54,7 @@ impl CoarsePower {
         let columns = 2 * x as usize + 1;
         let rows = (-y..y + 1).into_par_iter().map(|ky| {
             // The window reaches as far as the picture to both sides, so that each row of the picture is a part of a
-            // row of the window, and none is missing.
+            // row of the window: the zeros below never stand in for one.
             let first = periodogram.window.index([-x, ky]);
             let row = first.and_then(|first| periodogram.power.get(first..first + columns));
             let mut powers = row.map_or_else(|| Cow::Owned(vec![0.0; columns]), Cow::Borrowed);

@@ -322,6 +322,7 @@ pub(super) fn keep(
     let mut rest = &bytes[header.data_offset..];
     for element in &outlined {
         let length = element.length(rest, header.encoding)?;
+        // `kept` has an entry for each vertex.
         let stays = |row: usize| {
             !element.numbers_vertices
                 && (!element.is_vertex() || kept.get(row).is_none_or(|kept| *kept))

@@ -188,6 +188,7 @@ impl SolidJudged {
         let region = (overrides.region)
             .or_else(|| stated.map(|stated| stated.region))
             .ok_or(CheckError::NoRegion(format))?;
+        // A certificate with a third side states one radius, which is also its least.
         let radius = (overrides.radius)
             .or_else(|| stated.map(|stated| stated.radius.least()))
             .ok_or(CheckError::NoRadius)?;

@@ -18,7 +18,7 @@ use crate::texts::{chart, table};
 /// Sets of one way to make them, with the number of their curve.
 type Subject<'a> = (usize, &'a SamplerUniformity);
 
-/// Returns the charts by distance from borders and within gaps, and the maps.
+/// Returns the charts by distance from borders and within gaps, and the maps, which have `cells` cells along each side.
 pub fn pictures(found: &UniformityResults, cells: usize) -> Result<Vec<Picture>> {
     // The number of a curve decides its look: each way to make sets has the same one in all charts.
     // The control, with samples that were moved on purpose, is in the maps and tables alone.
@@ -280,7 +280,7 @@ fn color(deviation: f64) -> [u8; 3] {
     })
 }
 
-/// Returns the maps of all sets: how far each cell of the domain is from the mean.
+/// Returns the maps of all sets: how far each of `cells` x `cells` parts of the domain is from the mean.
 fn maps(found: &UniformityResults, cells: usize) -> Result<Picture> {
     let [reference, moved, others @ ..] = &found.all;
     let mut tiles = Vec::new();
