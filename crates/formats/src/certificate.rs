@@ -368,8 +368,8 @@ impl Certificate {
         })
     }
 
-    /// Returns the certificate with the version that its parts need. Without a part that is version 1, which programs from
-    /// before version 2 read as well.
+    /// Returns the certificate with the version that its parts need. A certificate without parts is of
+    /// version 1, which programs from before version 2 read as well.
     pub(crate) fn with_version(self) -> Self {
         let has_parts = self.parts().next().is_some();
         Self {

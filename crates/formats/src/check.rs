@@ -351,7 +351,7 @@ impl Judged {
             .or_else(|| certificate.map(|c| c.region))
             .or_else(|| format.is_unit_torus().then_some(unit_torus))
             .ok_or(CheckError::NoRegion(format))?;
-        // A certificate with a radius that varies comes with a `varying` domain: the others state one radius.
+        // A certificate whose radius varies was refused above unless a domain is given: the others state one radius.
         let radius = (judged.map(VaryingRegion::radius))
             .or(overrides.radius)
             .or_else(|| certificate.map(|c| c.radius.least()))

@@ -122,8 +122,8 @@ pub fn export(
 }
 
 /// Calls `make` with a store and the file's name. The store writes bytes to a temporary file and returns them as read
-/// back. Then that file is put in the place of `path`, beside a certificate of the bytes that `make` returned. Returns
-/// the other result of `make`, and the path of the certificate.
+/// back. Then that file is put in the place of `path`, with a certificate beside it: `make` returns the certificate's bytes
+/// and another result. Returns that result, and the path of the certificate.
 pub(crate) fn stored_at<T>(
     path: &Path,
     make: impl FnOnce(&mut Store<'_>, &str) -> Result<(Vec<u8>, T), ExportError>,

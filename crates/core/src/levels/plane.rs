@@ -482,7 +482,7 @@ impl NestedPlane {
 
         let frame_of = |level: u32| {
             let halo = self.halo(level, halo);
-            // On each axis the plane goes on below and above the frame, unless a border cuts it (below).
+            // On each axis the plane goes on below and above the frame, unless it ends at a border there.
             let mut frame = LevelFrame {
                 goes_on: [[true; 2]; 2],
                 ..LevelFrame::at(domain, window.min.into())

@@ -306,7 +306,7 @@ impl Clipper {
     pub fn blocks(&self, frame: &Frame, out: &mut Vec<PlacedBlock>) -> Result<(), SampleError> {
         out.clear();
         let target = frame.tiled();
-        // It is empty: a search that fails does not give its stack back.
+        // The stack is empty: a search that fails does not give its stack back.
         let mut stack = self.stacks.take();
         stack.push((Node::root(&self.domain, self.key), 0, 0));
         let mut sequence = 0;
