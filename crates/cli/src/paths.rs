@@ -44,8 +44,8 @@ pub fn check_target(path: &Path, format: Option<Format>, option: &str) -> Result
     check_file(path)
 }
 
-/// Refuses an output in the place of an input or of its certificate, by whatever names and links; the certificate of the
-/// output, which is written or removed, counts too.
+/// Refuses an output that would replace an input or an input's certificate, also under another name or through links.
+/// The certificate of the output, which is written or removed, must not replace one of them either.
 pub fn check_inputs_stay<'a>(out: &Path, inputs: impl IntoIterator<Item = &'a Path>) -> Result<()> {
     // Through a link the file behind it is replaced.
     let file = destination(out)?;

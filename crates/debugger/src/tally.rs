@@ -35,7 +35,7 @@ impl Density {
             EventKind::Test | EventKind::Eliminate => &mut self.conflicts,
             EventKind::Candidate => &mut self.gaps,
             // An accepted dart is examined twice, as it lands and when its rank is reached. The second time counts as a gap,
-            // the first is one of the others.
+            // the first among `others`.
             EventKind::Dart if event.is_ranked() => &mut self.gaps,
             EventKind::Insert => &mut self.insertions,
             _ => &mut self.others,

@@ -225,7 +225,7 @@ pub fn decode(bytes: &[u8], hint: &Hint<'_>) -> Result<ReadSet, FormatError> {
     let asks_radii = hint.varying && !cfg!(target_arch = "wasm32");
     let radii = asks_radii.then(|| radii::read(bytes, format, hint.columns));
 
-    // Provenance is left out with the certificate, which alone says of which run it is.
+    // Provenance is left out with the certificate: nothing else says which run it is of.
     if hint.certificate == CertificateUse::LeftOut {
         (raw.set.provenance, raw.certificate) = (None, None);
     }

@@ -100,9 +100,9 @@ pub struct CurveMaker {
 }
 
 impl CurveMaker {
-    /// Begins the curve of `numbers`. It is read at both ends of the run and after every change of its samples, or at
-    /// `moments` of these that are evenly spread among them. If a number is of the spectrum and `moments` is not given,
-    /// there are at most [`MOMENTS_OF_SPECTRUM`].
+    /// Begins the curve of `numbers`. It is read at both ends of the run and after every change of its samples, or, if
+    /// there are more such moments than `moments`, at so many that are evenly spread among them. If a number is of the
+    /// spectrum and `moments` is not given, there are at most [`MOMENTS_OF_SPECTRUM`].
     ///
     /// Each number must be one that every moment has: [`crate::numbers_named`] returns such numbers.
     ///

@@ -388,8 +388,8 @@ impl RunRequest {
         let count = count.map(|count| whole("count", count)).transpose()?;
         let exactly = exactly.map(|count| whole("exactly", count)).transpose()?;
         let levels = levels.map(|levels| whole("levels", levels)).transpose()?;
-        // Of two arguments that exclude each other, one has to go whatever its value: this is checked before the values
-        // of parameters are.
+        // Arguments that exclude each other are refused for any values, and so before the values of parameters are
+        // checked.
         let nested = nested_of(levels, exactly, named("order_within", order_within)?)?;
         if nested.is_some() {
             check_beside_levels(count.is_some(), pattern.is_some())?;
@@ -434,7 +434,7 @@ impl RunRequest {
             let text = "pattern is given with method 'exact': a set does not say in which order its samples arrived";
             return Err(refused(text));
         }
-        // An argument that is given the value that it has anyway is no mistake.
+        // An argument that is given its default is no mistake.
         let defaults = Parameters::default();
         let is_unused =
             |it: &Parameter| NOT_OF_EXACT.contains(it) && it.value(asked) != it.value(&defaults);

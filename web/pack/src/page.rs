@@ -132,7 +132,8 @@ fn read_folder(folder: &Path) -> Result<Vec<(String, Vec<u8>)>> {
 /// What the policy of the page allows to connect to.
 const CONNECTS: &str = "connect-src 'self'";
 
-/// Lets the program send answers to the record store of an origin: its policy names no other server otherwise.
+/// Allows the program, in the policy of its page, to send answers to the record store at `origin`. Otherwise the policy
+/// names the page's own server alone.
 ///
 /// # Errors
 /// The page has not exactly one policy.

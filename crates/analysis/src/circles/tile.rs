@@ -316,7 +316,7 @@ impl Tile {
                 let is_own = self.own[1].contains(&row) && self.own[0].contains(&column);
                 self.runs_ahead([column, row], reach, &mut runs);
                 for index in cell {
-                    // The first run is the rest of the row: samples before this one have had their pairs with it.
+                    // The first run is the rest of the row behind this sample: those before it were compared with it.
                     runs[0].start = index + 1;
                     let lanes = |value: f32| f32x8::splat(simd, value);
                     let (x, y) = (lanes(xs[index]), lanes(ys[index]));
@@ -384,7 +384,8 @@ impl Tile {
         runs.extend(above.map(|row| self.cell(columns.clone(), row)));
     }
 
-    /// Records a pair. Its distance is that of the samples, the shorter way around a torus, whatever copies are near.
+    /// Records a pair with the distance of its two samples, the shorter way around a torus. The tile may hold other copies
+    /// of them.
     #[cold]
     fn pair(&self, samples: &Samples<'_>, pair: [usize; 2], radius: f64, found: &mut Found) {
         let [one, other] = pair.map(|index| samples.at(self.source[index] as usize));

@@ -31,7 +31,7 @@ impl CoarsePower {
     /// Rectangles along an axis at most.
     pub const MAX_SIZE: usize = 1024;
 
-    /// Returns the means over the smallest rectangles of odd sides of which at most `most` lie along an axis.
+    /// Returns the means over rectangles with odd sides: the smallest with which at most `most` lie along an axis.
     ///
     /// # Errors
     ///

@@ -174,7 +174,7 @@ impl Shell {
         is_first_of_two && !is_of_taper && self.range().contains(&self.magnitude(frequency))
     }
 
-    /// Returns all frequencies of the shell, or as many as are to be drawn.
+    /// Returns all frequencies of a shell that has few, and at most `draws` drawn ones of any other.
     fn frequencies(&self, draws: usize) -> Vec<Frequency> {
         let Range { start, end } = self.range();
         let size = self.region.size();

@@ -237,7 +237,8 @@ impl InSpace {
 
         let power =
             spectra::radial_mean(FREQUENCY, curves::cut("power P(\u{3bd})", &powers), powers);
-        // The powers of a set without a preferred direction scatter as much as they are large, whatever their number.
+        // In a set without a preferred direction the powers of a shell have a deviation as large as their mean: 0 dB. This
+        // does not depend on how many powers there are.
         let none = vec![Level {
             name: "no preferred direction".to_owned(),
             y: 0.0,

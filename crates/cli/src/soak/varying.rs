@@ -103,8 +103,8 @@ struct Frame {
 }
 
 impl Frame {
-    /// Draws the area, the aspect and the pixels of a round. The number before a range is the draw's own, whatever
-    /// their order.
+    /// Draws the area, the aspect and the pixels of a round. Each draw has a number of its own, which stands before its
+    /// range, so that the order of the draws does not matter.
     fn draw(dice: &Dice) -> Self {
         let columns = dice.scale(1, PIXELS);
         // A flat image, too, has the least number of pixels in a column.

@@ -623,7 +623,7 @@ fn check(parameters: &Parameters, levels: u32) -> Result<Domain, ParameterError>
         return Err(ParameterError::NestedChoice { name });
     }
 
-    // The coarsest set needs as many of its own radii as a run of one level.
+    // Each side needs as many radii of the coarsest set as a run of one level needs of its own.
     let least = match parameters.boundary {
         Boundary::Periodic => MIN_SIDE_RADII_PERIODIC,
         Boundary::Bounded => MIN_SIDE_RADII_BOUNDED,

@@ -120,7 +120,7 @@ fn circles(document: &Document<'_>) -> Result<Vec<[f64; 2]>, FormatError> {
                     let is_inside = node.parent_element() == Some(mover);
                     is_inside && turns_upward(mover, root) && !moves(node, root)
                 });
-                // Circles of which only some are turned have no common units.
+                // A drawing that turns only some of its circles has no common units.
                 let are_alike = index == 0 || upward.is_some() == turned.is_some();
                 let mixed = upward.or(turned).filter(|_| !are_alike);
                 let elsewhere = mover.filter(|_| upward.is_none());

@@ -149,7 +149,7 @@ impl Layer {
             index,
         };
         let mut entries: Vec<Entry> = indices.map(entry).collect();
-        // Ranks differ, so that the order is the only one, whatever the threads do.
+        // Ranks differ, so that there is one sorted order alone, on any number of threads.
         entries.par_sort_unstable();
 
         // From here on a cell is known by its number among those that have points.

@@ -190,8 +190,7 @@ impl CellPattern {
                 let slots = ((y & place_bits) << CELL_BITS) | (x & place_bits);
                 let (cells, slots): ([u32; LANES], [u32; LANES]) = (cells.into(), slots.into());
 
-                // Only groups at the border of the piece have samples outside of it: the others need no look at the
-                // bits.
+                // Most groups lie inside of the piece as a whole. One at its border is looked at bit by bit.
                 if inside == (1 << LANES) - 1 {
                     for (cell, slot) in cells.into_iter().zip(slots) {
                         visit(cell as usize, slot);
