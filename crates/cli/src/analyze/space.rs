@@ -278,6 +278,7 @@ impl Subject {
             name: set.name,
             label,
             numbers: set.numbers,
+            // Of one set only the powers have a known error: the other two curves have no bands.
             curves: named_curves([
                 Curve::new(power, Some(bands)),
                 Curve::new(anisotropy, None),
