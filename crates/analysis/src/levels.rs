@@ -132,8 +132,8 @@ pub fn verify_levels(
     control: Control<'_>,
 ) -> Result<Vec<PrefixReport>, VerifyError> {
     let judged = |&claim: &PrefixClaim| {
-        // The report on all samples answers a claim about all of them if it was made with the radius of the covering. It
-        // measures the smallest distance whatever the radius.
+        // The report on all samples answers a claim about all of them if it was made with the radius of the covering.
+        // It measures the smallest distance whatever the radius.
         if claim.count == points.len() && claim.covering == Some(whole.radius) {
             let report = whole.clone();
             return Ok(PrefixReport { claim, report });

@@ -306,8 +306,8 @@ impl Debugger {
             return Marked::Here(scene.event);
         }
 
-        // In another run an event has another number. A scene at the end of a stage is looked up by the stage, since the
-        // events before that end are not the same.
+        // In another run an event has another number. A scene at the end of a stage is looked up by the stage, since
+        // the events before that end are not the same.
         let cursor = match (scene.ends, &scene.anchor) {
             (Some(stage), _) => self.recording.end_of(stage),
             (None, Some(anchor)) => self.recording.anchored(anchor).map(|event| event + 1),

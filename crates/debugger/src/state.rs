@@ -106,8 +106,8 @@ impl State {
         self.cursor = cursor;
     }
 
-    /// Moves the sample that an event changes from the count of its status at the first cursor to that at the second. Only
-    /// four kinds of events change one: a sample outside a bounded domain is dropped when it is tiled.
+    /// Moves the sample that an event changes from the count of its status at the first cursor to that at the second.
+    /// Only four kinds of events change one: a sample outside a bounded domain is dropped when it is tiled.
     fn change_counts(&mut self, recording: &Recording, event: &Event, cursors: [usize; 2]) {
         if !matches!(
             event.kind(),

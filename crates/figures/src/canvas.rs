@@ -203,7 +203,8 @@ impl<'a> Canvas<'a> {
         }
     }
 
-    /// Draws parts of the circles around points. An arc is given by the index of its point and by its first and last angle.
+    /// Draws parts of the circles around points. An arc is given by the index of its point and by its first and last
+    /// angle.
     pub(crate) fn arcs(&mut self, points: &[DVec2], arcs: &[(usize, [f64; 2])]) {
         let mut group = self.group("exposed arcs");
         // Wider than the rings of disks, on which they lie.

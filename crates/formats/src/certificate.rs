@@ -418,7 +418,8 @@ impl Certificate {
                  thinned set"
                     .to_owned()
             }
-            // The factor of a prefix is measured by subdivision, which judges only varying radii, shapes and sets in space.
+            // The factor of a prefix is measured by subdivision, which judges only varying radii, shapes and sets in
+            // space.
             _ if self.prefix.is_some() && !self.is_varying() && self.depth.is_none() => {
                 "it has the part `prefix`, which is judged only where the radius varies, where there is a shape or a third side"
                     .to_owned()

@@ -122,8 +122,8 @@ pub fn export(
 }
 
 /// Calls `make` with a store and the file's name. The store writes bytes to a temporary file and returns them as read
-/// back. Then that file is put in the place of `path`, with a certificate beside it: `make` returns the certificate's bytes
-/// and another result. Returns that result, and the path of the certificate.
+/// back. Then that file is put in the place of `path`, with a certificate beside it: `make` returns the certificate's
+/// bytes and another result. Returns that result, and the path of the certificate.
 pub(crate) fn stored_at<T>(
     path: &Path,
     make: impl FnOnce(&mut Store<'_>, &str) -> Result<(Vec<u8>, T), ExportError>,
@@ -328,8 +328,8 @@ fn read_limited(path: &Path, limit: u64) -> Result<Vec<u8>, FormatError> {
         .try_reserve_exact(length as usize)
         .map_err(no_memory)?;
 
-    // The file may grow while it is read: a byte beyond the limit shows that it is too large. The error then has the size
-    // that was read, as the whole one is not known.
+    // The file may grow while it is read: a byte beyond the limit shows that it is too large. The error then has the
+    // size that was read, as the whole one is not known.
     let mut limited = input.take(limit + 1);
     limited.read_to_end(&mut bytes).map_err(failed)?;
 

@@ -19,8 +19,8 @@ pub struct Settings {
     pub quick: bool,
     /// Seed of the first set; every set of an experiment has its own.
     pub seed: u64,
-    /// Makes more sets than usual: these show a bias of uniformity half as large as the usual number of sets does, and the
-    /// density to two millionths. It has a meaning for the whole sizes alone.
+    /// Makes more sets than usual: these show a bias of uniformity half as large as the usual number of sets does, and
+    /// the density to two millionths. It has a meaning for the whole sizes alone.
     pub many: bool,
     /// Takes only those batches of density that an earlier run has kept. Their numbers do not depend on it.
     pub kept: bool,

@@ -384,8 +384,8 @@ impl Tile {
         runs.extend(above.map(|row| self.cell(columns.clone(), row)));
     }
 
-    /// Records a pair with the distance of its two samples, the shorter way around a torus. The tile may hold other copies
-    /// of them.
+    /// Records a pair with the distance of its two samples, the shorter way around a torus. The tile may hold other
+    /// copies of them.
     #[cold]
     fn pair(&self, samples: &Samples<'_>, pair: [usize; 2], radius: f64, found: &mut Found) {
         let [one, other] = pair.map(|index| samples.at(self.source[index] as usize));

@@ -121,8 +121,8 @@ impl PairsByDistance {
     }
 }
 
-/// Counts the pairs closer than `most` by their distance, in `bins` intervals of equal width. The bins of samples in space
-/// are called cells here.
+/// Counts the pairs closer than `most` by their distance, in `bins` intervals of equal width. The bins of samples in
+/// space are called cells here.
 pub(super) fn pairs_by_distance(
     points: &[[f64; 3]],
     region: &SolidRegion,

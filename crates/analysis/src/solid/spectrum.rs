@@ -179,8 +179,8 @@ impl Shell {
         let Range { start, end } = self.range();
         let size = self.region.size();
         let shortest = self.region.shortest();
-        // Frequencies are a cycle along each side apart: their number is about the volume of the shell in such cells. Of
-        // two opposite ones one is counted, so that half of the shell is enough.
+        // Frequencies are a cycle along each side apart: their number is about the volume of the shell in such cells.
+        // Of two opposite ones one is counted, so that half of the shell is enough.
         let half_shell = 2.0 / 3.0 * std::f64::consts::PI * (end.powi(3) - start.powi(3));
         let about = half_shell * self.region.volume() / shortest.powi(3);
         if about > WHOLE {

@@ -128,8 +128,8 @@ fn curve_rows(analysis: &Analysis) -> (Vec<Panel>, Panel) {
     (drawn([power, anisotropy]), Panel::Lines(pairs))
 }
 
-/// Returns the differences of all subjects from the reference, if there is one: of the two curves that have differences.
-/// Anisotropies are compared with the levels in their own chart.
+/// Returns the differences of all subjects from the reference, if there is one: of the two curves that have
+/// differences. Anisotropies are compared with the levels in their own chart.
 fn difference_row(analysis: &Analysis) -> Vec<Panel> {
     let texts = [
         ("radial mean power", FREQUENCY, "P(\u{3bd})"),

@@ -109,8 +109,8 @@ pub struct Request<'a> {
 impl<'a> Request<'a> {
     /// Returns how all of `paths` are measured. Files that cannot be read do not influence it.
     pub fn new(arguments: &'a SetArguments, nu: Option<f64>, paths: &[&Path]) -> Self {
-        // Files that cannot be read are passed over here. One that can be read may still state no radius. Where a radius
-        // varies, no two samples are nearer than the least one, so that bins may begin there.
+        // Files that cannot be read are passed over here. One that can be read may still state no radius. Where a
+        // radius varies, no two samples are nearer than the least one, so that bins may begin there.
         let readable = paths
             .iter()
             .filter_map(|path| arguments.certificate(path).ok());

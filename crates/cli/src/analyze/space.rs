@@ -237,8 +237,8 @@ impl InSpace {
 
         let power =
             spectra::radial_mean(FREQUENCY, curves::cut("power P(\u{3bd})", &powers), powers);
-        // In a set without a preferred direction the powers of a shell have a deviation as large as their mean: 0 dB. This
-        // does not depend on how many powers there are.
+        // In a set without a preferred direction the powers of a shell have a deviation as large as their mean: 0 dB.
+        // This does not depend on how many powers there are.
         let none = vec![Level {
             name: "no preferred direction".to_owned(),
             y: 0.0,

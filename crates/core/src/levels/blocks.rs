@@ -48,8 +48,8 @@ impl BlockDraws {
         while let Some(node) = stack.pop() {
             let found = self.images(&node.block.rect, target, origin, reach, repeats);
             let mut rects = found.peekable();
-            // The node does not reach the target, and so none of its leaves does. Leaves that are left out get no number, and
-            // the numbers still grow with the indices.
+            // The node does not reach the target, and so none of its leaves does. Leaves that are left out get no
+            // number, and the numbers still grow with the indices.
             if rects.peek().is_none() {
                 continue;
             }

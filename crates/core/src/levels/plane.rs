@@ -254,8 +254,8 @@ impl NestedPlane {
         self
     }
 
-    /// Returns exactly `count` samples: the first of a run whose finest set has at least as many. Its radius is estimated,
-    /// and made smaller until the set has as many; the radius of `parameters` is not used.
+    /// Returns exactly `count` samples: the first of a run whose finest set has at least as many. Its radius is
+    /// estimated, and made smaller until the set has as many; the radius of `parameters` is not used.
     ///
     /// There is no maximal set of exactly `count` samples in general. [`Nested::guarantee`] has the guarantees of
     /// these. Fails as [`Self::new`], or when there is no such radius.
@@ -389,8 +389,8 @@ impl NestedPlane {
             }
         }
 
-        // The whole run is made once, and serves all windows that would be more work than it. All windows count as done:
-        // the meter only lets the observer stop this work, too.
+        // The whole run is made once, and serves all windows that would be more work than it. All windows count as
+        // done: the meter only lets the observer stop this work, too.
         let mut meter = Meter::resume(observer, stage, total, total)?;
         if !cheaper_whole.is_empty() {
             let mut region = LevelRegion::default();
@@ -405,7 +405,8 @@ impl NestedPlane {
         Ok(self.in_order(levels, is_run))
     }
 
-    /// Returns the samples that each level adds as a nested set. `is_run` says whether these are all samples of the run.
+    /// Returns the samples that each level adds as a nested set. `is_run` says whether these are all samples of the
+    /// run.
     fn in_order(&self, levels: Vec<Vec<Point>>, is_run: bool) -> Nested {
         Nested::in_random_order(*self.domain(), levels, self.key, is_run)
     }

@@ -39,8 +39,8 @@ impl CellFlags {
         self.0[cell] & flag != 0
     }
 
-    /// Sets a flag of all cells that touch the square of side 2 `reach` around `from`, and calls `first` with those that
-    /// did not have it.
+    /// Sets a flag of all cells that touch the square of side 2 `reach` around `from`, and calls `first` with those
+    /// that did not have it.
     pub fn set_near(
         &mut self,
         grid: &LevelGrid,
@@ -203,8 +203,8 @@ impl LevelRegion {
         self.largest_unknown = self.largest_unknown.max(unknown.radius);
         self.unknown.push(unknown);
 
-        // A sample as far away as `sight` may concern candidates at a place, and the unknown one may lie anywhere in its
-        // disk.
+        // A sample as far away as `sight` may concern candidates at a place, and the unknown one may lie anywhere in
+        // its disk.
         let reach = self.frame.sight(self.grid.radius()) + unknown.radius;
         self.flags
             .set_near(&self.grid, unknown.at, reach, flag::DOUBTFUL, |_| ());
@@ -335,8 +335,8 @@ impl LevelRegion {
             }
         }
 
-        // The place of a sample that is not kept, and the places around it, may now be a gap. The centre to be found for
-        // such a place may lie a margin farther away (see `search`).
+        // The place of a sample that is not kept, and the places around it, may now be a gap. The centre to be found
+        // for such a place may lie a margin farther away (see `search`).
         self.waiting.push(*claimant);
         let mark = |cell| self.dirty.push(cell as u32);
         let reach = units + centre_margin(self.grid.radius());

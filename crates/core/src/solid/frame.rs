@@ -124,9 +124,9 @@ impl BallFrame {
     /// returns whether it did. Each cell comes with the offset of its lowest place from `min`, the cube's lowest one.
     /// The cube lies in one cell, and its side is a power of two.
     ///
-    /// `depth` is how far into the cube a ball must reach, counted from the side at which it enters, to be of use to the
-    /// caller: one that covers an octant reaches through half of the cube. Cells from which no ball reaches so deep are
-    /// left out, too.
+    /// `depth` is how far into the cube a ball must reach, counted from the side at which it enters, to be of use to
+    /// the caller: one that covers an octant reaches through half of the cube. Cells from which no ball reaches so deep
+    /// are left out, too.
     #[inline]
     pub fn any_cell_near(
         &self,

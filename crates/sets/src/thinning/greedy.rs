@@ -262,9 +262,9 @@ impl Visitor<'_> {
             } else {
                 layer.grid.place(point)
             };
-            // Two points that are near are at most twice the smaller radius apart, and at most the larger one. Cells are as
-            // wide as the largest radius of their octave: one step is enough for a point of a smaller radius, and two for a
-            // larger one.
+            // Two points that are near are at most twice the smaller radius apart, and at most the larger one. Cells
+            // are as wide as the largest radius of their octave: one step is enough for a point of a smaller radius,
+            // and two for a larger one.
             let steps = if own.layer <= number { 1 } else { 2 };
             layer.add_around(at, steps, |cell| {
                 around.push(Cell {

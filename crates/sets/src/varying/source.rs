@@ -125,9 +125,9 @@ impl RadiusSource {
             return Ok(Self::Constant(stated.radius.least()));
         }
 
-        // A given expression or grid has the scale that the certificate states with its own expression or grid, or 1 if it
-        // states none. One may take the place of the other: a grid may hold the values of a function of x and y that the
-        // certificate states as an expression.
+        // A given expression or grid has the scale that the certificate states with its own expression or grid, or 1 if
+        // it states none. One may take the place of the other: a grid may hold the values of a function of x and y that
+        // the certificate states as an expression.
         let scale = || {
             let names = ["radius-expression", RADIUS_GRID, DENSITY_GRID];
             let found = names

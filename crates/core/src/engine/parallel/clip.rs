@@ -68,8 +68,8 @@ impl CellPattern {
         }
     }
 
-    /// Calls `visit` with the position and the pattern index of every sample of a rectangle that begins at `start` of the
-    /// repeated pattern. The lowest corner of the rectangle is laid at `corner`.
+    /// Calls `visit` with the position and the pattern index of every sample of a rectangle that begins at `start` of
+    /// the repeated pattern. The lowest corner of the rectangle is laid at `corner`.
     #[inline(always)]
     fn clip(
         &self,

@@ -231,8 +231,8 @@ impl<const TAGS: bool> Region<TAGS> {
         }
     }
 
-    /// Replaces the samples of the cells `cells` (of this frame) by those of a region in which they are sure. The lists of
-    /// lost samples stay as they are: they serve counts, and the other region's samples were counted there.
+    /// Replaces the samples of the cells `cells` (of this frame) by those of a region in which they are sure. The lists
+    /// of lost samples stay as they are: they serve counts, and the other region's samples were counted there.
     pub(crate) fn adopt(&mut self, other: &Self, cells: &Rect) {
         let shift = ((self.frame.origin - other.frame.origin) >> CELL_BITS).as_ivec2();
         for row in cells.min.y..cells.max.y {
