@@ -1,5 +1,5 @@
-//! Symbols as small white textures, rendered once per size from signed distances, then drawn tinted by the ten
-//! thousand.
+//! Symbols as small white textures, rendered from signed distances whenever the size of a symbol changes, then drawn
+//! tinted by the ten thousand.
 
 use std::collections::HashMap;
 use std::sync::Arc;
@@ -35,6 +35,7 @@ pub enum Sprite {
 /// The textures of symbols in use, and meshes to be used again.
 #[derive(Default)]
 pub struct Sprites {
+    /// The texture of each symbol at the size that was asked for last.
     ready: HashMap<Sprite, Ready>,
     /// Empty meshes with capacity, the largest last.
     spare: Vec<Mesh>,
@@ -148,7 +149,8 @@ fn coverage(sprite: Sprite, x: f32, y: f32, radius: f32, unit: f32) -> f32 {
         }
         Sprite::Cross => {
             let turned = [(x + y).abs(), (x - y).abs()].map(|v| v * 0.5_f32.sqrt());
-            // The arms of a small cross are thicker, as otherwise it could not be seen.
+            // The arms of a small cross are thicker, as otherwise it could not be seen, but never thicker than half its radius,
+            // at which it would be a square.
             let arm = (0.26 * radius).max((0.7 * unit).min(0.5 * radius));
             let bar = |along: f32, across: f32| (along - radius).max(across - arm);
             let distance = bar(turned[0], turned[1]).min(bar(turned[1], turned[0]));

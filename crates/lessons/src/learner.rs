@@ -180,7 +180,7 @@ impl Learner {
 
         let count = seeds.end() - seeds.start() + 1;
         let mut seed = seeds.start() + draw % count;
-        // Practice asks for another run than the last one.
+        // Practice asks for another run than the one of practice before it.
         if self.seed == Some(seed) && count > 1 {
             seed = seeds.start() + (draw + 1) % count;
         }
@@ -344,7 +344,8 @@ impl Learner {
         // A learner who answers has not given up.
         attempt.asked_to_give_up = false;
 
-        // A trace is done when its last event is answered rightly; until then each answer is about one event.
+        // A trace is done when its last event is answered rightly; until then each answer is about one event. A form has no
+        // trace.
         if let Some(events) = question.traced() {
             if grade.is_right() {
                 attempt.traced += 1;
@@ -439,7 +440,7 @@ impl Learner {
     /// Records the question at its end.
     fn note(&mut self, time: f64, given_up: bool) {
         let attempt = &self.attempt;
-        // A learner who gave up without an answer has the score 0.
+        // A learner who gave up without an answer, or before the end of a trace, has the score 0.
         let (answer, score) = attempt.first.clone().unwrap_or((String::new(), 0.0));
         let gate = self.step().gate.as_ref();
 

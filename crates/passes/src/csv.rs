@@ -1,4 +1,4 @@
-//! A buffer's table as comma-separated values, with every row before and after the pass.
+//! Rows of a buffer's table as comma-separated values, each as it was before the pass and after it.
 
 use std::fmt::Write as _;
 
@@ -6,8 +6,9 @@ use tilescope_gpu::layout::Name;
 
 use super::table::BufferTable;
 
-/// Returns the rows as CSV: a header, then row number, whether it changed (0 or 1), and each column before and after
-/// the pass. Lines end with a line feed.
+/// Returns the rows of these indices as CSV: a header, then for each row its index, whether it changed (0 or 1), all
+/// columns before the pass and all after it. Lines end with a line feed. Nothing is quoted, as names of columns have no
+/// commas.
 #[must_use]
 pub fn csv(table: &BufferTable, rows: &[u32]) -> String {
     let mut text = String::from("row,changed");

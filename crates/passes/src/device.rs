@@ -75,7 +75,7 @@ pub(super) struct Survey {
     pub stop: Option<Stop>,
 }
 
-/// A pass to be visited, and how.
+/// A pass to be visited: its index in the run, and its entry in the list of passes.
 pub(super) struct Goal {
     pub pass: usize,
     pub entry: PassEntry,
@@ -90,6 +90,7 @@ pub(super) struct Arrival {
 impl Walker {
     async fn begin(subject: &DeviceRun, pattern: &Arc<Pattern>) -> Result<Self, GpuError> {
         let gpu = Arc::clone(&subject.gpu);
+        // The device computes all stages from the blocks on. The pattern alone comes from the CPU.
         let stepper = Stepper::new(gpu, &subject.parameters, pattern, Stage::Blocks).await?;
         let domain = subject.parameters.validate().map_err(SampleError::from)?;
         Ok(Self {

@@ -143,10 +143,12 @@ fn completions(ui: &mut Ui, text: &str) -> Option<String> {
     chosen
 }
 
-/// A row to be shown: an event, how far it is indented, and whether it can be expanded, or is.
+/// A row to be shown.
 struct EventRow {
     event: usize,
+    /// How many events of the tree are around it, by which it is indented.
     level: usize,
+    /// Whether the events within it are shown; `None` where there are none, and among found events.
     expanded: Option<bool>,
 }
 

@@ -332,11 +332,11 @@ fn menus(ui: &mut Ui, state: &State, commands: &mut Vec<Command>) {
 }
 
 /// Height of the bar above a menu and of the margins around it, in screen points.
-const BELOW_MENU: f32 = 72.0;
+const AROUND_MENU: f32 = 72.0;
 
 /// Shows a menu, which scrolls only in a window lower than it.
 fn scrolled_if_low(ui: &mut Ui, add: impl FnOnce(&mut Ui)) {
-    let height = ui.ctx().content_rect().height() - BELOW_MENU;
+    let height = ui.ctx().content_rect().height() - AROUND_MENU;
     egui::ScrollArea::vertical()
         .max_height(height)
         .min_scrolled_height(height)
@@ -384,8 +384,8 @@ fn entries(ui: &mut Ui, part: &[Action], commands: &mut Vec<Command>) {
 /// Side of a check mark, in screen points.
 const MARK: f32 = 12.0;
 
-/// Shows an entry of a menu: an action with its mark and its keys. `has_marks` says that an entry beside it can have a
-/// mark.
+/// Shows an entry of a menu: an action with its mark and its keys. `has_marks` says that some entry of its part can have
+/// a mark.
 fn entry(ui: &mut Ui, action: &Action, has_marks: bool, commands: &mut Vec<Command>) {
     // Where fingers are used there are no keys to press.
     let shortcut = action.shortcut.filter(|_| !is_for_fingers(ui.ctx()));

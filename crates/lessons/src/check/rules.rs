@@ -15,7 +15,7 @@ use crate::prose;
 /// The most words of a step's text before its question, and of that after it: Desmos' guide for activities advises no more on
 /// a screen.
 const MAX_WORDS: usize = 60;
-/// The most words of a question.
+/// The most words of a question: as many as of a step's text.
 const MAX_ASK_WORDS: usize = 60;
 /// The largest share of seeds in which one option is right: above it, who always chooses the same is right most of the time.
 const MAX_SHARE: f64 = 0.6;
@@ -83,8 +83,8 @@ const EMPTY_WORDS: [&str; 44] = [
     "with",
 ];
 
-/// Returns the faults of one gate, besides those of asking its question. A test (`is_test`) gives no reply to a wrong
-/// answer, and so needs no reasons.
+/// Returns the faults of one gate, without `found.faults`, the errors of asking its question in the runs of the seeds. A
+/// test (`is_test`) gives no reply to a wrong answer, and so needs no reasons.
 pub(super) fn of_gate(
     step: &Step,
     gate: &Gate,
@@ -358,11 +358,13 @@ fn events(lesson: &Lesson, found: &BTreeMap<usize, Findings>) -> Vec<LessonError
     let mut faults = Vec::new();
     for (later, (step, findings)) in gates.iter().enumerate() {
         let same = gates[..later].iter().find(|(other, of_other)| {
-            // Equal cursors are the same event only in runs of the same parameters.
-            let [one, another] = [other, step].map(|step| step.scene.run(None));
+            // Equal cursors are the same event only in runs of the same parameters. The steps' own runs are compared, as
+            // those of practice differ from them by the seed alone.
+            let seed_of_practice = None;
+            let [one, another] = [other, step].map(|step| step.scene.run(seed_of_practice));
             let is_one_run = one == another;
             let mut cursors = findings.cursors.iter();
-            is_one_run && cursors.any(|(run, cursor)| of_other.cursors.get(run) == Some(cursor))
+            is_one_run && cursors.any(|(seed, cursor)| of_other.cursors.get(seed) == Some(cursor))
         });
 
         if let Some((other, _)) = same {
@@ -378,6 +380,7 @@ fn events(lesson: &Lesson, found: &BTreeMap<usize, Findings>) -> Vec<LessonError
 
 /// Returns the faults of a lesson that can be guessed, or that shows no misconception.
 fn chances(lesson: &Lesson, found: &BTreeMap<usize, Findings>) -> Vec<LessonError> {
+    // A step without a question, or with one that no run could ask, has no chances.
     let asked: Vec<&Findings> = found.values().filter(|of| !of.chances.is_empty()).collect();
     // A lesson with one question is an exercise: neither a mean over questions nor a choice of one among them makes sense.
     if asked.len() < 2 {

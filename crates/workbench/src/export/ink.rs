@@ -54,7 +54,7 @@ impl InkForm {
         }
     }
 
-    /// Returns how pictures show a stipple, or why a typed colour is refused.
+    /// Returns how pictures show a stipple that is drawn as ink on paper, or why a typed colour is refused.
     pub fn look(&self) -> Result<StippleLook, ExportRefusal> {
         let color = |text: &str| match text.trim() {
             "" => Ok(None),
@@ -67,6 +67,7 @@ impl InkForm {
             paper: color(&self.paper)?,
             ink: color(&self.color)?,
             by_darkness: self.by_darkness,
+            // The form has no field for it: dots have as much ink as the image is dark.
             dot_radius: None,
         })
     }
