@@ -8,7 +8,7 @@ use crate::adapter::{AdapterReport, Choice, Limits};
 use crate::error::GpuError;
 use crate::kernels::Kernels;
 
-/// The most bytes read back at once.
+/// The most bytes read back at once. Chosen, not measured.
 const STAGING: u64 = 64 << 20;
 
 /// An open device with its queue and its compiled passes.

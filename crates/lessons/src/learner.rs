@@ -344,8 +344,8 @@ impl Learner {
         // A learner who answers has not given up.
         attempt.asked_to_give_up = false;
 
-        // A trace is done when its last event is answered rightly; until then each answer is about one event. A form has no
-        // trace.
+        // A trace is done when its last event is answered rightly; until then each answer is about one event. A form
+        // has no trace.
         if let Some(events) = question.traced() {
             if grade.is_right() {
                 attempt.traced += 1;

@@ -242,7 +242,7 @@ fn packaged_lesson(
     translation: &Translation,
     order: &PackageOrder,
 ) -> PackagedLesson {
-    // A gate's index is its number among the questions, which name it where its own name cannot.
+    // Where a course system does not take a gate's name, the question is named by its number.
     let questions = lesson
         .gates()
         .enumerate()
@@ -306,7 +306,7 @@ fn around(
     };
 
     let policy = packaged.system.policy();
-    // XML 1.0 has no place for control characters, and a title needs none.
+    // A page may hold no control characters, which `escape` keeps, and a title needs none.
     let clean = |c: char| if c.is_control() { '\u{fffd}' } else { c };
     let index = [
         ("language", &*packaged.language),

@@ -79,7 +79,7 @@ pub fn words(paragraph: &str) -> usize {
 ///
 /// # Errors
 ///
-/// What `value` returns, and a brace that is not closed.
+/// What `value` returns, a brace that is not closed, and one that closes without having been opened.
 pub fn filled(
     text: &str,
     mut value: impl FnMut(&str) -> Result<String, String>,

@@ -116,9 +116,9 @@ pub enum ResultsError {
 
 /// The version of results that this program writes.
 pub const VERSION: u32 = 1;
-/// The most bytes of a results file.
+/// The most bytes of a results file. Chosen, not measured.
 pub const MAX_BYTES: usize = 16_000_000;
-/// The most entries that are kept; of more, the newest.
+/// The most entries that are kept; of more, the newest. Chosen, not measured.
 pub const MAX_ENTRIES: usize = 10_000;
 
 /// The longest time of a question in seconds: a window may stay open on it for years.
@@ -177,7 +177,8 @@ impl Results {
     ///
     /// # Errors
     ///
-    /// A file that is too large, of another form or of a newer version, and an entry with a number out of its range.
+    /// A file that is too large, of another form or of a newer version, and an entry or a vote with a number out of its
+    /// range.
     pub fn read(text: &str) -> Result<Self, ResultsError> {
         // A file may come from anywhere, so that its length is limited.
         if text.len() > MAX_BYTES {

@@ -21,7 +21,7 @@ pub(crate) struct PointSet {
     pub region: Region,
 }
 
-/// The highest relative frequency nu of spectra: 3 / r for maximal sets.
+/// The highest relative frequency nu of spectra: 3 / r for maximal sets, as far as the plots of lessons reach.
 const REACH_NU: f64 = 3.7;
 
 fn go_on(_: Progress) -> ControlFlow<()> {

@@ -13,7 +13,7 @@ pub struct ShownBuffer {
     buffer: usize,
     /// The buffer chosen last, to be shown again in other passes.
     chosen: Option<Name>,
-    /// The buffer whose rows are listed now: the chosen one, or the first that the pass changed.
+    /// The buffer whose rows are listed now: the chosen one, the first that the pass changed, or the first of all.
     entered: Option<Name>,
     side: PassSide,
     text: String,

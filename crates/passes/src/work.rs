@@ -62,7 +62,7 @@ impl Passes {
         self.selected = Some(pass);
         self.notice = None;
         self.export_result = None;
-        // The pass that was visited last is still at hand.
+        // `visit` has the last visit if that was of this pass: its buffers are still at hand.
         self.is_wanted = self.visit().is_none();
         // A visit under way is of another pass, or was cancelled already.
         if let PassWork::Visit(job) = &self.work {

@@ -410,8 +410,8 @@ impl Geometry {
             has_circles.then(|| task::start(wake, ExposeTask(still())))
         });
 
-        // A layer that is shown needs the triangulation of moments that pass, too. A pointer over a gap only needs that of a
-        // moment that rests: while a run plays, it asks at each moment.
+        // A layer that is shown needs the triangulation of moments that pass, too. A pointer over a gap only needs that
+        // of a moment that rests: while a run plays, it asks at each moment.
         let rests = self.at.replace(key) == Some(key);
         let is_asked = self.is_asked.load(Ordering::Relaxed);
 

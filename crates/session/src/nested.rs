@@ -20,7 +20,7 @@ pub struct NestedLevels {
     pub claims: Vec<PrefixClaim>,
     /// The rank of each sample, in order; nothing if the set was read from a file.
     pub ranks: Vec<f64>,
-    /// What the set was made from; `None` if it was read from a file.
+    /// What the set was made from; `None` if it was read from a file, and for what a density has left of a set.
     #[serde(with = "as_json")]
     pub asked: Option<(Parameters, NestedRequest)>,
     /// How the set was made, as certificates name it.
@@ -55,8 +55,9 @@ impl NestedLevels {
         let whole = ends.map(|(level, &end)| PrefixClaim::maximal(end, radius_of(level)));
         let mut claims: Vec<PrefixClaim> = whole.collect();
 
-        // Behind the last whole level there may be a part of the next one, or all that a density has left: those samples are
-        // of the last level, and how far they cover is not known.
+        // Behind the last whole level there may be a part of the next one, or all that a density has left
+        // (`is_painted`): those samples are of the last level, and how far they cover is not known. A density leaves
+        // samples of all levels, which keep only the distance of the finest one.
         let last = claims.last().copied();
         let count = levels.ranks.len();
         if last.is_none_or(|claim| claim.count < count) {
@@ -115,13 +116,14 @@ impl NestedLevels {
         is_known.then(|| self.ranks.partition_point(|&other| other < rank))
     }
 
-    /// Returns a number below which the ranks of the first `count` samples lie, and no others; of all such numbers one with the fewest
-    /// decimals. `None` if the ranks are not known, also of what follows where the set was cut off or a density has left samples out, or a
-    /// sample has the same rank as the one after it.
+    /// Returns a number below which the ranks of the first `count` samples lie, and no others; of all such numbers one
+    /// with the fewest decimals. `None` if the ranks of so many samples are not known, if the last of them has the same
+    /// rank as the sample after it, and at the end of a set that was cut off or that a density has left: the next rank
+    /// is not known there.
     ///
     /// # Panics
     ///
-    /// If there are not as many samples, or `count` is 0.
+    /// If `count` is 0.
     #[must_use]
     pub fn threshold(&self, count: usize) -> Option<f64> {
         let last = *self
@@ -146,8 +148,8 @@ impl NestedLevels {
             return None;
         }
 
-        // The rank that follows, cut off behind so many decimals, unless that is the last one or less. With 15 decimals the powers of
-        // ten and the products are still exact enough; behind them the rank itself serves.
+        // The next rank, cut off behind as few decimals as leave it above the last one. With 15 decimals the powers of
+        // ten and the products are still exact enough; beyond them the next rank itself serves.
         let mut cut = (1..=15).map(|decimals| {
             let scale = 10.0_f64.powi(decimals);
             (next * scale).floor() / scale

@@ -32,6 +32,7 @@ pub fn sample(
 
     let levels = NestedLevels {
         claims: nested.claims().map(PrefixClaim::from).collect(),
+        // Only a window of the levels can lack ranks, and these are whole.
         ranks: nested.ranks().unwrap_or_default(),
         asked: Some((asked, request)),
         method: "kdrt".to_owned(),
@@ -53,6 +54,7 @@ pub fn of_file(set: &ReadSet, name: &str, generation: u64) -> Option<Result<Sess
     (!claims.is_empty()).then(|| {
         let region = certificate.region;
         let boundary = Boundary::of(region.is_periodic());
+        // Nested levels have one radius, which is then the least.
         let radius = certificate.radius.least();
 
         let domain = Domain::from_size([region.width, region.height], radius, boundary)
@@ -71,6 +73,7 @@ pub fn of_file(set: &ReadSet, name: &str, generation: u64) -> Option<Result<Sess
             height: region.height,
             radius,
             boundary,
+            // The certificate states the others by name, as `stated` below has them.
             ..Parameters::default()
         };
 

@@ -25,24 +25,25 @@ pub fn sample(
 ) -> Result<Session, MakeError> {
     let observer = &mut Reporter { monitor };
     let parameters = &recipe.parameters;
-    let made = request
+    let outcome = request
         .recipe(parameters)
         .and_then(|wanted| wanted.make(observer));
-    let stipple = made.map_err(of_ground)?;
+    let stipple = outcome.map_err(of_ground)?;
 
     let Stipple {
-        made,
+        made: arrived,
         black,
         ground: Ground { field, shape, .. },
         ..
     } = stipple;
     let became = MadeStipple {
         black,
-        made: made.facts.made.unwrap_or(request.dots),
+        // A set that is not the beginning of a larger one has all dots that were asked for.
+        made: arrived.facts.made.unwrap_or(request.dots),
     };
     let domain = *field.domain();
-    let dots = made.set.points.iter();
-    let dots = dots.map(|&at| domain.lattice_from_user(at)).collect();
+    let places = arrived.set.points.iter();
+    let dots = places.map(|&at| domain.lattice_from_user(at)).collect();
     // A run's own parameters have the radius that is r in its lattice.
     let own = Parameters {
         radius: domain.radius(),

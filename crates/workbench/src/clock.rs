@@ -115,7 +115,8 @@ impl Playback {
 
     fn tick_secs(&self) -> f32 {
         match self.pace_secs() {
-            // A run without events is played stage by stage, and has about eight stages.
+            // A run with events goes by its `Course`, and not by ticks. One without is played stage by stage, and has
+            // about eight stages.
             Some(secs) => secs / 8.0,
             None => self.clock.tick_secs() / self.speed,
         }

@@ -269,6 +269,7 @@ fn step(fields: &Map<String, Value>) -> Result<Request, RequestError> {
         Some(by) if by.as_f64() == Some(-1.0) => false,
         Some(by) => return Err(wrong("by", by, "1 or -1")),
     };
+    // Passes of the GPU, which are there only once their panel has run them, are no unit of these steps.
     let unit = match fields.get("unit") {
         None => Clock::Event,
         Some(unit) => match unit.as_str() {
@@ -507,8 +508,7 @@ fn read_layers(value: &Value) -> Result<Option<Layers>, RequestError> {
     Ok(Some(layers))
 }
 
-/// Returns the default session's parameters changed by those given. Unlike a link's, invalid ones are refused, not
-/// corrected.
+/// Returns the default parameters, changed by those given. Unlike a link's, invalid ones are refused, not corrected.
 fn read_parameters(value: &Value) -> Result<Parameters, RequestError> {
     let Some(given) = value.as_object() else {
         return Err(wrong("parameters", value, "an object"));
@@ -535,6 +535,7 @@ fn read_parameters(value: &Value) -> Result<Parameters, RequestError> {
         ..Parameters::default()
     })?;
 
+    // The window shows the origin and the fate of every sample, as only the sequential engines keep them.
     let domain = parameters
         .validate_sequential()
         .map_err(|error| RequestError::Parameters(error.to_string()))?;

@@ -149,9 +149,9 @@ fn apply(state: &mut State, command: &Command, next: Option<&Command>) -> Option
 }
 
 /// Reads and runs a script. `print` receives the state as JSON, as pages receive it: after each command if
-/// `each` is set, otherwise after the last one. `refused` receives the number of each command that was refused or failed,
-/// why, and whether a file could not be read or written; the commands after it are carried out all the same. Returns whether the
-/// verifier finds the samples valid at the end; `None` if there is no verdict.
+/// `each` is set, otherwise after the last one. `refused` receives the number of each command that was refused or
+/// failed, why, and whether it is one of files or exports; the commands after it are carried out all the same. Returns
+/// whether the verifier finds the samples valid at the end; `None` if there is no verdict.
 pub fn run<E: From<ScriptError>>(
     text: &str,
     each: bool,

@@ -230,6 +230,7 @@ fn steps(ui: &mut Ui, shown: ShownScene, len: usize, commands: &mut Vec<Command>
         let can_go_on = is_tour || !is_last;
         let next = SceneCommand::Step(Direction::Forwards);
         step(ui, &on, "caption-next", can_go_on, next);
+        // The key of this button, PageUp, is not named: chosen, not measured.
         let back = SceneCommand::Step(Direction::Backwards);
         step(ui, "Back", "caption-back", shown.index > 0, back);
         let can_close = true;

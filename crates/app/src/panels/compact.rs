@@ -27,8 +27,8 @@ const BAR: f32 = 50.0;
 const CANVAS: f32 = 0.5;
 /// Width of the side column of a landscape window.
 const BESIDE: f32 = 366.0;
-/// Minimum height of the canvas in a portrait window, and its share of the height of so low a window that this would be more:
-/// at 320 by 256 points, a desktop's window magnified four times, controls and stages then end above the edge.
+/// Minimum height of the canvas in a portrait window, or this share of the window's height where that is less: at 320
+/// by 256 points, a desktop's window magnified four times, controls and stages then end above the edge.
 const MIN_CANVAS_HEIGHT: f32 = 120.0;
 const MIN_CANVAS_SHARE: f32 = 0.3;
 /// Minimum height of an open panel; its contents scroll.
@@ -104,8 +104,8 @@ impl PartRects {
         if is_landscape {
             canvas.max.x = column.left();
         } else {
-            // An open panel leaves half of the height to the canvas, unless the user made it tall. It keeps its own
-            // least height as long as the canvas keeps that of the canvas.
+            // An open panel leaves half of the height to the canvas, unless the user made it tall. Where the panel
+            // would then be too low, it takes its least height, as long as the canvas keeps its own.
             let rest = room.height() - bar_height - controls - tabs_height(state);
             let half = CANVAS * room.height();
             let panel = match (drawer.open, drawer.is_tall) {
@@ -208,7 +208,7 @@ pub fn show(ui: &mut Ui, state: &State, canvas: &mut Canvas, commands: &mut Vec<
     }
 }
 
-/// Scrolls contents of height `high` in a lower room; `add` receives their rectangle.
+/// Scrolls contents that are laid out for `high`, in a lower room; `add` receives that rectangle as it is scrolled.
 fn scrolled(ui: &mut Ui, high: Rect, by_wheel: bool, add: impl FnOnce(&mut Ui, Rect)) {
     let source = ScrollSource {
         mouse_wheel: by_wheel,

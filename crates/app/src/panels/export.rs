@@ -79,7 +79,7 @@ impl Sheet<'_> {
         self.file(ui);
         ui.add_space(6.0);
         match self.form.kind {
-            // A file of samples has numbers and no look.
+            // A file of samples has numbers. Only one that draws a stipple, an SVG, has a look.
             ExportKind::Result | ExportKind::Samples => {
                 self.precision(ui);
                 if self.form.draws_samples() && self.source.is_stipple() {
@@ -322,6 +322,7 @@ impl Sheet<'_> {
     /// Shows the colours of paper and ink, and how large dots are.
     fn ink(&mut self, ui: &mut Ui) {
         let ink = &self.form.ink;
+        // The type is that of both rows: each variant is a function of a type of its own.
         let paper: fn(String) -> InkCommand = InkCommand::Paper;
         for (name, id, text, command) in [
             ("Paper", "export.paper", &ink.paper, paper),

@@ -384,8 +384,8 @@ fn entries(ui: &mut Ui, part: &[Action], commands: &mut Vec<Command>) {
 /// Side of a check mark, in screen points.
 const MARK: f32 = 12.0;
 
-/// Shows an entry of a menu: an action with its mark and its keys. `has_marks` says that some entry of its part can have
-/// a mark.
+/// Shows an entry of a menu: an action with its mark and its keys. `has_marks` says that some entry of its part can
+/// have a mark.
 fn entry(ui: &mut Ui, action: &Action, has_marks: bool, commands: &mut Vec<Command>) {
     // Where fingers are used there are no keys to press.
     let shortcut = action.shortcut.filter(|_| !is_for_fingers(ui.ctx()));

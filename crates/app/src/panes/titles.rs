@@ -69,8 +69,8 @@ pub fn second_title(context: &CanvasContext<'_>, side: &RunView) -> Title {
 }
 
 /// Returns a title: the parameters in which the runs differ (or the seed, if none), pieces or levels of sets that have
-/// them, the engine if the other run's differs, the number of samples, the verdict, and the last event. A run that is
-/// not there yet has no parameters, samples and event.
+/// them, the engine if the other run's differs, the number of samples, the verdict, and the last event. What compares
+/// the two runs is left out until both are there; a run that is not there yet has no samples and no event.
 fn title(
     letter: &'static str,
     own: Option<&Session>,

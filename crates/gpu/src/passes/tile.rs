@@ -94,6 +94,7 @@ pub(super) fn sum(
     let job = [length as u32, counter, limit, 0];
     let parts = length.div_ceil(SCAN_PART.into());
 
+    // One workgroup is enough for the sums of the parts: each of its invocations adds up several.
     [
         run_with(scan, job, Size::Workgroups(parts)),
         run_with(&SCAN_SUMS, job, Size::Workgroups(1)),

@@ -47,6 +47,7 @@ fn too_little_room_is_noticed_and_made_up_for() {
             },
             Room { result: 99, ..room },
         ];
+        // Each insertion has a list of its own: uniform insertion one of active cells, the other one of open cells.
         rooms.push(if uniform {
             Room { active: 9, ..room }
         } else {
@@ -86,7 +87,8 @@ fn memory_that_is_not_there_makes_smaller_windows() {
         count: 0,
         counts: WindowCounts::default(),
     });
-    // As if other programs had used the rest.
+    // As if other programs had used the rest. The bytes are chosen so that a part of the domain fits, and not all of
+    // it.
     sweep.memory = 600_000;
     let side = sweep.side;
     let (mut points, mut bands) = (Vec::new(), 0);

@@ -83,8 +83,8 @@ const EMPTY_WORDS: [&str; 44] = [
     "with",
 ];
 
-/// Returns the faults of one gate, without `found.faults`, the errors of asking its question in the runs of the seeds. A
-/// test (`is_test`) gives no reply to a wrong answer, and so needs no reasons.
+/// Returns the faults of one gate, without `found.faults`, the errors of asking its question in the runs of the seeds.
+/// A test (`is_test`) gives no reply to a wrong answer, and so needs no reasons.
 pub(super) fn of_gate(
     step: &Step,
     gate: &Gate,
@@ -358,13 +358,14 @@ fn events(lesson: &Lesson, found: &BTreeMap<usize, Findings>) -> Vec<LessonError
     let mut faults = Vec::new();
     for (later, (step, findings)) in gates.iter().enumerate() {
         let same = gates[..later].iter().find(|(other, of_other)| {
-            // Equal cursors are the same event only in runs of the same parameters. The steps' own runs are compared, as
-            // those of practice differ from them by the seed alone.
+            // Equal cursors are the same event only in runs of the same parameters. The steps' own runs are compared,
+            // as those of practice differ from them by the seed alone.
             let seed_of_practice = None;
             let [one, another] = [other, step].map(|step| step.scene.run(seed_of_practice));
             let is_one_run = one == another;
             let mut cursors = findings.cursors.iter();
-            is_one_run && cursors.any(|(seed, cursor)| of_other.cursors.get(seed) == Some(cursor))
+            is_one_run
+                && cursors.any(|(of_run, cursor)| of_other.cursors.get(of_run) == Some(cursor))
         });
 
         if let Some((other, _)) = same {

@@ -63,7 +63,7 @@ impl GateKind for PlaceGate {
         // Of several right places the list has the first, which is enough for a learner without a pointer.
         let mut candidates: Vec<[f64; 2]> = right.iter().take(1).copied().collect();
 
-        // Believed places stand in the list, too, so that a learner with a misconception finds them.
+        // The known wrong places stand in the list, too, so that a learner with a misconception finds them.
         let wrong = asking.wrong.iter().map(|wrong| &wrong.answer);
         for candidate in self.candidates.iter().chain(wrong) {
             candidates.push(asking.scene.place(candidate)?);

@@ -179,7 +179,8 @@ fn stepped(line: &[[f64; 2]]) -> Vec<[f64; 2]> {
     steps
 }
 
-/// Returns the beginnings of stages with their names, of those that have room for it. Nested levels have no stages.
+/// Returns the beginnings of stages with their names, of those that have room for it. There are none where the moments
+/// are prefixes, as those of nested levels and of stipples: such runs have no stages to step through.
 fn ticks(session: &Session) -> Vec<(f64, String)> {
     if session.has_prefixes() {
         return Vec::new();

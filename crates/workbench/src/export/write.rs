@@ -251,7 +251,7 @@ fn samples(
     context.parameters = parameter_map(session);
     if let Some(made) = &session.ground {
         // The certificate states the field and the shape, in which the set is judged.
-        let (ground, _) = made
+        let (ground, _stated) = made
             .ground()
             .map_err(|error| WriteError::Ground(error.to_string()))?;
         // The beginning of a larger set is certified as such.
@@ -261,9 +261,8 @@ fn samples(
         (context.origin, context.varying) = (ground.origin, Some(ground.varying));
     }
 
-    let mut moment = None;
+    let (mut moment, mut look) = (None, None);
     // Pictures and animations have no samples, and do not come here.
-    let mut look = None;
     if let ExportContent::Samples {
         moment: wanted,
         precision,
@@ -323,7 +322,7 @@ fn picture_of_dots(
     let of_ground = |why: String| WriteError::Ground(why);
     let none = || of_ground("this set is no stipple".to_owned());
     let made = session.ground.as_ref().ok_or_else(none)?;
-    let (ground, _) = made
+    let (ground, _stated) = made
         .ground()
         .map_err(|error| of_ground(error.to_string()))?;
 
@@ -335,6 +334,7 @@ fn picture_of_dots(
     };
     let drawing = drawing(look, made, &context, &set).ok_or_else(none)?;
     let judged = context.varying.as_ref().map(|varying| &varying.judged);
+    // The context has a field, so that the 1 never stands in.
     let own = |at| judged.map_or(1.0, |judged| judged.radius_at(at));
     let dots = set
         .points

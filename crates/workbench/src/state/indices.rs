@@ -28,7 +28,7 @@ impl Runs {
 }
 
 impl RunView {
-    /// Returns why there is no item of this number, or `None` if there is one.
+    /// Returns why there is no item of this number; `None` if there is one, and where nothing is there to be numbered.
     fn number_refusal(&self, item: Numbered) -> Option<String> {
         let session = self.session.as_ref();
         let debugger = self.debugger.as_ref();

@@ -19,7 +19,7 @@ const COLUMN: f32 = 62.0;
 const NAME: f32 = 128.0;
 /// Height of a row.
 const ROW: f32 = 19.0;
-/// Fewer samples are not measured.
+/// Fewer samples have no pair correlation, and are not measured.
 const MIN_SAMPLES: usize = 3;
 
 /// A column of the table.
@@ -123,8 +123,8 @@ fn numbers(ui: &mut Ui, sets: &Sets<'_>, columns: &[Column], heads: &[&str]) {
             Some(reason) if is_of_verdict(number) => format!("{} {reason}", number.meaning),
             _ => number.meaning.to_owned(),
         };
-        // The heads are the first row.
         let key = (number.key, name);
+        // Row 0 has the heads.
         row(ui, sets, index + 1, key, heads, &texts, &explanation);
     }
 }
@@ -198,6 +198,7 @@ fn awaits_rest(number: &SetNumber, live: &MeasuredSet) -> bool {
 
 /// Returns whether a number depends on the radius that the set was judged with.
 fn is_of_verdict(number: &SetNumber) -> bool {
+    // Conflicts and gaps do: these counts are the verdict's only numbers without decimals.
     number.needs == Some(Part::Report) && number.decimals == 0
 }
 
@@ -286,7 +287,7 @@ fn end_of(rect: Rect, column: usize, columns: usize) -> f32 {
     rect.right() - COLUMN * (columns - 1 - column) as f32
 }
 
-/// Makes a row that is drawn one of the table for screen readers. That of the heads has no name.
+/// Gives a drawn row to screen readers as row `index` of the table. The row of the heads has no name.
 fn speak(ui: &mut Ui, row: &Response, index: usize, name: &str, texts: &[(String, bool)]) {
     let rect = row.rect;
     let is_head = name.is_empty();

@@ -32,7 +32,7 @@ pub fn paragraph(ui: &mut Ui, words: &str, size: f32, color: Color32) -> Respons
     ui.add(Label::new(job).wrap())
 }
 
-/// Returns a paragraph laid out.
+/// Returns a paragraph with its fonts and colours, to be laid out by egui.
 pub fn job(ui: &Ui, paragraph: &str, size: f32, color: Color32) -> LayoutJob {
     let mut job = LayoutJob::default();
     let plain = FontId::proportional(size);

@@ -43,6 +43,7 @@ pub fn exact_recorded<T: Recorder>(
     run_clipper.count_blocks();
 
     let pattern = Arc::clone(history.pattern());
+    // The run states the defaults of the parameters that have no meaning in exact tiling.
     let mut run = Run::new(&parameters.as_exact(), domain, pattern);
 
     recorder.record(RunEvent::Begin(Stage::Blocks));

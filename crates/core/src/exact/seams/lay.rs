@@ -15,17 +15,17 @@ use crate::lattice::{Point, R, Rect, Rect64, covers_offset};
 use crate::pattern::Symmetry;
 
 /// Samples deeper in their block than this are listed only where they are asked about. So deep no disk touches a cell
-/// that two blocks share, so that a cell's list has deep samples of one block alone: such a cell reaches at most R into a
-/// block, and a disk R farther. The half of R above these 2 R is a margin, chosen, not measured. Near the end of what is
-/// known, those at most R inside the part where late darts are known, or outside of it, are listed, too.
+/// that two blocks share, so that a cell's list has deep samples of one block alone: such a cell reaches at most R into
+/// a block, and a disk R farther. The half of R above these 2 R is a margin, chosen, not measured. Near the end of what
+/// is known, those at most R inside the part where late darts are known, or outside of it, are listed, too.
 pub(super) const DEEP: i64 = 5 * R as i64 / 2;
 
 /// No place of a frame is so far from another one, and sums of two such distances still fit 32 bits.
 const FAR: i64 = 1 << 28;
 
 impl SeamTiling<'_> {
-    /// Adds the tile `rect` of a block: the part of it that lies in the frame. `placed` is the block's index among those of the
-    /// frame.
+    /// Adds the tile `rect` of a block: the part of it that lies in the frame. `placed` is the block's index among
+    /// those of the frame.
     pub(super) fn add_tile(&mut self, block: &PlacedBlock, placed: u32, rect: Rect) {
         let (tile, first_piece) = (self.tiles.len() as u32, self.bounds.len() as u32);
         let symmetry = Symmetry(block.symmetry);
@@ -168,8 +168,8 @@ impl SeamTiling<'_> {
                 fate => fate.is_some(),
             };
 
-            // Each cell that lists the sample gives it an id of its own. None of these is handed out, since the sample is
-            // copied with the interior.
+            // Each cell that lists the sample gives it an id of its own. None of these is handed out, since the sample
+            // is copied with the interior.
             let id = self.samples.len() as u32;
             self.samples.push(ListedSample {
                 place: at,
@@ -184,9 +184,9 @@ impl SeamTiling<'_> {
         self.samples.len() > before
     }
 
-    /// Returns the places so deep in `whole`, the field of a tile, that samples there are listed only where they are asked
-    /// about. A small one has none: the rectangle is then empty, but still lies in it, since callers ask for the rest of
-    /// `whole` around it.
+    /// Returns the places so deep in `whole`, the field of a tile, that samples there are listed only where they are
+    /// asked about. A small one has none: the rectangle is then empty, but still lies in it, since callers ask for the
+    /// rest of `whole` around it.
     #[inline(always)]
     pub(super) fn interior(&self, whole: &Rect) -> Rect64 {
         // Rectangles are half open, so that the lowest place is 0 deep, and the highest one is 1 deep.

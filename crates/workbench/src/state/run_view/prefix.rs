@@ -121,7 +121,8 @@ impl RunView {
         };
 
         self.prefix.rested_secs += dt_secs;
-        // The verification of the whole set, which began elsewhere, must end before that of a prefix begins.
+        // The verification of the whole set, which began elsewhere, must end before that of a prefix begins. In a
+        // lesson nothing is verified.
         if matches!(
             self.verification,
             Verification::Pending(_) | Verification::Nothing
@@ -139,8 +140,8 @@ impl RunView {
             return self.finish_verification(outcome);
         }
 
-        // Only work on a large prefix is stopped: work on a small one ends by itself in less than a tenth of a second. Each
-        // verdict on dots makes the field of the image again, which takes longer.
+        // Only work on a large prefix is stopped: work on a small one ends by itself in less than a tenth of a second.
+        // No prefix of a stipple counts as small, as each verdict on dots makes the field of the image again.
         let at_once = session.nested.as_ref().map_or(0, |_| MAX_AT_ONCE);
         let is_stale = |(of, _): &(usize, _)| *of != count && *of > at_once;
         if self.prefix.work.as_ref().is_some_and(is_stale) {
