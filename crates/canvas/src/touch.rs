@@ -38,7 +38,7 @@ pub struct Touch {
 }
 
 impl Touch {
-    /// Returns the touch state on the canvas of `response`; stores whether a gesture is under way.
+    /// Returns the touch state on the canvas of `response`; stores what the next frame must know of a gesture.
     #[must_use]
     pub fn follow(ui: &Ui, response: &Response) -> Self {
         let (is_down, multi, starts, is_lifted, is_cancelled) = ui.input(|input| {
@@ -100,7 +100,9 @@ impl Touch {
 /// State kept from frame to frame.
 #[derive(Clone, Copy, Debug, Default)]
 struct Before {
+    /// Whether a second finger has touched, and fingers are still down.
     is_gesture: bool,
+    /// Whether two fingers are down in a gesture that began on this canvas.
     is_here: bool,
 }
 

@@ -52,6 +52,7 @@ pub fn spans(paragraph: &str) -> Vec<Span> {
                 styles.pop();
             }
             Event::Code(text) => put(&text, Style::Code),
+            // Text between angle brackets is taken for HTML by the parser, and is shown as it stands.
             Event::Text(text) | Event::Html(text) | Event::InlineHtml(text) => put(&text, style),
             // The end of a line within a paragraph is a space.
             Event::SoftBreak | Event::HardBreak => put(" ", style),

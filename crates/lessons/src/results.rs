@@ -126,6 +126,7 @@ const MAX_SECONDS: f64 = 1e9;
 /// The last second of the year 9999, in seconds since 1970: times of four-digit years can be written.
 const MAX_TIME: f64 = 253_402_300_799.0;
 
+/// The columns of the CSV. The form and the concept of an entry have none: `gain.rs` has the table by concept.
 const COLUMNS: &str = "learner,lesson,hash,gate,seed,practised,answer,score,tries,hints,given_up,confidence,seconds,time";
 
 impl Entry {

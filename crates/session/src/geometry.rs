@@ -307,6 +307,7 @@ impl Geometry {
     #[must_use]
     pub fn is_gap(&self, shown: &ShownMoment<'_>, place: DVec2) -> bool {
         let mut is_covered = false;
+        // Without the tolerance of `LIMIT`: a disk is here as it is drawn.
         shown.session.index.visit(place, place, 1.0, |seen| {
             is_covered |= seen.position.distance(place) <= 1.0 && shown.covers(seen.id);
         });

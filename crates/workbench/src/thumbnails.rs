@@ -76,7 +76,8 @@ impl Thumbnails {
         false
     }
 
-    /// Takes the picture that was being drawn, drops those of scenes that are gone, and starts the next one.
+    /// Takes the picture that was being drawn, drops those that are of no scene any more, as after a change of the
+    /// session or of its look, and starts the next one.
     pub(crate) fn follow(
         &mut self,
         session: &Arc<Session>,

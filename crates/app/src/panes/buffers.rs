@@ -18,7 +18,7 @@ use tilescope_drawing::subject::Subject;
 use tilescope_workbench::passes::OnCanvas;
 use tilescope_workbench::passes::canvas::Rows;
 
-/// More marks than this in view are left out.
+/// More marks than this in view are left out. Chosen, not measured.
 pub const MAX_MARKS: usize = 20_000;
 /// Distance of the tag from the corner of the canvas, in screen points.
 const INSET: Vec2 = vec2(22.0, 24.0);

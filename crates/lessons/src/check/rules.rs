@@ -252,6 +252,7 @@ fn reasons(gate: &Gate, found: &Findings) -> Vec<LessonError> {
         }
     }
 
+    // `otherwise` is the reply to a wrong answer that the lesson does not foresee.
     let has_options = !gate.kind.options().is_empty();
     match &gate.otherwise {
         None if !has_options => faults.push(wrong(
@@ -268,7 +269,8 @@ fn reasons(gate: &Gate, found: &Findings) -> Vec<LessonError> {
         _ => {}
     }
 
-    // Where an answer near the number counts as right, the learner has not seen the number itself.
+    // `because` is the first sentence after the answer. Where an answer near the number counts as right, the learner
+    // has not seen the number itself, so that this sentence must give it.
     let is_inexact = gate.kind.is_inexact();
     match &gate.because {
         None if is_inexact => faults.push(wrong(

@@ -547,6 +547,7 @@ impl Write for Limited {
 }
 
 fn described_range(cursors: &[usize], clock: Clock, every: usize, delay: u16) -> String {
+    // Delays are in hundredths of a second.
     json!({
         "start": cursors.first(),
         "end": cursors.last(),

@@ -64,8 +64,8 @@ impl SeamTiling<'_> {
         });
     }
 
-    /// Lists the samples of the last tile that are near its border. Those around it count as lost from the beginning: the darts
-    /// that they refused are woken.
+    /// Lists the samples of the last tile that are near its border. The pattern's samples around the tile count as lost
+    /// from the beginning: the darts that they refused are woken.
     #[inline(always)]
     pub(super) fn clip(&mut self, clipper: &Clipper, block: &PlacedBlock) {
         let tile = self.tiles.len() as u32 - 1;

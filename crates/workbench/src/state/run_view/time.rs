@@ -13,8 +13,9 @@ use crate::state::effects::Context;
 use tilescope_session::moment::Moment;
 
 impl RunView {
-    /// Returns the description of the moment: the number of blocks or samples, the event or stage, and the iteration. While
-    /// a question of a lesson is open, `is_veiled`, it does not say below which number ranks are.
+    /// Returns the description of the moment: the number of blocks or samples, the event or stage, and the iteration.
+    /// Of a prefix it has the number of samples or dots; of nested levels also the radius of their disks, and the
+    /// number below which their ranks are, unless a question of a lesson is open (`is_veiled`).
     #[must_use]
     pub fn moment_texts(&self, is_veiled: bool) -> Vec<String> {
         let Some(session) = &self.session else {
@@ -201,7 +202,8 @@ impl RunView {
         }
     }
 
-    /// Runs until the event of `target` has happened, or until its line is the next one.
+    /// Runs until an event of `target` has happened or, if the target is a line of pseudocode, until that is the next
+    /// line.
     pub(in crate::state) fn run_to(
         &mut self,
         target: Target,
