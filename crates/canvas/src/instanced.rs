@@ -388,7 +388,8 @@ impl InstancedCanvas {
         }
     }
 
-    /// Returns the ranges of positions to draw, for each copy of the domain; all samples of the levels unless `cull` is set.
+    /// Returns the ranges of positions to draw, for each copy of the domain: with `cull` those of the cells in view,
+    /// otherwise all of the levels.
     fn parts(&self, copies: &[Copy], levels: usize, cull: bool) -> Vec<Vec<Range<u32>>> {
         let ranges = |copy: &Copy| {
             if cull {

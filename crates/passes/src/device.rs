@@ -243,7 +243,7 @@ pub(super) async fn visit(
 ) -> Arrival {
     let mut arrival = Arrival {
         walker,
-        // This holds the place of the outcome, which is not known yet.
+        // The outcome is not known yet: this value is replaced below.
         outcome: Err(Stop::Cancelled),
     };
     arrival.outcome = arrival.go(&subject, &goal, &monitor).await;

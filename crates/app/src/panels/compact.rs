@@ -117,9 +117,8 @@ impl PartRects {
                 (None, _) => 0.0,
                 (Some(_), true) => rest - min_canvas_height(ctx),
                 (Some(_), false) => {
-                    rest - half
-                        .min(rest - MIN_DRAWER_HEIGHT)
-                        .max(min_canvas_height(ctx))
+                    let of_canvas = half.min(rest - MIN_DRAWER_HEIGHT);
+                    rest - of_canvas.max(min_canvas_height(ctx))
                 }
             };
             // In so low a room that nothing is left for a panel, the canvas gives up none of its height.

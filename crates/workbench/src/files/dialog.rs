@@ -9,7 +9,7 @@ const NO_DIALOG: &str = "This system has no file dialog: neither a desktop porta
 /// The file by which the session's bus starts the desktop's dialogs, in a folder of shared data.
 const PORTAL: &str = "dbus-1/services/org.freedesktop.portal.Desktop.service";
 
-/// Returns why no file dialog can open, as a sentence; `None` if one can, as far as that is known before.
+/// Returns why no file dialog can open, as a sentence; `None` if one can, as far as that is known without opening it.
 #[must_use]
 pub(crate) fn refusal() -> Option<String> {
     // Windows and macOS always have a dialog.
