@@ -15,7 +15,8 @@ use crate::varying::Locality;
 /// are in the order of arrival, its iterations are the throws, and it has neither pattern nor blocks.
 ///
 /// Of the parameters, only the seed changes the set. The parameters of the run have the radius of the field's domain,
-/// which is `R` units, and uniform insertion. Fails only when `observer` stops it.
+/// which is `R` units, and uniform insertion, whose iterations are throws of darts like those here. Fails only when
+/// `observer` stops it.
 pub fn varying_recorded<T: Recorder>(
     locality: &Arc<Locality>,
     parameters: &Parameters,

@@ -18,7 +18,8 @@ pub(super) fn add(list: &mut List, state: &State) {
     list.add("Play or pause", Command::Time(TimeCommand::TogglePlay))
         .on_key(Key::Space)
         .refused(no_session(state));
-    // Nested levels are gone through level by level.
+    // A run with prefixes is gone through level by level. The only level of a stipple is all of its dots, so that there
+    // the ends are dots.
     let run = &state.runs().first;
     let [first, last] = match run.prefix() {
         Some(_) if run.shows_stipple() => ["First dot", "Last dot"],
@@ -84,7 +85,8 @@ fn steps(list: &mut List, state: &State, direction: Direction, refusal: Option<&
     let shifted = if is_back { SHIFT } else { NONE };
     let with_alt = if is_back { Modifiers::ALT } else { NONE };
     // Shift means backwards, except with F11: Shift+F11 is stepping out in most debuggers, so that Alt means backwards
-    // there. Browsers reload on F5 and go full screen on F11: a page uses other keys.
+    // there. Browsers reload on F5 and go full screen on F11, so that a page uses F8, with which their own debuggers
+    // continue, and two letters, chosen freely.
     let [go_on, into, out] = if state.files().in_browser() {
         [(shifted, Key::F8), (shifted, Key::N), (shifted, Key::U)]
     } else {
@@ -113,17 +115,16 @@ fn runs(list: &mut List, state: &State, direction: Direction, refusal: Option<&s
         Direction::Forwards => ("Next", NONE),
         Direction::Backwards => ("Previous", SHIFT),
     };
-    for (name, key, target) in targets(state) {
+    for (name, initial, target) in targets(state) {
         let command = Command::Time(TimeCommand::RunTo(target, direction));
         let action = list.add(format!("{which} {name}"), command);
-        action.on_keys(modifiers, key).refused(refusal);
+        action.on_keys(modifiers, initial).refused(refusal);
     }
 }
 
-/// Returns the events that can be run to, with a key each.
-fn targets(state: &State) -> Vec<(String, Option<Key>, Target)> {
-    // The keys are initials. With Shift they run backwards.
-    let mut targets: Vec<(String, Option<Key>, Target)> = [
+/// Returns the events that can be run to, with a key each, which is an initial.
+fn targets(state: &State) -> Vec<(String, Key, Target)> {
+    let mut targets: Vec<(String, Key, Target)> = [
         ("conflict", Key::C, Target::Conflict),
         ("elimination", Key::E, Target::Elimination),
         ("gap found", Key::G, Target::Gap),
@@ -136,17 +137,17 @@ fn targets(state: &State) -> Vec<(String, Option<Key>, Target)> {
         ("violated invariant", Key::V, Target::Violation),
     ]
     .into_iter()
-    .map(|(name, key, target)| (name.to_owned(), Some(key), target))
+    .map(|(name, key, target)| (name.to_owned(), key, target))
     .collect();
 
     // H stands for the history of the sample, and L for the line.
     if let Some(id) = state.runs().first.selected {
         let name = format!("event of sample {}", grouped(id as usize));
-        targets.push((name, Some(Key::H), Target::Sample(id)));
+        targets.push((name, Key::H, Target::Sample(id)));
     }
     if let Some(event) = state.runs().first.debugger.as_ref().and_then(|d| d.event()) {
         let name = "execution of this line".to_owned();
-        targets.push((name, Some(Key::L), Target::Line(event.line())));
+        targets.push((name, Key::L, Target::Line(event.line())));
     }
     targets
 }

@@ -99,9 +99,10 @@ impl ObjectList<'_> {
             }
         }
 
+        // Only the nearest objects of each kind are listed. Further lines say how many others are in view.
         for (index, more) in objects.more.iter().enumerate() {
             let id = list.id.with(("more", index));
-            // The line is about all of the canvas, and stands for no place of its own: it has a point in the corner.
+            // Such a line is about all of the canvas, and stands for no place of its own: it has a point in the corner.
             let corner = Rect::from_min_size(self.rect.min, vec2(1.0, 1.0));
             ui.interact(corner, id, Sense::hover());
             let text = ui.words(more);
@@ -131,8 +132,9 @@ impl ObjectList<'_> {
         let (down, up) = (press(Key::ArrowDown), press(Key::ArrowUp));
         let target = match selected {
             Some(at) => (at + down).saturating_sub(up),
-            // The first press down leads to object 0, and the first press up to the last one, `count - 1`: without a
-            // selection presses count from an end, which the number `count` stands for.
+            // Without a selection the first press down leads to object 0, and the first press up to the last one:
+            // presses start between these two, at `count`, which the remainder makes 0, and the first press down does
+            // not move on.
             None => (down + count).saturating_sub(up + usize::from(down > 0)) % count.max(1),
         };
 

@@ -79,7 +79,8 @@ impl GroundDraft {
         self.by != RadiusBy::Constant || self.shape.is_some()
     }
 
-    /// Returns the request, if one is asked for and can be read; `black` is the radius of the form.
+    /// Returns the request, or the error of an expression that cannot be read; `None` if neither a field nor a shape is
+    /// asked for. `black` is the radius of the form.
     fn request(&self, black: f64) -> Option<Result<GroundRequest, VaryingError>> {
         if !self.is_asked() {
             return None;
@@ -87,6 +88,7 @@ impl GroundDraft {
 
         let radius = match (self.by, self.image.clone()) {
             (RadiusBy::Stipple, Some(image)) => {
+                // The stipple gives the radius and the shape, and its pixels begin at 0.
                 return Some(Ok(GroundRequest {
                     radius: None,
                     shape: None,
@@ -214,18 +216,19 @@ impl Draft {
     pub(super) fn choose_radius_by(&mut self, by: RadiusBy) {
         // Without an image there is nothing to read the radius from.
         let is_of_image = matches!(by, RadiusBy::Image | RadiusBy::Density | RadiusBy::Stipple);
-        let image = self.ground.image.clone().filter(|_| by != self.ground.by);
         if is_of_image && self.ground.image.is_none() {
             return;
         }
 
         // A stipple has its pixels as the unit of length, as on the command line, and a shape of its own. Other sets have the
-        // unit square, or what of it an image fills.
+        // unit square, or what of it an image fills. If the choice stays, so does the unit.
+        let image = self.ground.image.clone().filter(|_| by != self.ground.by);
         match (image, self.ground.by) {
             (Some(image), _) if by == RadiusBy::Stipple => self.measure_in_pixels(&image),
             (Some(image), RadiusBy::Stipple) => {
                 let width = Parameter::Width.text(&Parameters::default());
                 self.set_text(Parameter::Width, width);
+                // While a stipple is chosen, `set_image` measures in pixels.
                 self.ground.by = RadiusBy::Density;
                 self.set_image(image);
             }
@@ -237,8 +240,9 @@ impl Draft {
         self.ground.by = by;
     }
 
-    /// Covers a shape. The domain becomes the rectangle around a polygon, and bounded; a radius that does not suit it becomes one
-    /// that does.
+    /// Covers a shape in a bounded domain. With a polygon the domain becomes the rectangle around it, and a radius that
+    /// does not suit that, or was not chosen for it, becomes one that does. With another shape the sides and the radius
+    /// stay.
     pub fn set_shape(&mut self, shape: ShapeSource) {
         // A stipple has a shape of its own, so that its image no longer gives the radius.
         let was_stipple = self.ground.by == RadiusBy::Stipple;
@@ -257,8 +261,8 @@ impl Draft {
                 self.set_text(parameter, side.to_string());
             }
 
-            // The default radius suits the unit square, and a stipple does not use that of the form, so that both are
-            // replaced even where they are allowed.
+            // The default radius was chosen for the unit square, and a stipple does not use the form's radius: in these
+            // two cases it is replaced even where it is allowed.
             let suits = self.parameters.validate_sequential().is_ok();
             let is_default =
                 self.text(Parameter::Radius) == Parameter::Radius.text(&Parameters::default());
@@ -271,8 +275,9 @@ impl Draft {
         self.ground.shape = Some(shape);
     }
 
-    /// Covers the image as a mask: its opaque pixels or, if all are opaque, those lighter than half grey. A radius that
-    /// came from an image becomes one number, such that there are some thousand samples. Without an image nothing changes.
+    /// Covers the image as a mask: its opaque pixels or, if all are opaque, those lighter than half grey. Unless an
+    /// expression gives the radius, it becomes one number, such that there are some thousand samples. Without an image
+    /// nothing changes.
     pub fn cover_image(&mut self) {
         let Some(image) = self.ground.image.clone() else {
             return;
@@ -309,8 +314,8 @@ impl Draft {
     }
 
     /// Takes the density from an image, whose pixels fill the domain: the height follows from the width, and the radius
-    /// of black is such that there are some thousand samples. A mask of as many pixels stays. Where
-    /// a stipple is chosen, the image is stippled instead.
+    /// of black is such that there are some thousand samples. A mask of as many columns and rows stays as the shape;
+    /// any other shape is removed. Where a stipple is chosen, the image is stippled instead.
     pub fn set_image(&mut self, image: GrayImage) {
         if self.ground.by == RadiusBy::Stipple {
             self.measure_in_pixels(&image);
@@ -321,7 +326,7 @@ impl Draft {
         self.fit_pixels(&image);
         let pixels = image.pixels();
         (self.ground.by, self.ground.image) = (RadiusBy::Density, Some(image));
-        // A mask of other pixels would not fit.
+        // A mask with other numbers of pixels would not fit, nor would a polygon, which brought a domain of its own.
         let fits = |mask: &GrayImage| mask.pixels() == pixels;
         if !matches!(&self.ground.shape, Some(ShapeSource::Mask(mask)) if fits(mask)) {
             self.remove_shape();
@@ -396,7 +401,8 @@ impl Draft {
             return self.ground.stipple.refusal(stipple).or_else(of_frame);
         }
 
-        // Each error stands at the field that mends it.
+        // Each error stands at the field that mends it. The domain of a varying radius is judged with a radius of the
+        // field, so that its errors stand at what gives the field, like most others.
         let error = request.recipe(&self.parameters).glance().err()?;
         let part = match (&error, self.ground.by) {
             (VaryingError::Domain(error), RadiusBy::Constant) => part_of(error, &self.parameters),

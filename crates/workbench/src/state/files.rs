@@ -43,6 +43,7 @@ impl SaveTask {
         let session = first.session.as_ref();
         let run = first.debugger.as_ref().zip(session);
 
+        // One of the two is `None`: combinations have no events.
         Self {
             // Saving from the sheet puts the name that is typed there in its place.
             name: LAST_SESSION.to_owned(),
@@ -51,7 +52,8 @@ impl SaveTask {
             run: run.map(|(debugger, session)| {
                 let mut saved = debugger.session();
                 saved.view = view;
-                // A session of the debugger has no field for the record of a talk, which is stored with the view.
+                // A session of the debugger has no field for the record of a talk, which is stored with the view. The
+                // file of a combination does not keep it.
                 if let (Some(record), Some(view)) = (record, saved.view.as_object_mut()) {
                     view.insert("talk".to_owned(), json!(record));
                 }
@@ -69,8 +71,9 @@ impl SaveTask {
 }
 
 /// Returns the session as the text of a file, from which [`FileCommand::Last`] reopens it: run, moment, view, breakpoints
-/// and scenes. `None` if it is as the program starts, if a lesson or the tour has replaced it, if the window is embedded in another
-/// page, or if it has images or files that neither a session nor a link holds.
+/// and scenes. `None` if there is no session, if it is the run with which the program starts, without breakpoints,
+/// watches and scenes, if a lesson or the tour has replaced it, if the window is embedded in another page, or if it has
+/// images or files that neither a session nor a link holds.
 #[must_use]
 pub fn session_to_keep(state: &State) -> Option<String> {
     // The run of a lesson, of the tour or of a page around the window is not the user's own.
@@ -82,7 +85,7 @@ pub fn session_to_keep(state: &State) -> Option<String> {
     let session = run.session.as_ref()?;
     let parameters = Form::default().draft.parameters;
     let is_default = session.has_recipe() && session.recipe() == parameters.into();
-    // The program begins with this session anyway.
+    // The program begins with this run anyway: it is kept only if something was marked in it.
     if is_default && run.stops() == Stops::default() {
         return None;
     }

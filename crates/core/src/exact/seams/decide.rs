@@ -20,8 +20,9 @@ use crate::exact::seams::{
 use crate::lattice::{Point, R, Rect};
 
 impl SeamTiling<'_> {
-    /// Puts on the agenda the darts whose first blocker, a sample of the pattern at `place`, is missing.
-    pub(super) fn wake(&mut self, tile: u32, place: Point, pattern: u32) {
+    /// Puts on the agenda the darts whose first blocker, the missing sample `number` of the pattern at `place`, no
+    /// longer refuses them, or defers them as long as their second blocker does.
+    pub(super) fn wake(&mut self, tile: u32, place: Point, number: u32) {
         let history = self.history;
         let SeamTile {
             rect,
@@ -30,16 +31,17 @@ impl SeamTiling<'_> {
             ref missing,
             ..
         } = self.tiles[tile as usize];
-        // A sample outside of the block is not there, and one beyond the frame is in no list, so that it refuses no
-        // dart here.
+        // Only a second blocker in the tile can refuse a dart here. Beyond the tile it is outside of the block, where
+        // it is missing, or outside of the frame, where no sample is listed.
         let inside = surely_inside(&rect);
 
         // Outside of the tile another block has darts of its own.
-        history.each_waiting_in(&rect, pattern, place, symmetry, |mut dart, second| {
+        history.each_waiting_in(&rect, number, place, symmetry, |mut dart, second| {
             let IVec2 { x, y } = symmetry.turn(second.offset());
             let blocker = Point::new(dart.place.x + x, dart.place.y + y);
             dart.place = in_domain(moved, dart.place);
-            // While its second blocker is present, it stays refused.
+            // While its second blocker is present, it stays refused. In doubt the dart goes on the agenda, which
+            // decides again.
             let is_refused =
                 second.is_some() && inside.contains(blocker) && !missing.may_have(second.number());
             if is_refused {
@@ -81,7 +83,9 @@ impl SeamTiling<'_> {
         };
 
         let level = dart.arrival.level();
-        // The cells that the loss of an early sample has marked wait for the first late level.
+        // The refused darts of early levels are kept, and `release` has put them on the agenda. Only those of late
+        // levels must be thrown again, in the marked cells; cells marked by the loss of an early sample wait for the
+        // first late level.
         if is_changed && level >= LATE_LEVEL {
             // The marked cells throw at once, but only darts later than the sample: it refused none before it came.
             let first = self.open.len();
@@ -94,8 +98,9 @@ impl SeamTiling<'_> {
     #[inline(never)]
     fn lose(&mut self, id: u32) -> bool {
         let sample = &mut self.samples[id as usize];
-        // A sample is left out because an interior has it, or because it is doubtful. A doubtful one is then removed
-        // from the interior, too, which changes nothing if it is not there.
+        // A sample is left out of the listed ones that the window takes because it comes with the interior of its
+        // block, which is copied, or because it is doubtful. From the interior a doubtful one is then removed, too,
+        // which changes nothing if it is not there.
         let is_deep = std::mem::replace(&mut sample.is_left_out, true);
         let ListedSample {
             place,
@@ -130,12 +135,13 @@ impl SeamTiling<'_> {
         // Cells that another sample covers stay closed; should it be lost, its disk marks them.
         let (history, tile) = (self.history, &self.tiles[tile as usize]);
         for piece in tile.first_piece..tile.end_piece {
-            // The disk lies beside most pieces of a block that crosses the pattern's end.
+            // The disk does not touch a piece that is more than R away, as most pieces of a block are that crosses the
+            // pattern's end. Outside of the piece its `depth` is the negative distance.
             if self.bounds[piece as usize].depth(place) < -R {
                 continue;
             }
-            let inside = self.marked.pieces()[piece as usize].sources_around(&tile.whole, R);
-            let is_closed = |column, row| history.is_covered(column, row, &inside, &tile.missing);
+            let sources = self.marked.pieces()[piece as usize].sources_around(&tile.whole, R);
+            let is_closed = |column, row| history.is_covered(column, row, &sources, &tile.missing);
             self.marked
                 .mark_disk(piece, place, is_closed, &mut self.fresh);
         }
@@ -169,6 +175,7 @@ impl SeamTiling<'_> {
             .each_later(simd, cell, place, when, |id| later.push(id));
         for id in later {
             let other = self.dart(id);
+            // `when` is the first bits of the order alone, so that a sample with the same ones may be earlier.
             if self.samples[id as usize].pattern().is_some() && other > *dart {
                 self.agenda.add(other, What::Sample(id));
             }
