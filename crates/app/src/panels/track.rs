@@ -191,7 +191,7 @@ pub fn show(ui: &mut Ui, context: &TimeContext<'_>, commands: &mut Vec<Command>)
     };
 
     let segments = segments_within(session, rect);
-    let cursor = context.run.cursor().map_or(context.run.stage, |(at, _)| at);
+    let cursor = (context.run.cursor()).map_or(context.run.stage, |(cursor, _events)| cursor);
     let prefix = context.run.prefix();
     let name = ui.words(prefix.map_or("Moment", |_| "Samples shown"));
     response.widget_info(|| WidgetInfo::slider(ENABLED, cursor as f64, &name));
@@ -349,8 +349,9 @@ fn density(
                     .into_iter()
                     .zip([palette.conflict, palette.gap, palette.inserted])
             {
-                // The three shares stand on each other within the bar. Small ones would be lost, as nothing below half a point is
-                // drawn: the root raises them.
+                // The three shares stand on each other. Small ones would be lost, as nothing below half a point is
+                // drawn: the root raises them. So the three may be higher than the bar in all, and the last of them are
+                // cut off there.
                 let height = (share.sqrt() * (BAR - 3.0)).min(bottom - rect.top() - 1.0);
                 if height >= 0.5 {
                     let ends = [pos2(x, bottom), pos2(x, bottom - height)];

@@ -363,7 +363,7 @@ impl FileState {
         };
 
         let path = form.path.trim().to_owned();
-        // One file is read or written at a time.
+        // Without a name there is nothing to do, and one file is read or written at a time.
         if path.is_empty() || self.filing.is_some() {
             return;
         }
@@ -467,13 +467,15 @@ impl FileState {
                 Some(chosen.map_or_else(|| Ok(LessonCommand::File(sheet.path.into())), read_lesson))
             }
 
+            // A file that is opened by its path waits for a run, and then comes as a dropped one.
+            FileCommand::Open(_) => None,
+
             FileCommand::Sheet(_)
             | FileCommand::Close
             | FileCommand::Path(_)
             | FileCommand::Browse
             | FileCommand::Chosen(_)
             | FileCommand::Cancel
-            | FileCommand::Open(_)
             | FileCommand::SaveCurve(_)
             | FileCommand::Last => None,
         }
@@ -522,8 +524,9 @@ impl FileState {
             0 => PathBuf::from(format!("{stem}.{extension}")),
             _ => PathBuf::from(format!("{stem}-{number}.{extension}")),
         };
-        // A new file replaces no other one. A thousand numbers were taken to be enough: without a free one the path is
-        // empty, and writing fails with a notice.
+        // A path that the user gave is written to, whatever is there. A file without one gets a name that no other file
+        // has. A thousand numbers were taken to be enough: without a free one the path is empty, and writing fails with
+        // a notice.
         let path = path.or_else(|| (0..1_000).map(named).find(|path| !path.exists()));
         write_new(&path.unwrap_or_default(), &bytes, context);
     }
@@ -570,8 +573,8 @@ fn read_lesson(file: &NamedBytes) -> Result<LessonCommand, String> {
     Ok(LessonCommand::Read(name, text))
 }
 
-/// Returns whether a session's field or shape is from an image, or has more corners than a session holds.
-fn has_image(session: &Session) -> bool {
+/// Returns whether a session's field or shape is from an image or a grid, or has more corners than a session holds.
+fn has_ground_from_file(session: &Session) -> bool {
     let request = session.ground.as_ref().map(|made| &made.asked.1);
     request.is_some_and(|request| PortableGround::of(request).is_none())
 }
@@ -589,7 +592,8 @@ impl RunView {
         let levels = "Nested levels are not saved as a session: a link to them, or an export of the set, gives them again.";
         match &session.combination {
             None if session.nested.is_some() => Some(levels),
-            None if has_image(session) => Some(image),
+            // Long polygons are refused as images are.
+            None if has_ground_from_file(session) => Some(image),
             Some(combination) => (combination.files > 0).then_some(files),
             None => self.debugger.is_none().then_some(events),
         }

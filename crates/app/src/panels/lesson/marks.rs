@@ -19,7 +19,7 @@ use tilescope_workbench::state::State;
 /// Room between a label and the sides of its ground.
 const MARGIN: f32 = 3.0;
 
-/// Shows the marks of the current step, each as its image nearest to the middle of the view.
+/// Shows the marks of the current step, each but the lines as its image nearest to the middle of the view.
 pub fn show(ui: &Ui, state: &State) {
     let Some(open) = &state.lessons().open else {
         return;
@@ -48,7 +48,7 @@ pub fn show(ui: &Ui, state: &State) {
     let mut taken = overlay.circles(ui, open);
     taken.extend(overlay.marks(&open.marks(), &taken));
 
-    // The label of a strip comes last: it can stand on any side of its place, while those of marks have fewer places.
+    // The label of a strip comes last, and keeps clear of the marks and of their labels.
     if let Some((place, width)) = strip {
         overlay.strip_label(place, ui.words(format!("{width} r")), &taken);
     }
@@ -78,7 +78,7 @@ impl Overlay {
     }
 
     /// Draws the box that the question is about, the line that is chosen, and after the answer the outermost of
-    /// the right lines.
+    /// the correct lines.
     fn lines(&self, open: &OpenLesson) {
         let Some(lines) = open.lines() else {
             return;
@@ -92,8 +92,8 @@ impl Overlay {
         let stroke = Stroke::new(2.5, palette.accent);
         painter.rect_stroke(rect, 0.0, stroke, StrokeKind::Inside);
 
-        for right in lines.right {
-            painter.line_segment(ends(right), Stroke::new(2.5, palette.inserted));
+        for correct in lines.right {
+            painter.line_segment(ends(correct), Stroke::new(2.5, palette.inserted));
         }
         if let Some(chosen) = lines.chosen {
             painter.line_segment(ends(chosen), Stroke::new(3.0, palette.candidate));
@@ -118,8 +118,8 @@ impl Overlay {
     /// the place on these lines that is nearest to the middle of the view, for the label, and the distance in r; `None`
     /// if there are no such lines.
     fn strips(&self, open: &OpenLesson) -> Option<(Pos2, f64)> {
-        let (blocks, width) = open.strips()?;
-        let drawn = blocks.into_iter().map(|[low, high]| {
+        let (insides, width) = open.strips()?;
+        let drawn = insides.into_iter().map(|[low, high]| {
             // Both corners are moved by the same periods, so that they belong to one copy of the strip.
             let middle = 0.5 * (low + high);
             let by = self.screen(middle) - self.fixed(middle);
@@ -127,13 +127,13 @@ impl Overlay {
         });
         let drawn: Vec<Rect> = drawn.collect();
         let stroke = Stroke::new(2.0, self.palette.inserted);
-        for block in &drawn {
+        for inside in &drawn {
             self.painter
-                .rect_stroke(*block, 0.0, stroke, StrokeKind::Middle);
+                .rect_stroke(*inside, 0.0, stroke, StrokeKind::Middle);
         }
 
         let middle = self.viewport.center();
-        let away = |block: &&Rect| block.distance_to_pos(middle);
+        let away = |inside: &&Rect| inside.distance_to_pos(middle);
         let nearest = drawn.iter().min_by(|a, b| away(a).total_cmp(&away(b)))?;
         Some((nearest_on_edge(nearest, middle), width))
     }
