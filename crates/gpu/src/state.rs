@@ -195,6 +195,7 @@ impl State {
 
                 // An origin is two words: the index of the image, and that of the pattern's sample.
                 let image = &plan.images[self.origins[2 * index as usize] as usize];
+                // A sample is its block's own unless it lies in the margin around the block.
                 let own = (image.own_min_x..image.own_max_x).contains(&x)
                     && (image.own_min_y..image.own_max_y).contains(&y);
 
@@ -244,11 +245,13 @@ impl State {
             self.candidates(work, &proposals, ids)
         };
 
+        // Core inserts in the order of ranks, and its ids follow that.
         proposals.retain(|(_, p)| p.state == PROPOSAL_INSERTED);
         proposals.sort_unstable_by_key(|(point, p)| (p.rank, point.row_major()));
         let cells = active_cells(work, k, &kept.active, run.iterations.last());
 
-        // An iteration that finds nothing is not one of the run, as in the sequential engine.
+        // An iteration that neither inserts a sample nor has an active cell is not one of the run, as in the sequential
+        // engine.
         if proposals.is_empty() && cells.is_empty() {
             return;
         }

@@ -223,6 +223,7 @@ async fn begin(
     Allowance { halo, room, .. }: Allowance,
 ) -> Result<WindowRun, GpuError> {
     let mut plan = WindowPlan::new(setup, &setup.domain.rect(), halo, room)?;
+    // Without a room that a restart has asked for, the plan has the estimated one.
     if room.is_none() {
         // More room costs little, as inspected runs are small, and may spare a restart, which would discard the reports of
         // the passes so far.

@@ -26,7 +26,8 @@ fn are_thousands<'a>(mut parts: impl Iterator<Item = &'a str>) -> bool {
     leads && parts.all(|part| is_digits(part) && part.len() == 3)
 }
 
-/// Returns a typed number as Rust writes numbers, or `None` for a text that is no number.
+/// Returns a typed number as Rust writes numbers, or `None` if blanks separate anything but thousands. Other texts that
+/// are no numbers stay such, and are refused where the result is read.
 fn plain(text: &str) -> Option<String> {
     let text = text.trim();
     // Rust reads only the hyphen as the sign of a negative number.

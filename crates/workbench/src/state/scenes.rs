@@ -114,8 +114,9 @@ impl Scenes {
                         debugger.scenes.remove(index);
                     }
                 });
-                // The removed scene may be the one that is shown, and those behind it have other indices now. So none
-                // is shown from now on, but a scene of the tour, which is in another list, stays.
+                // The removed scene may be the one that is shown, and those behind it have other indices now. After a
+                // removal no scene of the user is shown at all, which is simpler than to correct the index, as `Move`
+                // does. A scene of the tour, which is in another list, stays.
                 self.shown = self.shown.filter(|_| self.is_touring());
             }
 
@@ -327,7 +328,7 @@ fn look_as(
         context.ask(Effect::Layout(saved.layout));
     }
 
-    // In another run the selected number is that of another sample.
+    // In another run the selected number is that of another sample, and at a selected place lies something else.
     let can_select = is_same_run && run.can_select(saved.selection);
     let selection = if can_select {
         saved.selection
