@@ -88,7 +88,7 @@ fn bar(subject: &Subject<'_>) -> (f64, f32) {
 }
 
 /// Returns the coordinates of a position in a field or a shape and, unless it lies outside of that, the radius there;
-/// `None` in a session with one radius.
+/// `None` in a session without either.
 fn local_position(subject: &Subject<'_>, position: DVec2) -> Option<String> {
     let unit = own_unit(subject)?;
     let session = subject.shown.session;

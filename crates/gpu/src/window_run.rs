@@ -191,7 +191,8 @@ impl WindowRun {
             Stage::Eliminate => Some(Stage::Tile),
             Stage::Iterate(1) => Some(Stage::Eliminate),
             Stage::Iterate(k) => Some(Stage::Iterate(k - 1)),
-            // Iterations that found nothing do not count as stages.
+            // `inserted` has a count for each iteration. Where there were none, the first one counts as completed: it
+            // had nothing to do.
             Stage::Finish => Some(Stage::Iterate(self.inserted.len().max(1) as u32)),
             // While blocks are in work, no stage is complete. A window has no other stages.
             _ => None,
@@ -295,6 +296,7 @@ impl WindowRun {
             inserted: Vec::new(),
         };
 
+        // An iteration that inserted nothing in this window adds no entry: the list ends with the last one that did.
         for (index, &count) in self.inserted.iter().enumerate() {
             if count > 0 {
                 counts.insert(index, count);
@@ -324,7 +326,8 @@ impl WindowRun {
         let keeps_stages = self.kept.is_some();
         self.stage = self.stage_of(self.step);
 
-        // These steps begin phases, which need other buffers than the phase before.
+        // These steps begin phases, which need other buffers than the phase before. A run that begins within a phase is
+        // a recorded one, which holds all buffers from its start.
         let phase = match self.step {
             Step::Survive => Some(Phase::Fill),
             Step::Level(1) => Some(Phase::Levels),

@@ -59,9 +59,11 @@ pub fn show(ui: &mut Ui, state: &State, palette: &Palette, commands: &mut Vec<Co
         heading(ui, labels(state).forms).known_as("lesson-forms");
         let intro = RichText::new(labels(state).forms_intro).color(palette.muted);
         ui.add(Label::new(intro).wrap());
+        // A form has no number, which 0 stands for. Neither has the first lesson, whose index is 0: it introduces the
+        // program.
+        let no_number = 0;
         for (lesson, shipped) in &forms {
-            // A form has no number. Neither has the first lesson, whose index is 0.
-            entry(ui, state, lesson, shipped, 0, palette, commands);
+            entry(ui, state, lesson, shipped, no_number, palette, commands);
         }
     }
 
@@ -137,9 +139,9 @@ fn results(ui: &mut Ui, state: &State, palette: &Palette, commands: &mut Vec<Com
     let text = if count == 0 {
         labels.no_results.to_owned()
     } else {
-        let share = ui.words(format!("{:.0}%", 100.0 * results.share()));
+        let mean_score = ui.words(format!("{:.0}%", 100.0 * results.share()));
         let text = labels.some_results.replace("{count}", &count.to_string());
-        text.replace("{share}", &share)
+        text.replace("{share}", &mean_score)
     };
     ui.add(Label::new(RichText::new(text).color(palette.muted)).wrap())
         .known_as("lesson-results");
