@@ -141,18 +141,18 @@ pub fn with_shares_of(
     shown: &Tree<Panel>,
 ) -> Tree<Panel> {
     let ids: Vec<TileId> = tree.tiles.tile_ids().collect();
-    let linear = |tree: &Tree<Panel>, id| match tree.tiles.get(id) {
+    let row_of = |tree: &Tree<Panel>, id| match tree.tiles.get(id) {
         Some(Tile::Container(Container::Linear(linear))) => Some(linear.clone()),
         _ => None,
     };
     for id in ids {
-        if let (Some(old), Some(seen)) = (linear(before, id), linear(shown, id))
-            && let Some(Tile::Container(Container::Linear(linear))) = tree.tiles.get_mut(id)
+        if let (Some(row_before), Some(row_shown)) = (row_of(before, id), row_of(shown, id))
+            && let Some(Tile::Container(Container::Linear(row))) = tree.tiles.get_mut(id)
             // A row that was resized differs from the one that was shown, and keeps its new shares.
-            && *linear == seen
+            && *row == row_shown
         {
             // The rest is equal, as enlarging changes shares alone.
-            *linear = old;
+            *row = row_before;
         }
     }
     tree

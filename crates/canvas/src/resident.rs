@@ -48,7 +48,8 @@ impl Resident {
         let all = points.len();
         let ends: Vec<usize> = match &scene.session.nested {
             Some(nested) => nested.ends().collect(),
-            // Any beginning of a stipple is evenly spread, so that its beginnings are levels.
+            // Any beginning of a stipple is evenly spread, so that its beginnings are levels: four, each four times as
+            // long as the one before, like the levels that other sets are thinned to.
             None if scene.session.has_prefixes() => {
                 [64, 16, 4, 1].map(|part| all.div_ceil(part)).to_vec()
             }
@@ -120,7 +121,7 @@ impl Resident {
 }
 
 /// Returns the samples whose styles may differ between two moments: those of the events between, if they are few and
-/// recorded.
+/// recorded. `None` otherwise, and if the keys differ in more than the moment.
 fn changed<'a>(
     scene: &Scene<'a>,
     before: LooksKey,

@@ -128,8 +128,8 @@ fn named(gate: &Gate, question: &Question, scene: &Scene) -> Result<Vec<Named>, 
     // The right samples and places are among the marks only once the question is answered.
     let is_done = true;
     let (chosen, not_chosen) = (true, false);
-    // A learner points at the samples and places of the list. A right place is marked once more beside its place in the
-    // list, and that mark is not chosen.
+    // A learner points at the samples and places of the list. A sample has one mark, whether it is right or not. A
+    // right place has another mark besides the one of its place in the list, at which the learner does not point.
     let marks = question
         .interaction
         .marks(&Draft::default(), is_done)

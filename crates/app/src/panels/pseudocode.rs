@@ -153,8 +153,8 @@ pub fn show(ui: &mut Ui, context: &PanelContext<'_>, commands: &mut Vec<Command>
     let has_moved = seen.as_ref().is_none_or(|seen| seen.now != now);
 
     let mut area = ScrollArea::vertical().auto_shrink([false, false]);
-    // The lines are taken to be where they were in the frame before. Their places in this frame come after its end,
-    // when a run that plays has moved on.
+    // The lines are taken to be where they were in the frame before: their places in this frame are found only while
+    // they are drawn, which is too late to scroll to one of them.
     let offset = seen.and_then(|seen| seen.placed.scroll_to(now.leading()));
     if let Some(offset) = offset.filter(|_| has_moved) {
         area = area.vertical_scroll_offset(offset);
