@@ -37,6 +37,7 @@ pub fn show(ui: &mut Ui, context: &PanelContext<'_>, commands: &mut Vec<Command>
     };
 
     ui.spacing_mut().item_spacing.y = 1.0;
+    // The heads are a row of each table.
     if let Some(nested) = &session.nested {
         let size = [nested.claims.len() + 1, 3];
         return table(ui, heads, size, Role::Grid, |ui| {
@@ -50,7 +51,6 @@ pub fn show(ui: &mut Ui, context: &PanelContext<'_>, commands: &mut Vec<Command>
         return name_and_value(ui, "Made", &grouped(made), palette);
     }
 
-    // The heads are a row.
     let size = [session.stages.len() + 1, 3];
     table(ui, heads, size, Role::Grid, |ui| {
         stages(ui, context, session, commands);
@@ -119,6 +119,7 @@ fn levels(
 
     // Nested levels are always shown as a prefix, of at least one sample.
     let count = context.run.prefix().unwrap_or(1);
+    // A claim says of the samples up to the end of a level how many they are, and which distance they keep.
     for (level, claim) in nested.claims.iter().enumerate() {
         let radius = claim.distance / session.run().domain.radius();
         let texts = [

@@ -74,6 +74,7 @@ pub fn exact_sample(
 
     let summary = samples.counts.summary(samples.points.len() as u64);
     let result = sampled(samples.points, samples.tags, with_sources);
+    // The run states the defaults of the parameters that have no meaning here.
     Run::of_result(&parameters.as_exact(), history.pattern(), result, summary)
 }
 

@@ -180,6 +180,7 @@ impl<'a> PresentSamples<'a> {
             is_lost: false,
         });
 
+        // The lists have the first bits of an arrival, which nearly always decide.
         let when = dart.arrival.when();
         self.visit_lists(place, |lists, cell, at| {
             lists.add(cell, Covering { at, when, id });

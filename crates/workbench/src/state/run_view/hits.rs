@@ -37,6 +37,7 @@ impl Hits {
             FoundEvents::Nothing => None,
             FoundEvents::Pending(_) => Some("Being counted\u{2026}".to_owned()),
             FoundEvents::Failed(why) => Some(why.clone()),
+            // Where conditions fail too often, counting ends early, and the number is that of the stops up to there.
             FoundEvents::Events(events) => {
                 let times = counted(events.len(), "time", "times");
                 Some(match events.len() {
