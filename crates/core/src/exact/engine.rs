@@ -232,9 +232,9 @@ impl<'a> ExactTiling<'a> {
         // The pattern's place at the lowest corner of `rect` enlarged by r, as `block.start` is that of the whole
         // block.
         let start = I64Vec2::from(block.start) + I64Vec2::from(rect.min) - block.rect.min;
-        let held = self.history.pattern().domain().rect();
+        let pattern_rect = self.history.pattern().domain().rect();
         let in_domain = self.present.rect_in_domain(tile, &rect);
-        for piece in pieces(tile, &in_domain, start, symmetry, &held) {
+        for piece in pieces(tile, &in_domain, start, symmetry, &pattern_rect) {
             self.cells.add(piece);
         }
 
@@ -347,7 +347,8 @@ impl<'a> ExactTiling<'a> {
         };
 
         if !self.present.is_covered(dart, sample.tile) {
-            // Where no sample of another block could cover it, it is one of the rest, which stay.
+            // More than r inside its tile, no sample of another block could cover it: it was never contested, and is
+            // recorded with the rest of the samples that stay.
             let rest = T::ENABLED && self.tiles[sample.tile as usize].rect.depth(sample.place) > R;
             recorder.record(RunEvent::Keep { sample: id, rest });
             return;
@@ -596,6 +597,7 @@ impl<'a> ExactTiling<'a> {
     fn count(&self, counts: &mut WindowCounts) {
         counts.clear();
         let window = self.present.ground().frame.window;
+        // Each block has its lowest corner in one window, so that the counts of all windows add up.
         let corners = self.blocks.iter().map(|block| block.rect.min);
         let inside = corners.filter(|&corner| Rect64::from(window).contains(corner));
         counts.blocks = inside.count() as u64;

@@ -120,6 +120,7 @@ fn difference_text(ui: &mut Ui, palette: &Palette) {
 /// everywhere.
 fn cells_of(spectrum: &Spectrum) -> String {
     let picture = &spectrum.picture;
+    // The picture has `size` by `rows` cells, each of `side` by `row_side` frequencies.
     let mut text = match [picture.side, picture.row_side] {
         [1, 1] => String::new(),
         [side, row_side] => format!("; means of {side} \u{d7} {row_side}"),
