@@ -111,8 +111,8 @@ impl Incoming {
         self.beside.iter().find(of_this)
     }
 
-    /// Returns the point set in it, in domain units, if its certificate states a field or a shape; `None` for other files,
-    /// and for one that cannot be read, whose reading as another kind says why.
+    /// Returns the point set in it, in domain units, if its certificate states a field or a shape; `None` for other
+    /// files. A file that cannot be read gives `None`, too: it is read as another kind after that, which says why.
     #[must_use]
     pub fn varying_set(&self) -> Option<ReadSet> {
         self.within(MAX_PATTERN_BYTES).ok()?;

@@ -153,9 +153,9 @@ impl CellOrder {
             }
 
             // The others are tried one by one; those too near remain for a finer level.
-            for (sample, &point) in levels.iter_mut().zip(&visited) {
-                if *sample > level && taken.take(point) {
-                    *sample = level;
+            for (found, &point) in levels.iter_mut().zip(&visited) {
+                if *found > level && taken.take(point) {
+                    *found = level;
                 }
             }
         }

@@ -172,8 +172,8 @@ impl MarkedCells {
         }
     }
 
-    /// Appends to `out` the cells of side `to` within a cell of `side` that no sample of `decided` covers alone: in all others
-    /// every dart is refused.
+    /// Appends to `out` the cells of side `to` within a cell of `side` that no sample of `decided` covers alone. In a
+    /// cell that one sample covers every dart is refused.
     pub(crate) fn cut(
         &self,
         cell: PieceCell,
