@@ -46,8 +46,8 @@ impl App {
             return;
         };
 
-        // The first window shows the stage, unless the two are exchanged or the notes alone are open. It cannot be closed, so
-        // that the notes move into it.
+        // The first window shows the stage, unless the two are exchanged or the notes alone are open: the first window
+        // stays while the talk goes on, and then shows the notes.
         let windows = talk.windows;
         let roles = match (windows.stage, windows.notes, windows.are_swapped) {
             (true, true, true) | (false, true, _) => [Role::Notes, Role::Stage],

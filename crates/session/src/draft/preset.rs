@@ -140,6 +140,7 @@ impl Preset {
             Self::Uniform => p.insertion = Insertion::Uniform,
             Self::Exact => {
                 p.method = TilingMethod::Exact;
+                // The pattern that exact tilings of so many samples usually have.
                 p.pattern = p.usual_pattern();
             }
         }

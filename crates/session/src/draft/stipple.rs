@@ -164,6 +164,7 @@ impl StippleDraft {
             VaryingError::Tone {
                 name: "contrast", ..
             } => StippleNumber::Contrast,
+            // The check has no other errors than those of the tone and of white.
             _ => StippleNumber::White,
         };
         Some(refused(number, sentence(&error.to_string())))
