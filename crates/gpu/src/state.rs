@@ -71,6 +71,7 @@ impl State {
             state.origins = device.words(Name::Origins, 0..2 * tiled).await?;
             if at_least(Stage::Eliminate) {
                 state.by = device.words(Name::By, 0..tiled).await?;
+                // A cell of the grid has four words: three slots for samples and their count.
                 state.grid = device.words(Name::Grid, 0..4 * cells).await?;
             }
         }
@@ -82,8 +83,9 @@ impl State {
         }
 
         if at_least(Stage::Finish) {
-            let count = 2 * u64::from(work.counter(counter::KEPT));
-            state.result = device.words(Name::Result, 0..count).await?;
+            // A sample's place has two words.
+            let words = 2 * u64::from(work.counter(counter::KEPT));
+            state.result = device.words(Name::Result, 0..words).await?;
         }
 
         Ok(state)

@@ -115,7 +115,8 @@ impl WindowRun {
         })
     }
 
-    /// Begins with a stage whose input was uploaded. `inserted` has the counts of the iterations before it.
+    /// Begins with a stage whose input was uploaded. `inserted` has the counts of the iterations before it, and `base`
+    /// is the run up to it, which the CPU has made.
     pub(crate) fn begin_at(&mut self, stage: Stage, inserted: Vec<u64>, base: Run) {
         let is_uniform = self.setup.parameters.insertion == Insertion::Uniform;
         self.step = match stage {
@@ -455,6 +456,7 @@ impl WindowRun {
             },
             unsure: needed(self.counter(counter::UNSURE), room.unsure),
             proposals: needed(self.counter(counter::PROPOSALS), room.proposals),
+            // The lists of this level's active cells and of the next one's have the same room.
             active: needed(
                 self.counter(counter::ACTIVE)
                     .max(self.counter(counter::NEXT_ACTIVE)),
@@ -500,7 +502,8 @@ impl WindowRun {
             }
             Step::Iterate(1) => {
                 if let Some(kept) = &mut self.kept {
-                    // The grid is kept before detection, which removes the marks of the detectors.
+                    // The grid is kept before detection, which removes the marks of the detectors. A cell has four
+                    // words, of four bytes each.
                     let cells = self.plan.cells();
                     kept.entry(1).or_default().grid =
                         self.device.bytes(Name::Grid, 0..16 * cells).await?;
@@ -512,6 +515,7 @@ impl WindowRun {
                 if active == 0 {
                     self.step = Step::Finish;
                 } else if let Some(kept) = &mut self.kept {
+                    // The place of a cell has two words.
                     let cells = self.device.bytes(Name::Active, 0..8 * active).await?;
                     kept.entry(k).or_default().active = cells;
                 }

@@ -169,7 +169,7 @@ impl CurvePoints {
         let index = match direction {
             Direction::Forwards => {
                 let next = self.events.partition_point(|event| *event <= cursor);
-                // The first moment has none before it, above which its value could be.
+                // The first moment is left out: it has no moment before it to rise from.
                 (next.max(1)..self.events.len()).find(is_rise)
             }
             Direction::Backwards => {

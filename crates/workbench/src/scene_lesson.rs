@@ -169,7 +169,8 @@ fn write_moment(text: &mut String, scene: &SavedScene) {
     let _ = writeln!(text, "layers: {}", layers.as_deref().unwrap_or("automatic"));
 
     let camera = SceneCamera::of(&scene.view);
-    // The lesson makes the run of the scene again, so that its camera need not move with the event.
+    // In another run a camera moves by as much as the scene's event is elsewhere. The lesson makes the run of the scene
+    // again, in which that event is where it was.
     let is_same_run = true;
     let placed = camera.and_then(|camera| {
         let center = camera.placed(camera.event, is_same_run)?;

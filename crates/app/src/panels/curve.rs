@@ -103,7 +103,7 @@ fn chart_of(
     frame.show(ui, context, session, commands);
 }
 
-/// Shows the choice of the number, its value at the moment, and what saves the curve.
+/// Shows the choice of the number, its value at the moment, and the buttons that save and hide the curve.
 fn chooser(ui: &mut Ui, context: &TimeContext<'_>, commands: &mut Vec<Command>) {
     let number = context.curve.number;
     let named = |number: Option<CurveNumber>| {
@@ -362,6 +362,7 @@ impl CurveFrame<'_> {
 
     /// Draws the curve: in each column of pixels from the least to the largest value there, so that no peak is lost.
     fn line(&self, painter: &Painter, palette: &Palette) {
+        // Every session has a stage, and so a segment.
         let (left, right) = (self.segments[0].left, self.rect.right());
         let mut line: Vec<Pos2> = Vec::new();
         let mut first = 0;
@@ -378,7 +379,7 @@ impl CurveFrame<'_> {
             });
             if low <= high {
                 // The next column begins with this column's last value, so that the line ends there. Where that is not
-                // defined, any value of the column would serve as the end: it is the largest one.
+                // defined, the largest value is the end; any other of the column would do.
                 let last_value = values[values.len() - 1];
                 let end = if last_value.is_finite() {
                     last_value

@@ -67,6 +67,7 @@ fn of_level(
     nested: &NestedLevels,
     level: usize,
 ) -> ([String; 3], String, String) {
+    // A claim says of the samples up to the end of a level how many they are, and which distance they keep.
     let claim = nested.claims[level];
     let radius = claim.distance / session.run().domain.radius();
     let tip = format!(

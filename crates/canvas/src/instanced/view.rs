@@ -177,7 +177,8 @@ impl PlaneView {
     pub fn frame(&self, shift: DVec2, options: &PaintOptions) -> LayerUniforms {
         let pixels = self.pixels_per_point;
 
-        // The camera's place is given in whole radii and the rest, since one float of 32 bits would be too coarse in a large domain.
+        // The camera's place is given in whole radii and the rest, which is in units of the lattice: one float of 32
+        // bits would be too coarse in a large domain.
         let center = self.camera.center - shift;
         // These bounds fit into whole numbers of 32 bits, and beyond them nothing is in view.
         let whole = center.floor().clamp(DVec2::splat(-1e9), DVec2::splat(1e9));

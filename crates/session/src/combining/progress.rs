@@ -137,7 +137,7 @@ impl Observer for Gluing<'_> {
             Stage::Eliminate => StageShare::new(0.2, 0.3),
             Stage::Iterate(1) => StageShare::new(0.5, 0.3),
             Stage::Iterate(_) => StageShare::new(0.8, 0.1),
-            // Gluing has neither a pattern nor blocks.
+            // Gluing has neither a pattern, nor blocks, nor regions of a parallel engine.
             Stage::Pattern | Stage::Blocks | Stage::Regions => StageShare::new(0.0, 0.0),
             Stage::Finish => StageShare::new(0.9, 0.1),
         };

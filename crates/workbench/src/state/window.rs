@@ -25,7 +25,7 @@ pub struct WindowState {
     pub embedding: Option<Embedding>,
     /// Whether the bar at the top is left out.
     pub bare: bool,
-    /// Whether the window can use full screen.
+    /// Whether the window can use full screen, or was asked to enter or leave it.
     pub full_screen: FullScreen,
     /// Whether the user asked to close the window, which the program then does.
     pub quits: bool,
@@ -115,6 +115,7 @@ impl WindowState {
             WindowCommand::CloseHelp => self.help = None,
 
             // The window itself.
+            // The program carries these two out.
             WindowCommand::ToggleFullScreen => self.full_screen = FullScreen::Asked,
             WindowCommand::Quit => self.quits = true,
         }

@@ -72,6 +72,7 @@ impl Answers<'_> {
     /// Shows one of the question's controls: each kind has its own way to be chosen from or typed into.
     fn control(&self, ui: &mut Ui, control: &Control, commands: &mut Vec<Command>) {
         match control {
+            // On the screen every sentence is shown, also one that paper lacks.
             Control::Line { text, .. } => {
                 let text = RichText::new(text).color(self.palette.muted);
                 ui.add(Label::new(text).wrap());

@@ -49,7 +49,7 @@ pub(super) fn show(
     });
 }
 
-/// Returns a remark on the rows drawn, and its explanation, which is empty where no row is drawn.
+/// Returns a remark on the rows drawn, and its explanation, which is empty where the rows of the buffer have no places.
 fn remark_on(rows: &Rows<'_>) -> (String, &'static str) {
     let name = rows.table.name.as_str();
     if let Some(why) = rows.places.unplaced() {
