@@ -468,14 +468,13 @@ impl FileState {
             }
 
             // A file that is opened by its path waits for a run, and then comes as a dropped one.
-            FileCommand::Open(_) => None,
-
             FileCommand::Sheet(_)
             | FileCommand::Close
             | FileCommand::Path(_)
             | FileCommand::Browse
             | FileCommand::Chosen(_)
             | FileCommand::Cancel
+            | FileCommand::Open(_)
             | FileCommand::SaveCurve(_)
             | FileCommand::Last => None,
         }
@@ -573,8 +572,9 @@ fn read_lesson(file: &NamedBytes) -> Result<LessonCommand, String> {
     Ok(LessonCommand::Read(name, text))
 }
 
-/// Returns whether a session's field or shape is from an image or a grid, or has more corners than a session holds.
-fn has_ground_from_file(session: &Session) -> bool {
+/// Returns whether a session's field or shape is from an image. A grid and a polygon with more corners than a session
+/// holds count as images: they are refused alike.
+fn has_image(session: &Session) -> bool {
     let request = session.ground.as_ref().map(|made| &made.asked.1);
     request.is_some_and(|request| PortableGround::of(request).is_none())
 }
@@ -592,8 +592,7 @@ impl RunView {
         let levels = "Nested levels are not saved as a session: a link to them, or an export of the set, gives them again.";
         match &session.combination {
             None if session.nested.is_some() => Some(levels),
-            // Long polygons are refused as images are.
-            None if has_ground_from_file(session) => Some(image),
+            None if has_image(session) => Some(image),
             Some(combination) => (combination.files > 0).then_some(files),
             None => self.debugger.is_none().then_some(events),
         }
