@@ -114,9 +114,9 @@ impl Scenes {
                         debugger.scenes.remove(index);
                     }
                 });
-                // The removed scene may be the one that is shown, and those behind it have other indices now. After a
-                // removal no scene of the user is shown at all, which is simpler than to correct the index, as `Move`
-                // does. A scene of the tour, which is in another list, stays.
+                // The removed scene may be the one that is shown, and those behind it have other indices now. Which one
+                // was shown is not followed up here, as `Move` does: after a removal no scene of the user is shown. A
+                // scene of the tour, which is in another list, stays.
                 self.shown = self.shown.filter(|_| self.is_touring());
             }
 

@@ -40,8 +40,8 @@ impl SeamTiling<'_> {
             let IVec2 { x, y } = symmetry.turn(second.offset());
             let blocker = Point::new(dart.place.x + x, dart.place.y + y);
             dart.place = in_domain(moved, dart.place);
-            // While its second blocker is present, it stays refused. In doubt the dart goes on the agenda, which
-            // decides again.
+            // While its second blocker is present, it stays refused. In doubt the dart goes on the agenda, and is
+            // decided again in its turn.
             let is_refused =
                 second.is_some() && inside.contains(blocker) && !missing.may_have(second.number());
             if is_refused {
