@@ -47,7 +47,8 @@ impl KeptFolder {
     ///
     /// # Errors
     ///
-    /// A sentence, if the folder cannot be written; the window still has the results.
+    /// A sentence, if the folder cannot be written, or its results cannot be read or put aside; the window still has
+    /// its own results.
     pub fn store_results(
         &self,
         merge: impl FnOnce(Option<&str>) -> ResultsToStore,
@@ -61,13 +62,14 @@ impl KeptFolder {
         };
         fs::create_dir_all(&self.folder).map_err(|error| failed(&error))?;
 
-        // Two windows that answer at once would otherwise read the same file, and the second would undo the first.
+        // Two windows that answer at once would otherwise read the same file, and the second would undo the first. The
+        // lock ends when its file is closed, at the end of this function.
         let lock = File::create(self.folder.join(LOCK)).map_err(|error| failed(&error))?;
         lock.lock().map_err(|error| failed(&error))?;
         let stored = match fs::read(&path) {
             Ok(bytes) => Some(String::from_utf8_lossy(&bytes).into_owned()),
             Err(error) if error.kind() == std::io::ErrorKind::NotFound => None,
-            // Without the old results the new ones would replace them.
+            // To go on without the old results would replace them by the new ones alone.
             Err(error) => return Err(failed(&error)),
         };
         let results = merge(stored.as_deref());

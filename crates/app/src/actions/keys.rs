@@ -43,7 +43,7 @@ pub fn keys_of(state: &State, command: &Command) -> Option<KeyboardShortcut> {
 pub fn shortcut_text(ctx: &egui::Context, shortcut: &KeyboardShortcut) -> String {
     let text = ctx.format_shortcut(shortcut);
     let name = shortcut.logical_key.name();
-    // egui has words for these keys, in whose place their signs stand.
+    // egui writes these keys as words.
     let sign = match shortcut.logical_key {
         Key::Period => ".",
         Key::Plus => "+",
@@ -54,6 +54,7 @@ pub fn shortcut_text(ctx: &egui::Context, shortcut: &KeyboardShortcut) -> String
     };
     match text.strip_suffix(name) {
         Some(modifiers) => format!("{modifiers}{sign}"),
+        // On a Mac egui writes signs itself.
         None => text,
     }
 }
@@ -200,7 +201,8 @@ fn ahead(ctx: &egui::Context, state: &State) -> Option<Ahead> {
 
         for event in &input.events[from..] {
             match event {
-                // After the key that closes the list, text is no longer for it.
+                // Text after the key that closes the list is not added. It is dropped below, as it was typed for a
+                // list.
                 _ if typed.is_entered || typed.is_closed => {}
                 Event::Text(text) => typed.text.push_str(text),
                 event if press(event) == Some((Key::Enter, NONE)) => typed.is_entered = true,
@@ -209,7 +211,8 @@ fn ahead(ctx: &egui::Context, state: &State) -> Option<Ahead> {
             }
         }
 
-        // The list was open, and this frame has typed nothing into it: its field will take the other keys.
+        // The list was open, and this frame has typed nothing into it. Its field, which asks for the focus when it is
+        // shown, will take the other keys.
         if !typed.is_closed && open.is_some_and(|open| open.text == typed.text) {
             return None;
         }
@@ -230,8 +233,9 @@ fn ahead(ctx: &egui::Context, state: &State) -> Option<Ahead> {
 }
 
 impl Ahead {
-    /// Returns the commands of the keys that were pressed before the list of actions was shown: to close it, to carry
-    /// out the first action that its text finds, or to give it the text; none if there is no text.
+    /// Returns the commands of the keys that were pressed before the field of the list had the focus: to close the
+    /// list, to carry out the first action that the text finds, or to give the list the text. There is none if the
+    /// list stays open and has no text.
     fn commands(self, state: &State) -> Vec<Command> {
         if self.is_closed {
             return vec![Command::Window(WindowCommand::CloseFinder)];
@@ -245,7 +249,7 @@ impl Ahead {
             choice: 0,
         };
         let first = found(&finder, state).into_iter().next();
-        // An action that is unavailable is listed, and Enter does nothing.
+        // Enter carries out no unavailable action, and the list stays open with the text.
         match first.filter(|action| self.is_entered && action.refusal.is_none()) {
             Some(action) => vec![Command::Window(WindowCommand::CloseFinder), action.command],
             None => vec![Command::Window(WindowCommand::FinderText(finder.text))],

@@ -33,7 +33,7 @@ pub struct CompareContext<'a> {
     pub first: &'a RunView,
     /// Run B, if there is one, and the results of the comparison.
     pub second: Option<&'a (RunView, Comparison)>,
-    /// The presets for run B, and why none can start now.
+    /// The presets for run B, each with the reason why it cannot start now, if there is one.
     pub presets: Vec<(ComparePreset, Option<String>)>,
     /// Why going to the divergence is unavailable, if it is.
     pub parting: Option<&'static str>,
@@ -125,6 +125,7 @@ fn compared(ui: &mut Ui, index: usize, name: &str, values: [&str; 2], palette: &
     let shown: Vec<_> = shown
         .map(|text| lay(text, TextStyle::Monospace, palette.text))
         .collect();
+    // The width of the values, each with the gap before it.
     let wide: f32 = shown.iter().map(|galley| galley.size().x + APART).sum();
 
     let fits = label.size().x + wide <= ui.available_width();
@@ -272,15 +273,16 @@ fn description(divergence: &Divergence) -> Vec<String> {
         ],
 
         Divergence::Events {
-            a,
+            a: index,
             sentence_a,
             sentence_b,
             ..
         } => vec![
             // Events are counted from 0, so that the index of the first one that differs is the number of equal ones.
-            match a {
+            // The index in run B is another one only where tests were left out of a recording.
+            match index {
                 1 => "The first event is the same. Then:".to_owned(),
-                _ => format!("The first {} events are the same. Then:", grouped(*a)),
+                _ => format!("The first {} events are the same. Then:", grouped(*index)),
             },
             format!("A: {sentence_a}"),
             format!("B: {sentence_b}"),

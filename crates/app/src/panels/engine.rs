@@ -10,7 +10,7 @@ use tilescope_workbench::device::EngineChoice;
 const EXPLANATION: &str =
     "What computes the run. All engines give the same points; choosing the GPU tests it first.";
 
-/// Shows the chooser and, where there is more to say of the engine than its name, a line.
+/// Shows the chooser and, where there is more to say of the engine than its name, a remark.
 pub fn show(ui: &mut Ui, context: &FormContext<'_>, commands: &mut Vec<Command>) {
     let palette = context.palette;
     labelled(ui, ("Engine", EXPLANATION), palette, |ui, label| {
@@ -33,7 +33,7 @@ pub fn show(ui: &mut Ui, context: &FormContext<'_>, commands: &mut Vec<Command>)
         response.on_hover_text(EXPLANATION);
     });
 
-    // The line is short, and its tooltip says all.
+    // The tooltip of the remark's short line has the full text.
     if let Some((line, all)) = &context.engine {
         let line = RichText::new(line).small().color(palette.muted);
         let label = ui.label(line);

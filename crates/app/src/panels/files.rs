@@ -54,7 +54,8 @@ fn contents(ui: &mut Ui, state: &State, form: &FileForm, own: &mut Vec<FileComma
     ui.add_space(8.0);
     file(ui, state, form, own);
 
-    // Without a question the line is blank, so that nothing below moves when one is asked.
+    // The line asks whether to replace a file, or says that its folder is missing. Otherwise it is blank, so that
+    // nothing below moves when it is needed.
     let saves = form.purpose == Purpose::Save;
     let missing = no_folder(form.path.trim()).filter(|_| saves);
     let question = if form.asked {
@@ -160,6 +161,7 @@ fn refusal(state: &State, form: &FileForm) -> Option<String> {
             .save_refusal()
             .map(str::to_owned)
             .or_else(|| no_folder(path));
+    // The file is compared with the session of run A. To open a file for any other purpose needs no session.
     } else if form.purpose == Purpose::Against && state.runs().first.session.is_none() {
         "There is no session yet."
     } else {

@@ -380,13 +380,15 @@ impl LessonPanel<'_> {
         let Some(feedback) = &self.open.feedback else {
             return;
         };
-        // The colours of insertions, candidates and conflicts stand for right, right in part, and wrong.
+        // The colours of insertions, candidates and conflicts stand for right, right in part, and wrong. Scores are
+        // sums of fractions, which are rounded: `FULL_MARKS` lies just below the score of a right answer.
         let color = match feedback.score {
             score if score > FULL_MARKS => self.palette.inserted,
             score if score > 0.0 => self.palette.candidate,
             _ => self.palette.conflict,
         };
         ui.add_space(6.0);
+        // There is no verdict where the sentence begins with the verdict's word, and after giving up.
         if let Some(verdict) = self.open.verdict(&self.state.lessons().language) {
             let font = FontId::new(self.size, semibold());
             let label = ui.label(RichText::new(verdict).font(font).color(color));
@@ -401,6 +403,7 @@ impl LessonPanel<'_> {
     /// Shows the right answer once the question is closed, the text after it, and the events that explain it.
     fn revealed(&mut self, ui: &mut Ui) {
         let learner = &self.open.learner;
+        // There is none to show after an answer that was exactly right.
         if let Some(answer) = self.open.told_answer(&self.state.lessons().language) {
             let text = format!("{} {answer}", self.labels.the_answer);
             ui.add(Label::new(RichText::new(text).size(self.size)).wrap())

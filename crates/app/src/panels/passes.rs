@@ -201,6 +201,7 @@ impl PassesPanel<'_> {
         let (passes, palette) = (self.passes, self.palette);
         self.title(ui, entry);
         numbers(ui, passes, entry, palette);
+        // The run has not reached the pass yet, or works on it.
         let Some(visit) = passes.visit() else {
             ui.label(muted(
                 "Its buffers are shown when the run is there.",
@@ -214,6 +215,7 @@ impl PassesPanel<'_> {
         self.buffers(ui, visit);
         choice::show(ui, passes, visit, palette, self.commands);
 
+        // `None` if the pass has no buffer at the chosen index.
         if let Some(table) = passes.shown().table(Some(visit)) {
             self.tools(ui, table);
             // The file of the rows and the fault stand below the table, and take this room. The table keeps 60 points, three rows.
@@ -396,7 +398,7 @@ impl PassesPanel<'_> {
         ui.horizontal(|ui| {
             let muted = |text: &str| RichText::new(text).color(palette.muted);
             let label = ui.label(muted("What if word"));
-            // A word has four bytes.
+            // A word has four bytes. An empty buffer has no word: there the fault changes nothing.
             let last = (table.bytes / 4).saturating_sub(1);
             ui.add(DragValue::new(&mut index).range(0..=last))
                 .labelled_by(label.id);
@@ -425,7 +427,8 @@ fn muted(text: &str, palette: &Palette) -> RichText {
 fn summary(passes: &Passes) -> String {
     let entries = passes.entries();
     let count = |wanted: fn(&Badge) -> bool| entries.iter().filter(|e| wanted(&e.badge)).count();
-    // Within a stage the CPU has no state to compare with.
+    // Within a stage the CPU has no state to compare with. Each pass that ends a stage was compared, so that it
+    // differs if it is not equal.
     let compared = count(|badge| *badge != Badge::Intermediate);
     let equal = count(|badge| *badge == Badge::Equal);
     let all = counted(entries.len(), "pass", "passes");

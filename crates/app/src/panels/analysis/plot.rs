@@ -65,7 +65,7 @@ pub struct Plot<'a> {
     pub title: &'a str,
     /// The horizontal axis, with its label below.
     pub x: PlotAxis<'a>,
-    /// The vertical axis; its label is only read out.
+    /// The vertical axis; its label is neither drawn nor read out.
     pub y: PlotAxis<'a>,
     /// A reference level with its meaning.
     pub level: (f64, &'a str),
@@ -177,7 +177,8 @@ impl Plot<'_> {
         format!("Chart: {} over {}.{curves}", self.title, self.x.label)
     }
 
-    /// Returns the values at x, in words.
+    /// Returns the values of the curves at their points nearest to x, in words, without curves that have no point
+    /// near x.
     fn rows(&self, x: f64) -> Vec<String> {
         let mut rows = vec![format!("{} = {x:.3}", self.x.sign)];
         for curve in &self.curves {
