@@ -131,8 +131,8 @@ enum AnySweep {
 }
 
 impl Bands {
-    /// Returns a run at its beginning. With `sources` the samples have their sources. `warn` is called when the
-    /// parallel engine takes over for a device.
+    /// Returns a run at its beginning. With `sources` each band says where each of its samples comes from
+    /// ([`Sampled::sources`]). `warn` is called when the parallel engine takes over for a device.
     ///
     /// Fails when `parameters` and `pattern` cannot be sampled, when the engine makes no bands, and when a device fails
     /// that has no substitute.

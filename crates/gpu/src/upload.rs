@@ -32,7 +32,8 @@ pub(crate) fn upload(
         // From these stages on the device makes the grid of survivors itself.
         Stage::Eliminate | Stage::Iterate(1) => write_tiled(work, engine.run(), &mut counters)?,
         Stage::Iterate(_) | Stage::Finish => {
-            // The run may end before this iteration.
+            // The run may end before this iteration. Its end can have passed: a step of the engine that finds no gap
+            // goes on to the end.
             if engine.next() != Some(first) && first != Stage::Finish {
                 return Err(GpuError::FirstStage { stage: first });
             }

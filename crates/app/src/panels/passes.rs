@@ -462,6 +462,7 @@ fn way(ui: &mut Ui, visit: &Visit, palette: &Palette) {
 fn numbers(ui: &mut Ui, passes: &Passes, entry: &PassEntry, palette: &Palette) {
     let report = &entry.report;
     let mut parts = Vec::new();
+    // Of a pass whose workgroups the device counted, the numbers are unknown unless they were read back.
     if let Some([x, y, z]) = report.workgroups {
         let from = if report.indirect {
             " (counted by the device)"
@@ -491,7 +492,7 @@ fn changed_text(count: usize) -> String {
     }
 }
 
-/// Returns how many rows are shown, of how many, and how many were read back.
+/// Returns how many rows are shown, of how many, how many were read back, and how many of these the pass changed.
 fn count_text(table: &BufferTable, shown: usize) -> String {
     let total = table.total as usize;
     let (rows, changed) = (table.rows(), table.changed_count());

@@ -78,6 +78,7 @@ pub fn show(
     }
 
     breakpoints(ui, debugger, palette, commands);
+    // The number of events at which the breakpoints would stop.
     if let Some(text) = context.run.hits.description() {
         ui.label(RichText::new(text).color(palette.muted))
             .known_as("hits");
@@ -249,6 +250,7 @@ fn moment(
         "~ "
     };
     // The cursor is the number of events that have happened. Events are counted from 0, so that the last one is one less.
+    // Before the first event, the tooltip names that one.
     let last = cursor.saturating_sub(1);
     let event = tilescope_debugger::short(debugger.recording(), last);
     let title = match scene_title(scene) {

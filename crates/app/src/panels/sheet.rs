@@ -73,7 +73,7 @@ pub fn entered(ui: &Ui, response: &Response) -> bool {
         )
     };
 
-    // A click elsewhere takes the focus as well.
+    // A field loses its focus by a click elsewhere, too, and by every Enter, repeated or not.
     if !response.lost_focus() || !ui.input(|input| input.key_pressed(Key::Enter)) {
         return false;
     }

@@ -117,7 +117,7 @@ impl Gpu {
 
     /// Creates buffers for samples at `positions` with their ids; their styles are written later.
     pub fn replace(&mut self, positions: &[[i32; 2]], ids: &[u32]) {
-        // The pictures that are cached show the samples before: another revision makes them anew.
+        // The cached pictures show the old samples. Another revision has them drawn anew.
         self.revision.update(|revision| revision + 1);
 
         let device = &self.render.device;

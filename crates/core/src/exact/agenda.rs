@@ -73,6 +73,7 @@ impl Agenda {
         }
         self.deciding = Some(level);
         self.done = 0;
+        // The level before was decided to its end, so that `sudden` is empty.
         self.order.len()
     }
 

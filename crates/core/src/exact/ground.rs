@@ -58,12 +58,13 @@ impl Ground {
             max: Point::new(width + reach(right), height + reach(top)),
         };
 
-        let is_whole = !frame.goes_on.as_flattened().contains(&true);
+        // A periodic domain goes on at every side of the frame.
+        let is_whole_domain = !frame.goes_on.as_flattened().contains(&true);
 
         Self {
             frame,
             joined: None,
-            known: (!is_whole).then_some(known),
+            known: (!is_whole_domain).then_some(known),
         }
     }
 

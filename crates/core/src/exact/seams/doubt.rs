@@ -88,8 +88,8 @@ impl SeamTiling<'_> {
         self.zone_cells.add(rect.min, self.zones.len() as u32);
         self.zones.push(Zone { rect, from });
 
-        // What covers a place of the zone is in the list of the place's cell. A zone is at most R wide, so that its corners lie in
-        // all cells that it touches: nearly always in one.
+        // What covers a place of the zone is in the list of the place's cell. A zone is less than R wide, so that its
+        // corners lie in all cells that it touches: nearly always in one.
         let (low, high) = (rect.min, Point::new(rect.max.x - 1, rect.max.y - 1));
         let corners = [
             low,

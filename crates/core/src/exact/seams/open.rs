@@ -97,9 +97,9 @@ impl SeamTiling<'_> {
         }
     }
 
-    /// Cuts a cell of a level into quarters, and appends to the open cells those that no single sample of the levels
-    /// before that of `from` covers. In a quarter that a certain sample covers alone every dart is refused; a
-    /// quarter that only a doubtful sample covers alone becomes a zone.
+    /// Cuts a cell of a level into quarters. Only samples of levels earlier than the level of `from` count. A quarter
+    /// that one certain sample covers whole is left out, since it refuses every dart there. A quarter that only a
+    /// doubtful sample covers whole becomes a zone. The others are appended to the open cells.
     #[inline(always)]
     fn quarter<S: Simd>(
         &mut self,
@@ -236,7 +236,8 @@ impl SeamTiling<'_> {
                 }
 
                 // A filter: samples of earlier levels are final, and a dart that one of them covers need not wait for its turn.
-                // Samples with the `when` of this level's first arrival are of this level, and do not count.
+                // Samples with the `when` of this level's first arrival are of this level, and do not count: none is
+                // earlier, as the closure says.
                 let list = self.whole_cell(clipper, place, piece.tile);
                 let coverage = self
                     .disks
