@@ -74,7 +74,8 @@ fn bytes(words: &[u32]) -> &[u8] {
     bytemuck::cast_slice(words)
 }
 
-/// Returns the list of images for each tile.
+/// Returns the list of images for each tile: [`TILE_WORDS`] words, of which the first one counts the images. All images
+/// that can reach a tile have room.
 fn tile_images(work: &WindowRun) -> Vec<u32> {
     let frame = &work.plan.uniform;
     let mut lists = vec![0; (frame.tiles * TILE_WORDS) as usize];
@@ -239,7 +240,7 @@ fn write_grid(
                 // Iterations take a byte for each slot, above the count and the flags.
                 slots[3] = (slots[3] + 1) | iteration << (8 + 8 * count);
             } else {
-                // Eliminated or dropped.
+                // Eliminated or dropped: since elimination no sample is undecided.
                 slots[3] |= FLAG_LOST;
             }
         }
@@ -337,7 +338,8 @@ fn write_work(
     if work.setup.parameters.insertion == Insertion::Circumcentre {
         let [columns, rows] = work.plan.frame.cells;
         let cell = |row| (0..columns).map(move |column| (column, row));
-        // More cells than the open ones do no harm: one without an open pixel yields no candidate.
+        // More cells than the open ones do no harm: the device searches each for uncovered pixels, and without any
+        // finds no candidate.
         let all: Vec<u32> = (0..rows)
             .flat_map(cell)
             .map(|(column, row)| work.plan.frame.cell(column, row) as u32)

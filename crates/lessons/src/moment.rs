@@ -51,6 +51,7 @@ impl Moment {
                 Some(("before", rest)) => Self::Before(query(rest)?),
                 Some(("after", rest)) => Self::After(query(rest)?),
                 Some(("ranks", rest)) => Self::Below(rank(rest, line)?),
+                // "of" may be left out.
                 Some(("end", rest)) => Self::EndOf(stage(rest.trim_start_matches("of ").trim(), line)?),
                 _ => Self::At(text.parse().map_err(|_| {
                     let text = shortened(text);

@@ -105,8 +105,9 @@ pub(super) fn ask(
     }))
 }
 
-/// Returns the score of a learner who gives `answers` to the open question: each by the number of events that were
-/// traced so far and the number of answers before it. `None` if one of the answers that the question takes is `None`.
+/// Returns the score of a learner who gives `answers` to the question, after all earlier ones were taken back: each by
+/// the number of events that were traced so far and the number of answers before it. `None` if one of the answers that
+/// the question takes is `None`.
 fn score(
     learner: &mut Learner,
     question: &Question,
@@ -130,13 +131,14 @@ fn score(
     // question that is done the calls do nothing.
     learner.give_up(1.0);
     learner.give_up(1.0);
+    // The end of the question has recorded its entry.
     let entry = learner.take_entries().pop();
     Ok(Some(entry.map_or(0.0, |entry| entry.score)))
 }
 
 /// Returns the answer of a learner with the first known misconception: the first known wrong answer or, of a question
 /// without any, the first wrong option of the file that has a sentence of its own. `None` if there is neither, or if
-/// one sample is asked for and all of the wrong answer are right.
+/// the question asks for one sample and the known wrong answer names no wrong one.
 fn misconception(gate: &Gate, question: &Question) -> Option<Answer> {
     if let Some(wrong) = question.wrong.first() {
         return question.interaction.believed(&wrong.answer);

@@ -53,6 +53,8 @@ impl Findings {
         self.asked += usize::from(is_practised);
 
         match asked {
+            // Of perfect answers and of guesses the check needs only the mean over all questions, which it adds up
+            // itself.
             Ok(Some(Asked {
                 question,
                 scores: [_perfect, _guessing, misconceived],

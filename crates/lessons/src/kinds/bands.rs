@@ -19,6 +19,7 @@ use crate::translation::Translation;
 /// not measured.
 const SAME: f64 = 0.15;
 
+/// The sentence in `otherwise` is read with the fields of every gate: a row names it if its type can have one.
 pub(super) const ROW: KindRow = KindRow {
     name: "bands",
     once: &["from", "to", "otherwise"],
