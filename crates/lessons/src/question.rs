@@ -103,6 +103,7 @@ impl Question {
         let decided_of_gate = decided(gate, scene)?;
         let otherwise = gate.otherwise.as_ref().map(fill).transpose()?;
 
+        // A question for a place lists the places of its known wrong answers, so that all types get the expressions.
         let interaction = gate.kind.ask(&Asking {
             name: &gate.name,
             ask: &gate.ask,

@@ -9,7 +9,8 @@ use crate::error::LessonError;
 use crate::names::{self, PROPERTIES};
 use crate::prose;
 
-/// Words of the expression language.
+/// Words of the expression language. Its functions `abs`, `min` and `max` also pass as names, which the engine
+/// refuses when it evaluates the expression.
 const KEYWORDS: [&str; 8] = ["true", "false", "if", "else", "in", "abs", "min", "max"];
 /// Functions of the expression language that lessons may use.
 const BUILT_IN: [&str; 12] = [

@@ -23,8 +23,8 @@ impl Translation {
     ///
     /// # Errors
     ///
-    /// Text before the first quotation, a quotation without translation or the same one twice, and a translation with
-    /// other expressions in braces than its original.
+    /// A file that is too long, text before the first quotation, a quotation without translation or the same one twice,
+    /// braces that cannot be read, and a translation with other expressions in braces than its original.
     pub fn read(text: &str) -> Result<Self, LessonError> {
         if text.len() > MAX_BYTES {
             let length = text.len();

@@ -162,7 +162,8 @@ fn counts_of(words: &[&str], options: usize) -> Result<Vec<u32>, String> {
         at += 1;
     }
 
-    // Letters without counts, or with counts of 0 alone, would be a vote in which no learner took part.
+    // After letters without counts, or with counts of 0 alone, the counts were forgotten. Zeros without letters stay:
+    // a vote in which no learner took part.
     if is_named && counts.iter().all(|&count| count == 0) {
         return Err("A count follows each letter: A 12 B 30.".to_owned());
     }

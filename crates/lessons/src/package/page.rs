@@ -99,9 +99,9 @@ impl BuiltPage {
         serde_json::from_slice(&bytes).map_err(|_| PackageError::OtherVersion(why))
     }
 
-    /// Returns the program's files by their paths in the package, with its lesson in the place of all lessons: the list in the
-    /// frame then leads to no other, chosen steps and lessons of files open like those that come with the program, and each has
-    /// its translation.
+    /// Returns the program's files by their paths in the package, with the package's lesson in the place of all
+    /// lessons. The list in the frame then leads to no other lesson. A lesson of chosen steps, or one from a file,
+    /// opens like those that come with the program, and with its translation.
     pub(super) fn program(
         mut self,
         lesson: Shipped,
