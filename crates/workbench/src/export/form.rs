@@ -83,6 +83,8 @@ pub struct ExportForm {
 }
 
 impl Default for ExportForm {
+    /// Returns a new sheet. The scenes are counted when it is opened, and the ticks are set when an animation is
+    /// chosen.
     fn default() -> Self {
         Self {
             kind: ExportKind::Result,

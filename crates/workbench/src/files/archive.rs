@@ -82,6 +82,7 @@ pub fn unpacked(file: &NamedBytes) -> Result<Vec<NamedBytes>, String> {
         let entry = archive.by_index(k).map_err(|error| failed(&error))?;
         let (inner, length) = {
             let inner = entry.name().map_err(|error| failed(&error))?;
+            // Files that come together name each other without folders.
             (last_part(&inner).to_owned(), entry.size())
         };
 

@@ -271,6 +271,7 @@ fn combination(incoming: &Incoming, generation: u64, monitor: &Monitor) -> Made 
         ));
     }
 
+    // The saved session of a combination has this field, and a layout has its pieces instead.
     let saved = value
         .get("combination")
         .map(|_| SavedCombination::from_json(text))
@@ -357,10 +358,9 @@ fn session_on_ground(
     let refused = |why: String| named(&SessionError::NoGround(why));
 
     // The file may come from anywhere: its formula and its corners are checked like those of the form.
-    let portable: Option<PortableGround> =
+    let portable: PortableGround =
         serde_json::from_value(saved.ground.clone()).map_err(|error| refused(error.to_string()))?;
     let asked = portable
-        .unwrap_or_default()
         .request()
         .map_err(|error| refused(error.to_string()))?;
     let request = asked.ok_or_else(|| refused("it asks for neither".to_owned()))?;
