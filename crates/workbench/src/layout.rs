@@ -229,7 +229,8 @@ impl LayoutTile {
         }
     }
 
-    /// Returns the tabs that directly contain a panel, to be changed; `None` if it stands in a row or a column.
+    /// Returns the tabs that directly contain a panel, to be changed; `None` if it stands in a row or a column, or
+    /// nowhere.
     fn tabs_around(&mut self, panel: Panel) -> Option<&mut Vec<Self>> {
         let is_here = self.children().any(|tile| *tile == Self::Panel(panel));
         match self {
@@ -372,6 +373,7 @@ impl Default for Layout {
             (tabs(Slot::Middle), 0.605),
             (linear(Direction::Vertical, right), 0.2),
         ];
+        // The timeline is the only panel at the bottom, and needs no tabs.
         let rows = vec![
             (linear(Direction::Horizontal, middle), 0.874),
             (LayoutTile::Panel(Panel::Timeline), 0.126),

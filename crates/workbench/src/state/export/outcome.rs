@@ -223,6 +223,7 @@ fn notice_of(written: &Written, download: Option<&str>) -> (String, bool) {
         What::Picture => (format!("{verb} the picture {to}."), false),
         What::Scenes { count } => {
             let pictures = counted(*count, "picture", "pictures");
+            // The names of ten and more pictures have leading zeros, which the notice leaves out.
             let to = match (download, written.path.file_stem()) {
                 (None, Some(stem)) => {
                     let folder = written.path.with_file_name("");

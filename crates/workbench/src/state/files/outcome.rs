@@ -200,15 +200,16 @@ impl FileState {
                 context.ask(Effect::Against(Arc::new(*file)));
             }
 
+            // The order matters where a run is replaced: a lesson gives back the window first, so that the step to
+            // undo has the user's own run. `Effect::Open` does this itself.
             Done::Levels(session) => {
-                // The order matters: a lesson gives back the window first, so that the step to undo has the user's own run.
                 context.ask(Effect::GiveBack);
+                // A run that is still being made must not replace the levels.
                 context.ask(Effect::StopMaking);
                 context.ask(Effect::RememberRun(UndoPart::Run));
                 context.ask(Effect::Show(session));
             }
 
-            // A lesson gives back the window first, so that the step to undo has the user's own run.
             Done::Image(image) => {
                 context.ask(Effect::GiveBack);
                 context.ask(Effect::Image(image));
@@ -220,6 +221,7 @@ impl FileState {
                 context.ask(Effect::OpenPanel(Panel::Parameters));
             }
 
+            // The pattern is one of the next run's inputs: no run is replaced.
             Done::Pattern(own) => {
                 let samples = counted(own.pattern.samples().len(), "sample", "samples");
                 let text = format!(

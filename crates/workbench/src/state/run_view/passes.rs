@@ -46,8 +46,8 @@ impl RunView {
         if before != passes.selected()
             && let Some(stage) = passes.whole_stage()
         {
-            // A session without events does not have the last iteration as a stage. The last one of its stages that
-            // does not come after that is then shown.
+            // A session without events does not have the last iteration as a stage. In its place the stage before it is
+            // shown.
             let stages = self.session.iter().flat_map(|session| &session.stages);
             let count = stages.take_while(|&&other| other <= stage).count();
             if count > 0 {
