@@ -210,7 +210,7 @@ impl Language {
         depth: usize,
         parts: &mut Vec<(Slot, String)>,
     ) -> bool {
-        // Words must stand in the text as they are. The end of a slot is not known, so that below each possible end is tried.
+        // Words must stand in the text as they are. The end of a slot is not known: each possible end is tried below.
         let (slot, after) = match pieces {
             [] => return english.is_empty(),
             [Piece::Words(words), after @ ..] => {

@@ -47,9 +47,9 @@ pub(super) fn add(list: &mut List, state: &State) {
     let is_at_work = second.is_some_and(|(side, _)| side.sampling.is_some());
     list.add("Cancel B", Command::Cancel(Which::Second))
         .refused((!is_at_work).then_some("B is not being sampled."));
-    let refusal = second.is_none().then_some(NO_SECOND);
+    let no_second = second.is_none().then_some(NO_SECOND);
     list.add("Close B", Command::Compare(CompareCommand::Close))
-        .refused(refusal);
+        .refused(no_second);
 
     list.group();
     let comparison = second.map(|(_, comparison)| comparison);
@@ -77,6 +77,6 @@ pub(super) fn add(list: &mut List, state: &State) {
         ),
     ] {
         let action = list.add(name, Command::Compare(command));
-        action.refused(refusal).marked(is_on);
+        action.refused(no_second).marked(is_on);
     }
 }

@@ -271,7 +271,8 @@ impl LessonPanel<'_> {
     fn question(&mut self, ui: &mut Ui, question: &Question) {
         let (open, labels) = (self.open, self.labels);
         let learner = &open.learner;
-        // A trace asks for one event after another. `predicted` is how many of them the learner has predicted.
+        // A trace asks for one event after another. `predicted` is how many of them the learner has predicted; it is
+        // 0 for other questions.
         let (_, predicted) = learner.tries();
         if let Some(steps) = question.traced() {
             // Once all steps are traced, the last of them stays.

@@ -70,7 +70,7 @@ fn element(name: &'static str, attributes: &[(&'static str, &str)]) -> Element {
 
 /// Returns an element that holds a text alone.
 fn saying(name: &'static str, text: &str) -> Element {
-    // XML 1.0 has no place for control characters, not even as references.
+    // XML 1.0 has no place for most control characters, not even as references, and these texts need none.
     let clean = |c: char| if c.is_control() { '\u{fffd}' } else { c };
     Element {
         text: text.chars().map(clean).collect(),
