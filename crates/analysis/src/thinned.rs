@@ -71,7 +71,8 @@ pub struct ThinnedReport {
     pub conflicts: u64,
     /// Some of those pairs, by their indices.
     pub conflicting: Vec<[usize; 2]>,
-    /// Points given that were not kept, and near which no earlier point was.
+    /// Points given that were not kept, and near which no earlier point was kept; too few where conflicts are too many
+    /// to count, as the search then ends early.
     pub uncovered: u64,
     /// Some of those, by their indices.
     pub uncovered_points: Vec<usize>,
@@ -435,7 +436,8 @@ impl Search<'_> {
         near.sort_unstable_by_key(|point| point.index);
         let mut found = ThinnedReport::default();
         for point in points {
-            // A set that was not thinned at all has more conflicts than are worth counting.
+            // A set that was not thinned at all has more conflicts than are worth counting. It is refused anyway, so
+            // that the other points of this part are not judged.
             if found.conflicts >= MAX_CONFLICTS {
                 break;
             }

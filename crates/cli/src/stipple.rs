@@ -277,6 +277,7 @@ fn picture(made: &Made, context: &ExportContext, columns: u32) -> Result<Vec<u8>
 /// Returns the notes on a stipple.
 fn remarks(stipple: &Stipple) -> Vec<String> {
     let kept = grouped(stipple.made.set.len() as u64);
+    // A stipple's facts always have this number; those of other sets do not.
     let made = stipple.made.facts.made.map(grouped).unwrap_or_default();
     let mut remarks = vec![format!(
         "note: the dots are the first {kept} of {made}, by their arrival"

@@ -140,7 +140,9 @@ impl MeasuredSet {
     ///
     /// # Errors
     ///
-    /// Fewer than three samples, samples outside the region or all at one position; `control` broke.
+    /// Those of the part's own function: fewer than three samples (of the discrepancy none), samples outside the region
+    /// or all at one position, no cell away from the border; `control` broke. That the verifier refuses the set is no
+    /// error: `report` then says why.
     pub fn measure(
         &mut self,
         part: Part,

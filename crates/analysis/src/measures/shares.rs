@@ -203,7 +203,8 @@ impl RingSums {
 }
 
 /// Makes a plan's transform the `S` of the ring's frequencies, and zero elsewhere. Returns the sums over the ring, which count
-/// opposite frequencies apart.
+/// opposite frequencies apart. In the transform a pair of opposite ones that is held once stays single: the adjoint
+/// adds the other one.
 fn restrict(
     values: &mut [Complex<f64>],
     plan: &TransformPlan,

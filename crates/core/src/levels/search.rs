@@ -78,6 +78,7 @@ impl LevelRegion {
         meter: &mut Meter<'_>,
         mut again: impl FnMut(&mut Self, &[GapPlace], &mut Vec<u32>),
     ) -> Result<(), SampleError> {
+        // The first search takes the cells in which the samples lost from the tiles may have left a gap.
         let mut cells = std::mem::take(&mut self.dirty);
 
         for iteration in 1.. {
@@ -225,7 +226,8 @@ impl CellSearch {
         }
     }
 
-    /// Gathers the samples that may be sites of open pixels, but none farther than `reach` from these.
+    /// Gathers the samples that may be sites of open pixels and lie no farther than `reach` from their centres, and
+    /// some others.
     #[inline(always)]
     fn gather_around(
         &mut self,
@@ -252,11 +254,13 @@ impl CellSearch {
         // This exceeds the `sight` of all open pixels, to which `open_cell` adds only four units.
         let reach = reach.min((farthest + slack as f32) as i32 + 8);
 
-        let middle = |first: u32, last: u32| (first + last + 1) as i32 * pixel_side / 2;
+        // `gather` takes a square. From its middle the centres of the open pixels are no farther than `half` on both
+        // axes.
+        let between = |first: u32, last: u32| (first + last + 1) as i32 * pixel_side / 2;
         let half = (right - left).max(top - bottom) as i32 * pixel_side / 2;
         let middle = Point::new(
-            cell.min.x + middle(left, right),
-            cell.min.y + middle(bottom, top),
+            cell.min.x + between(left, right),
+            cell.min.y + between(bottom, top),
         );
         // One unit more, as halves are rounded.
         region
@@ -264,7 +268,7 @@ impl CellSearch {
             .gather(middle, reach + half + 1, cell.min, &mut self.near);
     }
 
-    /// Gathers the samples at most `reach` from the places of a cell.
+    /// Gathers the samples at most `reach` from the places of a cell on both axes, and some others.
     fn gather(&mut self, region: &LevelRegion, cell: &Rect, reach: i32) {
         let half = region.grid.radius().side() / 2;
         let middle = Point::new(cell.min.x + half, cell.min.y + half);
@@ -330,8 +334,8 @@ impl CellSearch {
         //
         //     |s - c|^2 - |n - c|^2 = |s - m|^2 - |n - m|^2 - 2 u (s - n),
         //
-        // and the left side is at most 18 R, since no sample is nearer to c by more than the slack of candidates. Both axes
-        // of 2 u are at most the side. 64 R instead of 18 R outweigh rounding.
+        // and the left side is at most 18 R, the slack of candidates (see the head of `gaps`). Both axes of 2 u are at
+        // most the side. 64 R instead of 18 R outweigh rounding.
         let slack = 64.0 * radius.units as f32;
         self.sites.retain(|site| {
             let apart = (*site - nearest).abs().as_vec2();

@@ -1,4 +1,6 @@
-//! The later module: it imports what it needs of the first, and fills the slots.
+//! The later module: it imports what it needs of the first, and fills the slots. A slot is a place in a table of the
+//! first module; through it a stub, which stands in the first module for a function of the later one, calls that
+//! function.
 
 use anyhow::{Result, anyhow};
 use wasm_encoder::reencode::Reencode;

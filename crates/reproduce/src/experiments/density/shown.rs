@@ -39,14 +39,15 @@ fn growing(batches: &[TorusSets]) -> Vec<TorusSets> {
 /// Returns the chart of the density of all batches up to each, less the published one, in millionths. What the lattice
 /// leaves out of the density is added.
 fn so_far(found: &DensityResults) -> LineChart {
+    // That of a normal variable, as for the verdict.
     let quantile = student_quantile(MISSED, f64::INFINITY);
+    // Of two estimates of what the lattice leaves out, the one that counts, and its error.
     let [left_out, doubt] = found.lattice.used();
     let (mut points, mut band) = (Vec::new(), Vec::new());
 
     for all in growing(&found.batches) {
         let [density, error] = all.density();
         let y = MILLION * (density + left_out - PUBLISHED);
-        // `doubt` is the error of what the lattice leaves out.
         let reach = MILLION * quantile * error.hypot(doubt);
         points.push([all.sums.samples as f64 / MILLION, y]);
         band.push([y - reach, y + reach]);
@@ -74,7 +75,7 @@ fn so_far(found: &DensityResults) -> LineChart {
     drawn
 }
 
-/// Returns the chart of what each level inserts, beside levels that halve.
+/// Returns the chart of what each level inserts to a unit of area, as a logarithm to base 2, beside levels that halve.
 fn by_level(all: &TorusSets) -> LineChart {
     let area = all.area();
     let counts = all.by_level.iter().enumerate();
@@ -82,7 +83,8 @@ fn by_level(all: &TorusSets) -> LineChart {
     let inserting = counts.filter(|(_, count)| **count > 0);
     let points = inserting.map(|(level, count)| [level as f64, (*count as f64 / area).log2()]);
 
-    // The first term of the line is what level 0 would insert, were all levels to halve.
+    // `halving` fits a line to the levels. Its first term is what level 0 would insert to a unit of area, were each
+    // level to insert half as much as the one before.
     let [first, _] = halving(all).terms;
     let halved = (0..all.by_level.len()).map(|level| [level as f64, first.log2() - level as f64]);
     let mut drawn = chart(
