@@ -373,7 +373,8 @@ fn check_all(arguments: &CheckArguments, window: FromWindow) -> Result<u8> {
 
 /// The findings of a check of one lesson.
 struct Report {
-    /// A line for each fault and each warning, then the lesson's numbers.
+    /// A line for each fault and each warning, then the lesson's numbers; of a lesson that cannot be read its fault
+    /// alone.
     text: String,
     /// The same for programs.
     object: Value,
@@ -400,7 +401,8 @@ fn reported(source: Source, seeds: u64, window: FromWindow) -> Result<Report> {
             });
         }
     };
-    // Every question is asked in the runs of all seeds: their faults, and the mean scores of three kinds of learners.
+    // Every question is asked in the runs of all seeds. `found` has the faults, and the mean scores of three kinds of
+    // learners.
     let found = checked(&lesson, seeds)?;
     // A letter that is missing is no fault: the lesson may be for machines whose fonts have it.
     let original = lesson.texts().concat();

@@ -34,6 +34,7 @@ pub fn run(
         .as_ref()
         .and_then(|stated| stated.thinned.as_ref());
     let (Some(stated), Some(thinned)) = (&certificate, thinned) else {
+        // Without a source the caller has found that the set was thinned.
         bail!("--source is for sets whose certificate states that they were thinned");
     };
     // The points were chosen by the certificate's own values: the choice cannot be judged by other ones.
@@ -169,8 +170,8 @@ fn against(
     let points = given.points();
     let mut differences = Vec::new();
     let implied = implied_kept(points, chosen.points(), thinning.ranks());
-    // A point that is not one of the source is a finding. The judge goes on as if no point had been kept, so that the
-    // report has its other numbers.
+    // A point that is not one of the source is a finding. Which points were kept is then not known, and the judge takes
+    // none as kept: the report still states how many were given.
     let kept = implied.unwrap_or_else(|index| {
         let [x, y] = chosen.points()[index];
         differences.push(CertificateDifference {

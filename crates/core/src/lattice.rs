@@ -237,8 +237,9 @@ pub struct Domain {
 impl Domain {
     /// Returns the domain of a user-space rectangle `[0, width] x [0, height]` sampled with `radius`.
     ///
-    /// Fails when a number is not finite or not positive, or a side is shorter or longer in radii
-    /// than [`MIN_SIDE_RADII_PERIODIC`], [`SHORTEST_SIDE_RADII_BOUNDED`] and [`MAX_SIDE_RADII`] allow.
+    /// Fails when the radius is not finite or not positive, a side is not within [`SIDE_LIMITS`], or a side is shorter
+    /// or longer in radii than [`MIN_SIDE_RADII_PERIODIC`], [`SHORTEST_SIDE_RADII_BOUNDED`] and [`MAX_SIDE_RADII`]
+    /// allow.
     pub fn from_size(
         size: [f64; 2],
         radius: f64,

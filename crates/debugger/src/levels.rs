@@ -42,16 +42,16 @@ impl Recording {
     pub fn painted(&self, kept: &[u32]) -> Option<Self> {
         let levels = self.levels()?;
         let points = &self.run().samples.points;
-        let known = || kept.iter().map(|&sample| sample as usize);
+        let indices = || kept.iter().map(|&sample| sample as usize);
 
         let painted = RecordedLevels {
             request: levels.request,
-            ranks: known().map(|sample| levels.ranks[sample]).collect(),
+            ranks: indices().map(|sample| levels.ranks[sample]).collect(),
             // No level is left whole, so that none ends.
             ends: Vec::new(),
             is_painted: true,
         };
-        let left = known().map(|sample| points[sample]).collect();
+        let left = indices().map(|sample| points[sample]).collect();
         Some(Self::of_levels(
             &self.run().parameters,
             *self.domain(),

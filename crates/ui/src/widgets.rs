@@ -264,8 +264,8 @@ fn show_chip(
 
     let mut text = rect.left_center() + vec2(10.0, -galley.size().y / 2.0);
     if let Some((layer, kind)) = layer {
-        // The symbol takes the place of the name, which moves to the right. The symbol of a layer that is off is faint, and keeps its
-        // colours.
+        // The symbol takes the place of the name, which moves to the right. The symbol of a layer that is off is faint,
+        // and keeps its colours.
         let mut shaded = painter.clone();
         if !on {
             shaded.set_opacity(0.45);

@@ -54,8 +54,8 @@ struct Histogram {
 impl Histogram {
     /// Returns the histogram of no pair.
     fn new(plane: Plane) -> Self {
-        // The bins of `PairCorrelation::in_units_of`, for sets that are not too dense: they end just below half of the
-        // shorter side, since beyond that a torus shows a pair twice.
+        // The bins of `PairCorrelation::in_units_of`: they end just below half of the shorter side, since beyond that a
+        // torus shows a pair twice. A dense set has fewer bins there, and `correlation` drops the others.
         let half = 0.499 * plane.region_in_radii().shorter_side();
         // One more bin holds the pairs exactly at the end, and one more those that are farther.
         let bins = (BINS_PER_RADIUS * half).floor().min(MAX_BINS) as usize + 2;

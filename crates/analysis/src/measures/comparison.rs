@@ -38,7 +38,7 @@ impl DifferenceCurve {
     ///
     /// # Errors
     ///
-    /// [`MeasureError::OutOfRange`] for a level outside 0.01 to 0.999999.
+    /// Those of [`power_difference_band`].
     pub fn of_powers(
         profile: &RadialProfile,
         reference: &RadialProfile,

@@ -257,7 +257,9 @@ impl<'a> PairSearch<'a> {
             let in_bins = ((x * x + y * y).sqrt() * bins_per_length).min(beyond);
             // The lowest bits of these words are the bins, of which there are far fewer than 2^32.
             let bins = (in_bins.trunc() + f64x8::splat(simd, WHOLE)).bitcast::<u64x8<S>>();
-            // Pairs of a torus all weigh the same: their weights are made of the counts when the search ends.
+            // In a bounded domain a pair weighs one over the area of the places at which it would lie in the domain:
+            // pairs that are longer fit in fewer places. Pairs of a torus all weigh the same: their weights are made of
+            // the counts when the search ends.
             let mut weights = (width - x) * (height - y);
             if !domain.periodic {
                 weights = f64x8::splat(simd, 1.0) / weights;

@@ -93,6 +93,7 @@ impl VaryingRegion {
         let found = judged.map_err(|error| Self::fault(error, points))?;
 
         let min_distance = self.min_distance(points, control)?;
+        // The search is exact and uses no tolerance: the report states the one that was asked for.
         Ok(self.report(points, &found, min_distance, options.covering_tolerance))
     }
 

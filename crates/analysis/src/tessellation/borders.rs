@@ -1,5 +1,8 @@
 //! Chains the arcs and border lines of a gap to closed loops. Each step follows from how the cells meet; positions are
 //! not compared.
+//!
+//! A *part* is what a disk leaves uncovered of a side of its Voronoi cell, at the side's start (its *head*) or at its
+//! end. A *run* is the parts of a cell that follow each other around an arc of its disk.
 
 use std::f64::consts::TAU;
 

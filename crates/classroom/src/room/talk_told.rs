@@ -7,8 +7,8 @@ use crate::room::{CanvasView, Classroom};
 use crate::talk::{Cover, advised};
 
 impl Classroom {
-    /// Returns the talk for the lecturer's notes, with the camera of the stage, or `null`. It holds notes and answers: only the
-    /// notes may show it.
+    /// Returns the talk for the lecturer's notes, with the camera of the stage; `null` if no talk or no lesson is open.
+    /// It holds notes and answers: only the notes may show it.
     #[must_use]
     pub fn talk_json(&self, canvas: &CanvasView) -> Value {
         let (Some(talk), Some(open)) = (&self.talks.open, &self.lessons.open) else {

@@ -153,8 +153,8 @@ impl LevelGrid {
             // A local number, which the writes below do not change.
             let mut next = count;
             for (cell, held) in self.cells[range.clone()].iter().zip(&self.counts[range]) {
-                // All four numbers are written, and those beyond the cell's samples are overwritten by the next cell: to
-                // ask how many there are would be foretold wrongly.
+                // All four numbers of a cell are written, the unused ones too, and those beyond the cell's samples are
+                // overwritten by the next cell: a branch on how many there are would often be mispredicted.
                 let right = cell.across.map(|at| at.wrapping_add(x) as f32);
                 let above = cell.up.map(|at| at.wrapping_add(y) as f32);
                 across[next..=next + SLOTS].copy_from_slice(&right);

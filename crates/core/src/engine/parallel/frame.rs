@@ -19,7 +19,7 @@ pub struct Frame {
     pub origin: I64Vec2,
     /// Cells on each axis, without the padding.
     pub cells: [i32; 2],
-    /// The first coordinates beyond the last sample that can be known here.
+    /// The first coordinates beyond the frame or, if a bounded domain ends within it, beyond the domain.
     pub end: [i32; 2],
     /// Whether the plane continues below and above the frame, by axis.
     pub goes_on: [[bool; 2]; 2],

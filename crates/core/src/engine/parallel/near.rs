@@ -71,7 +71,8 @@ type Square = (i32, i32, i32);
 const MAX_WAITING: usize = 24;
 
 impl Near {
-    /// Gathers the samples of the cells at most `reach` cells from `cell`.
+    /// Gathers the samples of the cells at most `reach` cells from `cell` on both axes. Rows of `slots` have `stride`
+    /// cells.
     #[inline(always)]
     pub(crate) fn gather(&mut self, slots: &[Slots], stride: usize, cell: usize, reach: i32) {
         let mut count = 0;

@@ -24,6 +24,7 @@ impl PlaceBuffers {
         windows: &[Window],
     ) -> Result<&[I64Vec2], SampleError> {
         self.places.clear();
+        // Tags say where a sample came from, and places alone are asked for.
         let with_tags = false;
 
         for window in windows {

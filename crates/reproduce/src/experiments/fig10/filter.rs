@@ -19,10 +19,11 @@ const BAND: usize = 16;
 /// Pixels that a sample reaches along an axis at most.
 const TOUCHED: usize = 6;
 
-/// An image and how many of its pixels no sample reaches.
+/// An image, and how many of its pixels have no value of their own.
 pub struct Filtered {
     /// The values, row by row.
     pub values: Vec<f64>,
+    /// Pixels whose centre no sample reaches; of [`pixel_means`], those that hold no sample.
     pub empty: usize,
 }
 

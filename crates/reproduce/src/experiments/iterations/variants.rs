@@ -13,6 +13,7 @@ use crate::sets::{Set, sequential};
 use crate::study::{Settings, Study};
 use crate::texts::table;
 
+/// Shortest edge of a block, in radii.
 const LEAF: f64 = 20.0;
 
 /// A set of each variant, of one seed.
