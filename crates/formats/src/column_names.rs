@@ -117,13 +117,13 @@ pub(crate) fn chosen(
 pub(crate) fn one(wanted: &str, names: &[String], count: usize) -> Result<usize, String> {
     // Names that differ in case alone, such as `Lon` and `LON`, are chosen by their exact spelling. Any other spelling,
     // such as `lon`, could mean each of them, and is refused.
-    let named = match only(names, wanted, |name| name == wanted)? {
+    let with_name = match only(names, wanted, |name| name == wanted)? {
         None => only(names, wanted, |name| name.eq_ignore_ascii_case(wanted))?,
         exact => exact,
     };
     let number = || wanted.parse::<usize>().ok()?.checked_sub(1);
     // A column may be called `2`: names are looked for before numbers.
-    let column = named.or_else(number);
+    let column = with_name.or_else(number);
     column.filter(|&column| column < count).ok_or_else(|| {
         let by_name = match names {
             [] => String::new(),

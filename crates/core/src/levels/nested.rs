@@ -81,21 +81,21 @@ impl Nested {
         for level in levels {
             // The word that is drawn for a sample, and the sample's index below it: such numbers are sorted in half the time of
             // words with places.
-            let drawn = |(index, p): (usize, &Point)| {
+            let word_and_index = |(index, p): (usize, &Point)| {
                 u64::from(key.draw_at(p.x, p.y)[0]) << 32 | index as u64
             };
-            let mut drawn: Vec<u64> = level.par_iter().enumerate().map(drawn).collect();
-            drawn.par_sort_unstable();
+            let mut order: Vec<u64> = level.par_iter().enumerate().map(word_and_index).collect();
+            order.par_sort_unstable();
 
             // Equal words are decided by place, whatever thread computed which window.
-            let sample = |drawn: u64| level[drawn as u32 as usize];
-            for equal in drawn.chunk_by_mut(|a, b| a >> 32 == b >> 32) {
+            let sample = |number: u64| level[number as u32 as usize];
+            for equal in order.chunk_by_mut(|a, b| a >> 32 == b >> 32) {
                 if equal.len() > 1 {
-                    equal.sort_unstable_by_key(|&drawn| sample(drawn).row_major());
+                    equal.sort_unstable_by_key(|&number| sample(number).row_major());
                 }
             }
 
-            points.par_extend(drawn.into_par_iter().map(sample));
+            points.par_extend(order.into_par_iter().map(sample));
             ends.push(points.len());
         }
 
@@ -160,7 +160,8 @@ impl Nested {
         let levels = self.ends.len() as u32;
         let level_of = |index: usize| self.ends.partition_point(|&end| end <= index);
 
-        // In the order by distance a sample's place depends on all of its level, which only a run has.
+        // In the order by distance a sample's place depends on all of its level, which only a run has. A drawn place
+        // depends on no ends: what stands here for it is not read.
         let run_ends = match self.places {
             Places::Drawn(_) => &self.ends,
             Places::Counted => self.run_ends.as_ref()?,

@@ -24,7 +24,7 @@ const TOLERANCE: u64 = 100;
 /// divided by this, and [`FEW`].
 const SURPLUS: u64 = 40;
 
-/// More samples than wanted that a small set may have: one sample is more than a part in [`SURPLUS`] of it.
+/// More samples than aimed at that a small set may have: one sample is more than a part in [`SURPLUS`] of it.
 const FEW: u64 = 3;
 
 /// The most sets made in search of a number. Large ones need one or two; small ones are cheap.
@@ -103,7 +103,7 @@ impl SolidRequest {
     }
 
     /// Returns the first `count` samples, by their arrival, of a maximal set that has as many or a few more. Of a large
-    /// set at most one sample in 40 is left out. Otherwise as [`Self::of_count`].
+    /// set hardly more than one sample in 40 is left out. Otherwise as [`Self::of_count`].
     ///
     /// Fails as [`Self::of_count`].
     pub fn of_exactly(

@@ -70,7 +70,7 @@ impl SeedCounts {
         let uniform = run(Insertion::Uniform, base.order)?;
         let random = run(Insertion::Circumcentre, Order::Random)?;
         // Blocks follow from the seed alone: exact tiling has those of the runs above.
-        let exact = exact(&base, control)?;
+        let tiled = exact(&base, control)?;
 
         let domain = circumcentre.domain;
         // A high bit sets the reference set's seed apart, so that it shares no draw with the runs.
@@ -102,7 +102,7 @@ impl SeedCounts {
                 counter.run(&circumcentre, &gaps, control)?,
                 counter.run(&uniform, &gaps, control)?,
                 counter.verified(&random.points(), "random order", control)?,
-                counter.verified(&exact.points(), "exact tiling", control)?,
+                counter.verified(&tiled.points(), "exact tiling", control)?,
             ],
             block_shares: shares(&counter.rects),
             domain_shares: shares(&[domain.rect()]),

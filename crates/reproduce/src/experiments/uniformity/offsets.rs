@@ -67,11 +67,12 @@ pub struct SamplerUniformity {
     pub frame: Uniformity,
     /// Within 1 r after the domain's border, within 1 r before it, and elsewhere.
     pub sides: Uniformity,
-    /// Inserted samples by rank in their gap; `None` if nothing was inserted.
+    /// Inserted samples by rank in their gap; `None` if none has a rank: nothing was inserted, or the gaps of these
+    /// sets were not looked at.
     pub inside: Option<Uniformity>,
     /// Inserted samples by distance from a block's border.
     pub inserted: Vec<u64>,
-    /// Inserted samples without rank, because their gap is too small.
+    /// Inserted samples without a rank: in no gap of the survivors, or in one of which too little was left.
     pub skipped: u64,
 }
 
@@ -214,7 +215,7 @@ impl SamplerUniformity {
             .unwrap_or(0.0)
     }
 
-    /// Returns the test of ranks in gaps; without inserted samples its numbers are NaN.
+    /// Returns the test of ranks in gaps. Where no sample has a rank the count is 0, and the other numbers are NaN.
     pub fn ranks(&self) -> RankTest {
         let mut ranks = RankTest {
             count: 0,
@@ -344,6 +345,7 @@ fn bias(test: &Uniformity, missed: f64) -> ClassBias {
     // A square of bias plus noise varies with the noise alone and with the product of both.
     let alone = noise * (2.0 / classes).sqrt();
     let error = ((2.0 * noise.powi(2) + 4.0 * noise * excess.max(0.0)) / classes).sqrt();
+    // The quantile of a normal variable, since the square is a mean over many cells.
     let reach = student_quantile(missed, f64::INFINITY) * error;
 
     let root = |square: f64| square.max(0.0).sqrt();
