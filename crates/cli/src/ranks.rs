@@ -202,8 +202,8 @@ pub fn judge(
     let level = CertifiedLevel::of(&report.kept);
     let (of, misplaced) = (ranked.ranks.len(), report.misplaced);
     let share = level.count as f64 / of as f64;
-    // A rank in a wrong place is a fault of the file, even where the samples that are kept are as claimed.
     let mut object = json!(level);
+    // A rank in a wrong place is a fault of the file, even where the samples that are kept are as claimed.
     object["valid"] = json!(report.valid());
     object["rank"] = json!(below);
     object["of"] = json!(of);
@@ -256,8 +256,8 @@ pub fn set_below(
         view.finest_threshold(0.0)
     );
 
-    // The last of the levels that are left has a threshold below 1. Divided by it, ranks are those of a run of these
-    // levels alone, which go up to 1.
+    // All ranks that are left are below the threshold of their last level. Divided by it, they are those of a run of
+    // these levels alone, which go up to 1.
     let finest = view.finest_threshold(below);
     let ranks = ranks.into_iter().map(|rank| rank / finest).collect();
     let before = ranked

@@ -293,7 +293,8 @@ fn text_shape(bytes: &[u8]) -> Option<TextShape> {
     })
 }
 
-/// Headerless f32 pairs have no mark: accepted when every one of them lies in the unit square.
+/// Headerless f32 pairs have no mark: accepted when every one of them lies in the unit square, unless they look like
+/// text or like whole numbers.
 fn looks_like_rps(bytes: &[u8]) -> Option<Format> {
     let values = || {
         bytes

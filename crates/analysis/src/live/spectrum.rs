@@ -164,7 +164,8 @@ impl LiveSpectrum {
     /// [`crate::measures::NUFFT_ERROR`].
     pub fn rebuild(&mut self, samples: &[LiveSample]) -> u64 {
         let by_changes = self.cost_of_change() * samples.len() as u64;
-        // If the transform fails, changes replace the samples.
+        // Nothing stops the transform here, and there is always a plan (see `begin_anew`). Should it fail all the same,
+        // changes replace the samples.
         if self.is_quicker_transformed(samples.len())
             && let Ok(steps) = self.renew(samples, &|_| ControlFlow::Continue(()))
         {

@@ -34,12 +34,12 @@ pub(super) fn groups(chart: &ImageChart, frame: &Frame<'_>) -> Vec<Group> {
 
     // A shape for each cell would be up to a million shapes. Instead the cells of one shade are one shape, of lines as thick as
     // a row is high.
-    let shades = runs(chart);
-    for (shade, runs) in shades
+    let by_shade = runs(chart);
+    for (shade, its_runs) in by_shade
         .iter()
         .enumerate()
         // A shade without cells would be an empty shape in the file.
-        .filter(|(_, runs)| !runs.is_empty())
+        .filter(|(_, its_runs)| !its_runs.is_empty())
     {
         let line = |run: &CellRun| {
             let y = max.y - (run.row as f64 + 0.5) * size.y;
@@ -48,7 +48,7 @@ pub(super) fn groups(chart: &ImageChart, frame: &Frame<'_>) -> Vec<Group> {
             [DVec2::new(from, y), DVec2::new(to + over, y)]
         };
         cells.shapes.push(Shape::Segments {
-            segments: runs.iter().map(line).collect(),
+            segments: its_runs.iter().map(line).collect(),
             stroke: Stroke::new(grey(shade), size.y + over),
         });
     }
@@ -93,10 +93,10 @@ fn runs(chart: &ImageChart) -> Vec<Vec<CellRun>> {
 
             // Neighbours of one shade are one line: fewer pieces, and no seam between them.
             if let Some(shade) = shade {
-                let runs: &mut Vec<CellRun> = &mut shades[shade];
-                match runs.last_mut() {
+                let its_runs: &mut Vec<CellRun> = &mut shades[shade];
+                match its_runs.last_mut() {
                     Some(run) if last == Some(shade) => run.columns.end = column + 1,
-                    _ => runs.push(CellRun {
+                    _ => its_runs.push(CellRun {
                         row,
                         columns: column..column + 1,
                     }),

@@ -17,7 +17,7 @@ use super::pixel::{Pixel, PlacedPixel, centre, each_bit, pixels_of};
 use super::search::Detectors;
 use super::{GapBuffers, Inserted, Rules, USUAL, reach_cells};
 
-/// Beyond this distance samples may lie outside the cells gathered.
+/// Of the cells within [`USUAL`], two, around a pixel's own, samples farther than this from the pixel may lie outside.
 const GATHERED: f32 = (2 * R) as f32;
 
 impl<const TAGS: bool> Region<TAGS> {
