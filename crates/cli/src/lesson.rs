@@ -592,6 +592,7 @@ fn from(session: &Path, out: Option<&Path>, window: FromWindow) -> Result<()> {
 
 /// Writes the keys of lessons beside their files.
 fn keys(arguments: &CheckArguments) -> Result<()> {
+    // The lessons that come with the program are no files beside which keys could stand.
     ensure!(
         !arguments.files.is_empty(),
         "name the lessons whose keys are to be written"

@@ -73,14 +73,14 @@ impl Tape {
         self.chunks.iter().flatten()
     }
 
-    /// Returns the events from `start` on with their indices.
+    /// Returns the events from `start` on with their indices. Valid as [`Self::get`].
     pub fn from(&self, start: usize) -> impl Iterator<Item = (usize, &Event)> {
         let chunk = (start / CHUNK).min(self.chunks.len());
         let events = self.chunks[chunk..].iter().flatten();
         (start..).zip(events.skip(start - chunk * CHUNK))
     }
 
-    /// Returns the events before `end`, the last one first, with their indices.
+    /// Returns the events before `end`, the last one first, with their indices. Valid as [`Self::get`].
     pub fn before(&self, end: usize) -> impl Iterator<Item = (usize, &Event)> {
         let end = end.min(self.len);
         let (full, rest) = (end / CHUNK, end % CHUNK);

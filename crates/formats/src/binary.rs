@@ -133,7 +133,8 @@ pub(crate) fn all_finite(
     })
 }
 
-/// Points of row-major pairs. `first` is the number in the file of the first of them, from which an error counts.
+/// Points of row-major pairs; bytes behind the last whole pair are ignored. `first` is the number in the file of the
+/// first of them, from which an error counts.
 pub(crate) fn pairs(
     data: &[u8],
     first: u64,

@@ -127,7 +127,7 @@ impl Course {
         }
         Self::check(&expected)?;
 
-        // The recipe's count is met to within a hundredth, and the request's exactly. The recipe's comes first.
+        // The recipe's count is met to within a hundredth, and the request's exactly. At most one of the two is given.
         let made = match recipe.count {
             Some(count) => nested.of_count(&recipe.parameters, count, observer)?,
             None => nested.make(&recipe.parameters, observer)?,

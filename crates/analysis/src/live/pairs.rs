@@ -104,7 +104,8 @@ impl Histogram {
         }
     }
 
-    /// Returns the bin of a squared distance, and its part: 0 exactly where the bin begins, otherwise 1.
+    /// Returns the bin of a squared distance, and its part: 0 exactly where the bin begins, otherwise, and always in
+    /// the last bin, 1.
     #[inline]
     fn bin(&self, square: u64) -> (usize, usize) {
         let radius = f64::from(self.plane.radius);

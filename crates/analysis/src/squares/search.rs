@@ -391,7 +391,8 @@ impl<'a> TileSearch<'a> {
 
     /// Looks for uncovered places and conflicts in a square, and returns whether it has an uncovered place. `around` is
     /// how much of the larger square, of which this one is a quarter, lies in the domain; `near` lists the samples that
-    /// may be near a place of the larger square. Of a tile, which has no larger square, they are the tile's own.
+    /// may be near a place of the larger square. For a tile, which has no larger square, both are about the tile
+    /// itself.
     fn visit(&mut self, square: &TileSquare, around: Share, near: List) -> bool {
         let span = self.span(square);
         // A square beyond the region's border has no lattice points.

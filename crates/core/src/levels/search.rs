@@ -1,6 +1,6 @@
 //! Detection and insertion at one level in a plane without an end: the whole run of a periodic domain. The candidates are those of
 //! [`super::gaps`], found cell by cell: the samples around a cell are gathered once, and all its pixels measured
-//! among them.
+//! among them. A *pixel* is an eighth of a cell wide. The *sites* of a place are the samples whose circumcentre it is.
 //!
 //! *Where the next iteration looks.* Let x be an uncovered lattice point, T the Delaunay triangle of the samples that x
 //! lies in, c its circumcentre and q its circumradius. With x written as the mean of the corners v of T under weights w,

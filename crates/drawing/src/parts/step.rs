@@ -12,7 +12,7 @@ use tilescope_session::units::{position, radii};
 use crate::scene::{Scene, TAG_PADDING, TAG_SIZE};
 use crate::surface::{Stroke, Surface, dashed_circle};
 
-/// Circles of a larger radius, in screen points, are not drawn.
+/// Circumcircles of a larger radius, in screen points, are not drawn.
 const MAX_CIRCLE: f32 = 4_000.0;
 
 /// Draws the current step: the search, the candidate or dart under test, the current sample, and what changed last.

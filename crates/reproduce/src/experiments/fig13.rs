@@ -170,7 +170,7 @@ fn notes(found: &[MethodSpectra], rounds: &[RateRound]) -> Vec<String> {
     }
 
     // Sets that share one pattern have parts of it in common, so that their mean has fewer independent samples than it
-    // seems to have, and no verdict rests on them.
+    // seems to have, and no verdict rests on them. There are some at each radius, so that the list is never empty.
     let shared = (found.iter())
         .filter(|one| matches!(one.method, Method::OnePattern { .. }))
         .map(|one| format!("{} dB at radius {}", number(one.excess, 2), one.radius));

@@ -90,7 +90,7 @@ impl PieceSource {
 
 impl PieceEntry {
     /// Returns the source of the set for the rectangle `rect`. A set that is made has the layout's `boundary` unless
-    /// the entry gives another one; for a file the certificate does.
+    /// the entry gives another one; for a file the certificate states what the entry does not.
     ///
     /// Fails when the piece is not one of the three kinds (a file, parameters or a seed), when it has a value that its
     /// kind has no use for, and when its parameters cannot be sampled.

@@ -1,4 +1,7 @@
 //! Counts of a window. The counts of all windows of a run add up to the run's summary.
+//!
+//! A `Region` computes a window. Cells in which something depends on the plane beyond it are *unsure*: other regions,
+//! the *repairing* ones, compute them again.
 
 use serde::{Deserialize, Serialize};
 

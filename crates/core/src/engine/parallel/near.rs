@@ -1,5 +1,8 @@
 //! The samples around one cell, gathered for many queries about places in it. Offsets are from the cell's lowest
 //! corner, so that they are exact in `f32`.
+//!
+//! A *pixel* is an eighth of a cell wide. A *candidate* is a place that may have to be filled, about as far from each
+//! of the samples that make it, its *sites*.
 
 use fearless_simd::prelude::*;
 use fearless_simd::{Simd, f32x8};

@@ -72,13 +72,13 @@ fn clearly(ratios: &[Option<Ratio>]) -> Verdict {
 
 /// Returns why there is no verdict; empty if there is one.
 fn undecided(verdict: Verdict, ratios: &[Option<Ratio>]) -> String {
-    let has_interval = |ratio: &Option<Ratio>| ratio.is_some_and(|ratio| ratio.interval.is_some());
     if verdict != Verdict::NotComparable {
         return String::new();
     }
 
     // If there are intervals and no verdict, one of them contains a limit. There is no interval where there was one
     // set.
+    let has_interval = |ratio: &Option<Ratio>| ratio.is_some_and(|ratio| ratio.interval.is_some());
     let all_have = ratios.iter().all(has_interval);
     text(
         if all_have {

@@ -95,7 +95,7 @@ impl Sampler {
                 verified(Set::reference(domain, seed, control)?, "reference", control)
             }
             Self::Kdrt => {
-                let (set, _) = Set::kdrt(&kdrt(count, seed, index)?, control)?;
+                let (set, _summary) = Set::kdrt(&kdrt(count, seed, index)?, control)?;
                 verified(set, "KDRT", control)
             }
         }

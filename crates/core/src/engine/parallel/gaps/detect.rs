@@ -17,7 +17,8 @@ use super::pixel::{Pixel, PlacedPixel, centre, each_bit, pixels_of};
 use super::search::Detectors;
 use super::{GapBuffers, Inserted, Rules, USUAL, reach_cells};
 
-/// Of the cells within [`USUAL`], two, around a pixel's own, samples farther than this from the pixel may lie outside.
+/// The cells gathered, up to `USUAL` (two) from a pixel's own on both axes, have all samples nearer to the pixel than
+/// this.
 const GATHERED: f32 = (2 * R) as f32;
 
 impl<const TAGS: bool> Region<TAGS> {
