@@ -36,6 +36,7 @@ pub fn seeded(parameters: Parameters, seed: u64) -> Parameters {
     own
 }
 
+/// Returns a curve with the look of this number: its colour, its dashes and its marks.
 pub fn curve(name: &str, number: usize, points: Vec<[f64; 2]>) -> Series {
     Series {
         name: name.to_owned(),

@@ -87,6 +87,7 @@ fn by_level(all: &TorusSets) -> LineChart {
     // level to insert half as much as the one before.
     let [first, _] = halving(all).terms;
     let halved = (0..all.by_level.len()).map(|level| [level as f64, first.log2() - level as f64]);
+    // "here" has the look 0 in both charts.
     let mut drawn = chart(
         "density/levels",
         vec![
