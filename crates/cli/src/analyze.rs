@@ -140,6 +140,7 @@ pub fn run(arguments: &AnalyzeArguments) -> Result<u8> {
 /// Measures sets in space, prints the numbers and writes the report.
 fn in_space(arguments: &AnalyzeArguments) -> Result<u8> {
     let analysis = InSpace::of(arguments)?;
+    // If no file could be measured there is nothing to draw.
     let out = arguments.out.as_deref().filter(|_| !analysis.is_empty());
     let written = match out {
         Some(path) => save_in_space(&analysis, path),

@@ -41,6 +41,7 @@ fn to_text(rates: &GpuRates, gpu: &Gpu, arguments: &BenchArguments) -> String {
             Engine::Parallel { threads } => (parallel_name(leaf, threads), ""),
             _ => (format!("gpu, leaf {leaf} r"), yes(row.equal())),
         };
+        // Of three quartiles the middle one is the median.
         let _ = writeln!(
             out,
             "{name:<32} {:>9.0} {:>10.3} {:>7.2}x {equal:>6} {:>6}",
@@ -108,7 +109,7 @@ fn to_json(rates: &GpuRates, gpu: &Gpu, arguments: &BenchArguments) -> Value {
     let seconds = |row: &EngineRate| row.times.iter().map(|one| one.seconds).collect::<Vec<_>>();
 
     // Rows come in pairs, one for each leaf: that of all threads, then that of the GPU. A row without its partner,
-    // which does not occur, would be null. Of three quartiles the middle one is the median.
+    // which does not occur, would be null.
     let row = |pair: &[EngineRate]| {
         let [on_threads, on_gpu] = pair else {
             return Value::Null;

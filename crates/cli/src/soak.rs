@@ -194,7 +194,8 @@ fn text(sum: &Tally) -> String {
     out
 }
 
-/// Random draws of a round. Each has a number of its own, so that a new one changes no other.
+/// Random draws of a round. Each has a number of its own, so that a new one changes no other; two share a number only if no
+/// round makes both.
 struct Dice(Key);
 
 /// What a round may have besides the usual settings. Each is switched off in half of the rounds, so that there are rounds with
@@ -258,7 +259,7 @@ fn pattern(dice: &Dice, leaf: f64, seed: u64) -> PatternSpec {
     // Such a pattern is made for this round alone, which takes longer than most rounds: 0.3 is chosen, not measured.
     if dice.has(Feature::BoundedPattern) && dice.share(4) < 0.3 {
         // A bounded pattern must hold every clip: a block has less than two leaves along a side, and its clip r more on
-        // either side. One r is to spare.
+        // either side. One r is to spare. The largest side, twice the least, is chosen, not measured.
         PatternSpec {
             side: (2.0 * leaf + 3.0) * (1.0 + dice.share(5)),
             boundary: Boundary::Bounded,
@@ -362,6 +363,7 @@ fn round_or_fault(arguments: &SoakArguments, index: u64) -> Tally {
         ),
     };
     let options = arguments.judge.options();
+    // Rounds of varying radii are given their command; the others make theirs from what was drawn.
     let made = match arguments.method {
         SoakMethod::Kdrt => round(&drawn, &dice, &options),
         SoakMethod::Exact => exact::round(&drawn, &dice, &options),
@@ -380,7 +382,8 @@ fn round_or_fault(arguments: &SoakArguments, index: u64) -> Tally {
     }
 }
 
-/// Makes a run with every engine and as windows, compares the sets and verifies one of them.
+/// Makes a run with every engine and as windows, compares the sets, and verifies that of the sequential engine. Some rounds
+/// make nested levels as well.
 fn round(parameters: &Parameters, dice: &Dice, verify: &VerifyOptions) -> Result<Tally> {
     let pattern = Pattern::of_spec(&parameters.pattern, &mut Unobserved)?;
     let run =
@@ -459,7 +462,8 @@ fn windows_agree(
     Ok(true)
 }
 
-/// Returns a window of random size and place; `None` if the domain refuses it, as one without an area.
+/// Returns a window of random size and place; `None` if the domain refuses it, such as one without an area or one beyond
+/// the border of a bounded domain.
 fn random_window(domain: &Domain, dice: &Dice, index: u32) -> Option<Window> {
     let sides = domain.size();
     // Room for ten draws of each window, behind those of the parameters.

@@ -5,7 +5,7 @@ use tilescope_core::{Fate, RunEvent, Samples, Stage, Variant};
 use crate::recording::Recording;
 
 /// The counts of events before a cursor. Everything is numbered in the order of the events, so that a count says where a
-/// list of the run is cut.
+/// list of the run is cut. A clip is what a block gets of the pattern; the run's list of clips is `tiles`.
 #[derive(Default)]
 struct Counts {
     splits: usize,
@@ -41,7 +41,7 @@ impl Counts {
             RunEvent::Rank { candidates } => self.candidates = candidates as usize,
 
             // Algorithm 4 as printed inserts in iteration 1 without an event that begins it: the insertion shows that
-            // it has begun.
+            // it has begun. Its iterations have no active cells, which `is_within_iteration` is about.
             RunEvent::Insert { iteration, .. } => {
                 (self.samples, self.inserted) = (self.samples + 1, self.inserted + 1);
                 self.iterations = self.iterations.max(iteration as usize);

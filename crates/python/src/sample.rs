@@ -110,7 +110,7 @@ pub fn sample<'py>(
     let recipe = recipe_for(request, method)?;
 
     // Memory is asked for by the number of samples. With a count the radius is an estimate, which is near enough for
-    // that.
+    // that. A set in memory has at most as many samples as the sequential engine takes, whatever makes it.
     let domain = request.recipe.parameters.validate_sequential();
     let samples = domain.map_err(Failure::from)?.area_radii() * MAXIMAL_DENSITY;
 
@@ -201,6 +201,7 @@ pub fn sample_field<'py>(
     }
 
     let recipe = field.recipe(like)?;
+    // The recipe itself asks for memory, since it finds the radius.
     let (made, recipe) = run(py, progress, |watch| {
         Ok(recipe.make_settled(&mut watch.observer())?)
     })?;

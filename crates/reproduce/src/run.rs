@@ -49,7 +49,8 @@ impl Summary {
     }
 }
 
-/// Returns the units of work of each experiment, and how many of them are kept in the folder `out`. Makes nothing.
+/// Returns the units of work of each experiment, and how many of them are kept in the folder `out`: none if there is no
+/// folder. Makes nothing.
 #[must_use]
 pub fn plan(experiments: &[Experiment], settings: &Settings, out: Option<&Path>) -> Vec<Planned> {
     let made_by = build_and_machine(&Machine::this());
@@ -63,7 +64,8 @@ pub fn plan(experiments: &[Experiment], settings: &Settings, out: Option<&Path>)
         Planned {
             experiment,
             units,
-            // A run with the setting `many` leaves more batches of density than these settings may have.
+            // A run with the setting `many` leaves more batches of density than these settings may have. The seconds are
+            // those of all that it left.
             kept: kept.len().min(units),
             seconds: kept.iter().sum(),
         }

@@ -165,6 +165,7 @@ fn pairs(
             || pairs(left, left_room, monitor),
             || pairs(right, right_room, monitor),
         );
+        // Plain additions do: each sum takes part in one for each halving, and these are few.
         left_sum? + right_sum? + merge(points, room)
     } else {
         pairs_of_chunk(points, room)

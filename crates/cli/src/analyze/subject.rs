@@ -114,7 +114,7 @@ impl Population {
         let powers = (self.powers).get_or_insert_with(|| Average::new(set.powers.len()));
         powers.add(&set.powers)?;
 
-        // Distances are those of the first set, as the bins are.
+        // All sets are measured at the distances of the first, which were kept above.
         let correlation: Vec<f64> = set.pairs.iter().map(|point| point[1]).collect();
         let correlations =
             (self.correlations).get_or_insert_with(|| Average::new(correlation.len()));

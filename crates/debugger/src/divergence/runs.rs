@@ -221,6 +221,7 @@ impl Pair<'_> {
             .or_else(|| compare("candidate", candidates))
             .or_else(|| self.sites(stage, k));
 
+        // Every engine fills the list of inserted samples.
         let (a, b) = (inserted(self.a, k), inserted(self.b, k));
         found.or_else(|| lists(stage, "inserted sample", &a, &b))
     }

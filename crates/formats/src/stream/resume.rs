@@ -255,7 +255,7 @@ impl StateFile {
         Ok(state)
     }
 
-    /// Gives the judges the state that was saved.
+    /// Gives new judges the state that was saved. They have one verifier; the second one is added if there is a state of it.
     pub fn restore(
         &self,
         path: &Path,
@@ -307,6 +307,7 @@ fn temporary(path: &Path) -> PathBuf {
 /// As [`StreamExport::resume`](super::StreamExport::resume), and when the file cannot be read.
 pub fn finish_interrupted(path: &Path) -> Result<Option<u64>, ExportError> {
     let place = Place::of(path)?;
+    // Another export of this name may take hours: nothing waits for its end.
     let _lock = place.lock(Duration::ZERO)?;
     let file = &place.file;
     let checkpoint = Checkpoint::read(file)?;

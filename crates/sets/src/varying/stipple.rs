@@ -43,8 +43,8 @@ const LEFT_OUT: f64 = 0.6;
 /// How far above the dots that are asked for runs aim, in roots of them: a third of [`LEFT_OUT`].
 const AIM: f64 = 0.2;
 
-/// Where dots go on beyond the frame, they do so by this many of the largest radii at its border: no dot in the frame
-/// is near one that is farther out.
+/// Where dots go on beyond the frame, they do so by this many of the largest radii at its border, but by no more than the
+/// longer side of the image: no dot in the frame is near one that is farther out by that many radii.
 const BEYOND: f64 = 2.0;
 
 /// What a stipple is made from.
@@ -99,14 +99,14 @@ impl StippleRecipe {
     /// # Errors
     ///
     /// [`VaryingError`] when the numbers are out of range, the image has no dark place or too few pixels for the given
-    /// number of dots, and when it is cancelled.
+    /// number of dots, no try makes as many dots, and when it is cancelled.
     pub fn make(&self, observer: &mut dyn Observer) -> Result<Stipple, VaryingError> {
         check_white(self.white)?;
         // All runs have the same blocks, as the radius changes by some hundredths only.
         let mut black = self.estimate()?;
         let image = self.image.in_blocks(self.block(black))?;
 
-        // At least one may be left out, or the fewest dots could only be met by chance.
+        // At least one may be left out: of the smallest numbers the rounded share is 0, and only chance would meet them.
         let dots = self.dots as f64;
         let aim = dots + AIM * dots.sqrt();
         let most = self.dots + ((LEFT_OUT * dots.sqrt()) as u64).max(1);
@@ -301,8 +301,8 @@ impl Wider {
         let across = (0..=columns).flat_map(|column| [at(column, 0), at(column, rows)]);
         let along = (0..=rows).flat_map(|row| [at(0, row), at(columns, row)]);
         let greatest = across.chain(along).max().unwrap_or(1);
-        // Where a border is white, its radius is as large as possible: the margin ends at the longer side of the image.
-        // Nodes are 2^bits units apart.
+        // Where a border is white, its radius is as large as possible, and the margin would be many times the image: it is no
+        // wider than the image's longer side (chosen, not measured). Nodes are 2^bits units apart.
         let reach = (f64::from(greatest) * BEYOND / f64::from(1_u32 << bits)).ceil() as usize;
         let pixels = reach.min(columns.max(rows));
 

@@ -1,8 +1,11 @@
 //! Detection and insertion in a region (see `stages::detect` for what a candidate is). A place that no sample covers
 //! was covered by a lost one (a tiled sample that was eliminated or dropped), so only cells near lost samples are
-//! searched (all cells if the pattern itself misses lattice points). Stamps prove most of their pixels covered. In the
-//! others, candidates are made from the samples that are about as near to the pixel as the nearest one, since only
-//! those can make one.
+//! searched (all cells if the pattern itself misses lattice points). Stamps prove most of their pixels covered: a table
+//! says which of a cell's 8 x 8 pixels a sample surely covers. In the others, candidates are made from the samples that
+//! are about as near to the pixel as the nearest one, since only those can make one.
+//!
+//! A region knows its part of the plane alone. A cell is *unsure* if its samples depend on what lies beyond, *reached*
+//! if candidates in it may depend on an unsure cell, and *hot* if an unknown sample may be inserted in it or beside it.
 
 mod candidate;
 mod detect;

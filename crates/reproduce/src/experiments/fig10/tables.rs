@@ -44,8 +44,8 @@ fn plates(all: &[SamplerResults]) -> Table {
 /// Returns the table of the horizons' mean errors by samples per pixel, a row for each sampler.
 fn horizons(all: &[SamplerResults]) -> Table {
     let rendered = || all.iter().filter(|one| !one.horizons.is_empty());
-    // The table has a column for each number of samples per pixel. The sampler with the most images has all of them; others
-    // leave some cells empty.
+    // The table has a column for each number of samples per pixel, which takes the place of `{n}` in the key below. The
+    // sampler with the most images has all of these numbers; others leave some cells empty.
     let longest = rendered().max_by_key(|one| one.horizons.len());
     // The column of exponents is left out in quick runs, which have too few numbers of samples for them.
     let exponents = rendered().any(|one| one.slope().is_some());

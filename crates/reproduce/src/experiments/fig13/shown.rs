@@ -55,15 +55,15 @@ pub fn regular() -> Vec<(Method, Method)> {
 /// A method, and what its curves are drawn over.
 type MethodColumn<'a> = (&'a MethodSpectra, &'a MethodSpectra);
 
-/// Returns the figure of a radius: a column for each method with its set, the reference first.
+/// Returns the figure of a radius: a column for each method with its set.
 pub fn spectra(
     name: &str,
     title: &str,
     columns: &[MethodColumn<'_>],
     sets: &[Set],
 ) -> Result<Picture> {
-    // The caption takes its numbers from the first column, the reference.
-    let Some((reference, _)) = columns.first() else {
+    // The caption takes its numbers from the first column.
+    let Some((first, _)) = columns.first() else {
         let nothing = "there is no column to draw".to_owned();
         return Err(ReproduceError::Engine(nothing));
     };
@@ -77,25 +77,27 @@ pub fn spectra(
 
     let samples = (columns.iter().zip(sets)).map(|((one, _), set)| samples_tile(one.method, set));
     let rows = vec![
+        // The scale of shades is that of the periodograms in the next row.
         samples.chain([power_scale(BLACK)]).collect(),
         row(&|one, _| image(one, columns.len())),
         row(&power),
         row(&|one, below| anisotropy(one, below, range)),
     ];
 
-    let (grid, [count, _]) = (&reference.picture, reference.count);
-    // In the column of the reference sets, these are drawn over a second group of reference sets: the caption says so.
-    let over = reference.method == Method::Reference;
+    let (grid, [count, _]) = (&first.picture, first.count);
+    // If there is a column of the reference sets, it is the first. Its curves are drawn over those of a second group of
+    // reference sets: the caption says so.
+    let over = first.method == Method::Reference;
     // `side` is how many frequencies wide a cell of the periodogram is.
     let values = json!({
-        "title": title, "radius": reference.radius, "samples": number(count, 3), "sets": reference.sets,
+        "title": title, "radius": first.radius, "samples": number(count, 3), "sets": first.sets,
         "shown": SHOWN, "black": BLACK,
         "side": (2.0 * grid.reach * count.sqrt() / grid.columns as f64).round(),
         "over": if over { text("fig13/over", &json!({})) } else { String::new() },
     });
 
     let drawn = picture("fig13/spectra", &values, rows)?;
-    let radius = reference.radius.to_string().replace('.', "-");
+    let radius = first.radius.to_string().replace('.', "-");
     Ok(Picture {
         name: format!("{name}-{radius}"),
         ..drawn
