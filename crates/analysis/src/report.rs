@@ -72,8 +72,8 @@ impl Report {
             covering_tolerance,
         } = set;
 
-        // The scale is a power of two, so that lengths come back without rounding. A conflict has the indices of its samples
-        // and no places.
+        // The scale is a power of two, so that lengths come back without rounding. A conflict has the indices of its
+        // samples and no places.
         let unscaled_conflict = |conflict: Conflict| Conflict {
             distance: conflict.distance / scale,
             ..conflict

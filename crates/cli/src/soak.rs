@@ -194,8 +194,8 @@ fn text(sum: &Tally) -> String {
     out
 }
 
-/// Random draws of a round. Each has a number of its own, so that a new one changes no other; two share a number only if no
-/// round makes both.
+/// Random draws of a round. Each has a number of its own, so that a new one changes no other; two share a number only
+/// if no round makes both.
 struct Dice(Key);
 
 /// What a round may have besides the usual settings. Each is switched off in half of the rounds, so that there are rounds with
@@ -382,8 +382,8 @@ fn round_or_fault(arguments: &SoakArguments, index: u64) -> Tally {
     }
 }
 
-/// Makes a run with every engine and as windows, compares the sets, and verifies that of the sequential engine. Some rounds
-/// make nested levels as well.
+/// Makes a run with every engine and as windows, compares the sets, and verifies that of the sequential engine. Some
+/// rounds make nested levels as well.
 fn round(parameters: &Parameters, dice: &Dice, verify: &VerifyOptions) -> Result<Tally> {
     let pattern = Pattern::of_spec(&parameters.pattern, &mut Unobserved)?;
     let run =
@@ -462,8 +462,8 @@ fn windows_agree(
     Ok(true)
 }
 
-/// Returns a window of random size and place; `None` if the domain refuses it, such as one without an area or one beyond
-/// the border of a bounded domain.
+/// Returns a window of random size and place; `None` if the domain refuses it, such as one without an area or one
+/// beyond the border of a bounded domain.
 fn random_window(domain: &Domain, dice: &Dice, index: u32) -> Option<Window> {
     let sides = domain.size();
     // Room for ten draws of each window, behind those of the parameters.

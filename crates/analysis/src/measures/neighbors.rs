@@ -41,8 +41,9 @@ impl Neighbors<'_> {
         let periodic = grid.domain.periodic;
 
         // Each pair of cells is met once, from the one behind. But of two rows that reach each other both ways around
-        // the torus none is ahead: then all rows are looked at, and each pair is met twice. With columns it is the same, but only
-        // within the cell's own row. So few rows or columns are rare, and in a bounded domain they are treated alike.
+        // the torus none is ahead: then all rows are looked at, and each pair is met twice. With columns it is the
+        // same, but only within the cell's own row. So few rows or columns are rare, and in a bounded domain they are
+        // treated alike.
         let [all_columns, all_rows] = [0, 1].map(|axis| 2 * reach[axis] + 1 >= cells[axis]);
         let columns = near(column, reach[0], cells[0], periodic);
         let rows = if all_rows {
@@ -74,8 +75,8 @@ impl Neighbors<'_> {
         }
     }
 
-    /// Returns the distance from a sample to the nearest other one, infinite if there is none. The search goes through rows
-    /// of cells, the nearest rows first.
+    /// Returns the distance from a sample to the nearest other one, infinite if there is none. The search goes through
+    /// rows of cells, the nearest rows first.
     pub fn nearest(&self, entry: &Entry) -> f64 {
         let (rows, side) = (self.grid.cells[1], self.grid.cell_sides()[1]);
         let domain = &self.grid.domain;
