@@ -281,8 +281,8 @@ impl Term {
 }
 
 /// Returns the block of an event: the one that it makes or gives a clip; else that of its first sample, which for an
-/// inserted sample is the block in which it lies. `None` if the event names no sample, or one that a recording that was cut
-/// off lacks.
+/// inserted sample is the block in which it lies. `None` if the event names no sample, or one that a recording that was
+/// cut off lacks.
 #[must_use]
 pub fn block(recording: &Recording, event: &Event) -> Option<u32> {
     if let Some(RunEvent::Leaf { block } | RunEvent::Clip { block }) = event.run_event() {

@@ -64,8 +64,8 @@ pub fn plan(experiments: &[Experiment], settings: &Settings, out: Option<&Path>)
         Planned {
             experiment,
             units,
-            // A run with the setting `many` leaves more batches of density than these settings may have. The seconds are
-            // those of all that it left.
+            // A run with the setting `many` leaves more batches of density than these settings may have. The seconds
+            // are those of all that it left.
             kept: kept.len().min(units),
             seconds: kept.iter().sum(),
         }

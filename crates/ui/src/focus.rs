@@ -77,8 +77,8 @@ pub fn follow(ui: &Ui) {
     }
 }
 
-/// Gives accessible names to what `egui_tiles` leaves unnamed: draggable borders and rows of tabs. It is called when this
-/// pass has shown all of them.
+/// Gives accessible names to what `egui_tiles` leaves unnamed: draggable borders and rows of tabs. It is called when
+/// this pass has shown all of them.
 pub fn name_tiles(ctx: &Context) {
     let focusable: Vec<WidgetRect> = ctx.viewport(|viewport| {
         let layers = viewport.this_pass.widgets.layers();

@@ -1,8 +1,8 @@
 //! numpy's array file, shape (N, 2), or (N, 3) with z = 0; of sets in space (N, 3).
 //!
 //! Reads header versions 1 to 3, f4 and f8 of either byte order, C and Fortran order; writes version 1.0,
-//! little-endian, C order, shape (N, 2), and of sets in space (N, 3). The header, a Python literal, is matched as numpy's format
-//! specification prescribes and never evaluated.
+//! little-endian, C order, shape (N, 2), and of sets in space (N, 3). The header, a Python literal, is matched as
+//! numpy's format specification prescribes and never evaluated.
 
 use super::Raw;
 use super::xyz::planar;
@@ -119,8 +119,8 @@ pub(super) fn read_head(bytes: &[u8]) -> Result<(NpyHeader, u64), FormatError> {
     Ok((found, cursor.offset()))
 }
 
-/// Returns the points of data that are not simply rows of two coordinates: all x stand before all y, or rows have a z. A z
-/// other than 0 is refused, unless `any_z` is set.
+/// Returns the points of data that are not simply rows of two coordinates: all x stand before all y, or rows have a z.
+/// A z other than 0 is refused, unless `any_z` is set.
 fn scattered(data: &[u8], header: &NpyHeader, any_z: bool) -> Result<Vec<[f64; 2]>, FormatError> {
     let (size, columns) = (header.precision.bytes(), header.columns);
     // The number of bytes was compared with the header when they were taken.

@@ -73,8 +73,8 @@ impl Partial {
 
     /// Reads the rows of an interrupted export again, up to `length` bytes of the file, as if they were written now.
     /// They begin behind `head`, the file's head, which is not read. Rows are passed to `each`, which returns how many
-    /// bytes it used. Returns how many bytes were left unused at the end: they count as rows here, so that the caller must
-    /// refuse a file that has such bytes.
+    /// bytes it used. Returns how many bytes were left unused at the end: they count as rows here, so that the caller
+    /// must refuse a file that has such bytes.
     pub fn take_over(
         &mut self,
         head: Vec<u8>,

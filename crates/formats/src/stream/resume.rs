@@ -255,7 +255,8 @@ impl StateFile {
         Ok(state)
     }
 
-    /// Gives new judges the state that was saved. They have one verifier; the second one is added if there is a state of it.
+    /// Gives new judges the state that was saved. They have one verifier; the second one is added if there is a state
+    /// of it.
     pub fn restore(
         &self,
         path: &Path,

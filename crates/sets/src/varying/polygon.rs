@@ -78,7 +78,8 @@ impl PlanarPolygon {
         Self { rings, file: None }
     }
 
-    /// Fails if there is no ring, or if the rings have too many corners, enclose nothing, cross, or seem to be in degrees.
+    /// Fails if there is no ring, or if the rings have too many corners, enclose nothing, cross, or seem to be in
+    /// degrees.
     fn check(&self, name: &str, planar: bool) -> Result<(), VaryingError> {
         let fault = |reason: String| VaryingError::Polygon {
             name: name.to_owned(),

@@ -43,8 +43,8 @@ const LEFT_OUT: f64 = 0.6;
 /// How far above the dots that are asked for runs aim, in roots of them: a third of [`LEFT_OUT`].
 const AIM: f64 = 0.2;
 
-/// Where dots go on beyond the frame, they do so by this many of the largest radii at its border, but by no more than the
-/// longer side of the image: no dot in the frame is near one that is farther out by that many radii.
+/// Where dots go on beyond the frame, they do so by this many of the largest radii at its border, but by no more than
+/// the longer side of the image: no dot in the frame is near one that is farther out by that many radii.
 const BEYOND: f64 = 2.0;
 
 /// What a stipple is made from.
@@ -106,7 +106,8 @@ impl StippleRecipe {
         let mut black = self.estimate()?;
         let image = self.image.in_blocks(self.block(black))?;
 
-        // At least one may be left out: of the smallest numbers the rounded share is 0, and only chance would meet them.
+        // At least one may be left out: of the smallest numbers the rounded share is 0, and only chance would meet
+        // them.
         let dots = self.dots as f64;
         let aim = dots + AIM * dots.sqrt();
         let most = self.dots + ((LEFT_OUT * dots.sqrt()) as u64).max(1);
@@ -301,8 +302,8 @@ impl Wider {
         let across = (0..=columns).flat_map(|column| [at(column, 0), at(column, rows)]);
         let along = (0..=rows).flat_map(|row| [at(0, row), at(columns, row)]);
         let greatest = across.chain(along).max().unwrap_or(1);
-        // Where a border is white, its radius is as large as possible, and the margin would be many times the image: it is no
-        // wider than the image's longer side (chosen, not measured). Nodes are 2^bits units apart.
+        // Where a border is white, its radius is as large as possible, and the margin would be many times the image: it
+        // is no wider than the image's longer side (chosen, not measured). Nodes are 2^bits units apart.
         let reach = (f64::from(greatest) * BEYOND / f64::from(1_u32 << bits)).ceil() as usize;
         let pixels = reach.min(columns.max(rows));
 

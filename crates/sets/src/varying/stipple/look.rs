@@ -40,8 +40,8 @@ impl StippleLook {
             let radii = points.iter().map(|&point| judged.radius_at(point));
             let darkness = radii.map(|radius| (black / radius).powi(2));
             let mean = darkness.sum::<f64>() / points.len().max(1) as f64;
-            // The areas of all dots add up to those of as many dots of the even radius. (Without a dot the mean is 0 and this
-            // number infinite, and it is used for none.)
+            // The areas of all dots add up to those of as many dots of the even radius. (Without a dot the mean is 0
+            // and this number infinite, and it is used for none.)
             let of_black = self.dot_radius.unwrap_or(even / mean.sqrt());
             // The radius of a dot is this number over the distance that it keeps, which is `black` where all is
             // black.
