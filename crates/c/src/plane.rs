@@ -55,7 +55,8 @@ impl Default for TilescopeSettings {
 }
 
 impl TilescopeSettings {
-    /// Returns the parameters of the run whose windows the plane has.
+    /// Returns the parameters of the run whose windows the plane has. Fails for a method that there is not, and for a
+    /// period that is negative or no number. Whether the other values are in range is for the caller to check.
     pub(crate) fn parameters(&self) -> Result<Parameters, Failure> {
         let method = match self.method {
             0 => TilingMethod::Kdrt,
@@ -164,7 +165,7 @@ impl TilescopePlane {
     }
 
     /// Writes the number of the samples that are asked for to `count`, and the samples to `points`. If they do not all
-    /// fit, it writes none of them and fails.
+    /// fit, it writes none of them and fails. It also fails, without a number, as [`Self::check_size`] says.
     pub(crate) fn write(
         &self,
         asked: &Asked,

@@ -198,7 +198,7 @@ impl SampleArguments {
                 streams.join(", ")
             );
         }
-        // Only a verdict needs the whole set in memory: without one even a small set is written as it is made.
+        // A small set is verified in memory. Without a verdict nothing needs it there, and it is written as it is made.
         Ok(makes_bands && takes_bands && (self.resume || self.no_verify || expected > LARGE))
     }
 

@@ -238,6 +238,7 @@ impl Walk<'_> {
             steps: node.supports_action(Action::Increment)
                 || node.supports_action(Action::Decrement),
             live: node.live().is_some_and(|live| live != Live::Off),
+            // At least one pixel along each side, chosen, not measured: so no element is without an extent.
             place: node.bounds().map(|bounds| {
                 [
                     pixels(bounds.x0 - place.x),

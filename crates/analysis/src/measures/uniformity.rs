@@ -212,7 +212,8 @@ impl ClassCounts {
     }
 
     /// Returns how far the samples of a class are from their share. `error_of_mean` is the standard error of the mean
-    /// residual of a run, where there are several runs.
+    /// residual of a run, where there are several runs. Nothing is expected in a class without area: there the relative
+    /// numbers are infinite or NaN.
     fn deviation(
         &self,
         class: usize,

@@ -118,8 +118,10 @@ impl Layout {
 
     /// Returns the layout's domain, rectangles and sources.
     ///
-    /// Fails when the rectangles do not partition the domain, a piece is not one of the three kinds (a file, parameters
-    /// or a seed), or sets would be made that are too large. Offsets are checked later, with the sets they belong to.
+    /// Fails when there are too many pieces, the layout has neither columns and rows nor a width and a height, or has
+    /// both, the domain is invalid, the rectangles do not partition it, a piece is not one of the three kinds (a file,
+    /// parameters or a seed), or sets would be made that are too large. Offsets are checked later, with the sets they
+    /// belong to.
     pub fn placed(&self) -> Result<PlacedLayout, LayoutError> {
         let (domain, rects) = self.rects()?;
         check_rects(&domain, &rects)?;

@@ -1,6 +1,6 @@
-//! Detection and insertion at one level. Cells that a lost sample may have covered are divided into *pixels*, until one
-//! sample covers a pixel or it is an eighth of the cell wide. Candidates are sought in the pixels that are left. Whole periodic
-//! runs find the same ones sooner ([`super::search`]).
+//! Detection and insertion at one level. *Dirty* cells, in which a lost sample may have covered a place, are divided
+//! into *pixels*, until one sample covers a pixel or it is an eighth of the cell wide. Candidates are sought in the
+//! pixels that are left. Whole periodic runs find the same ones sooner ([`super::search`]).
 //!
 //! *Definition.* A candidate is a lattice point c of the domain that no sample covers and that is
 //! - the circumcentre, rounded half up, of three samples,
@@ -16,10 +16,11 @@
 //! differ by 18 R at most), and d + 2h + 9 from m. A sample that is too near to the candidate is no farther. So the samples within
 //! [`PIXEL_SLACK`] and d + 2h of m decide everything in the pixel, now and later, since d never grows.
 //!
-//! *Unknowns.* A pixel is itself an unknown if an unknown reaches into that circle, or the strip of width R along the
-//! frame's edges in which tiled samples beyond may have been lost. Since d + h > R in an open pixel, the circle also holds
-//! every place at which an insertion would cover a place of the pixel. Insertions in the other pixels therefore
-//! depend on no unknown, in any iteration.
+//! *Unknowns.* An unknown is a disk in which a sample may lie that is not listed: the first are those of tiled samples
+//! whose fate depends on the plane beyond the frame. A pixel is itself an unknown if an unknown reaches into that
+//! circle, or the strip of width R along the frame's edges in which tiled samples beyond may have been lost. Since d +
+//! h > R in an open pixel, the circle also holds every place at which an insertion would cover a place of the pixel.
+//! Insertions in the other pixels therefore depend on no unknown, in any iteration.
 
 use glam::IVec2;
 use rayon::prelude::*;

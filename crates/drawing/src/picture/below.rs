@@ -55,6 +55,7 @@ struct LegendEntry {
 impl Below {
     /// Returns the layout below the picture of a view.
     pub(super) fn of(view: &PictureView) -> Self {
+        // Lines have the width of the frame; sizes are shares of the width of the picture, which has margins beside it.
         let (room, width) = (view.size[0], view.width());
         let lines = wrapped(&view.caption, room, CAPTION_SIZE * width);
         let mut height = lines.len() as f64 * LINE_HEIGHT * CAPTION_SIZE * width;

@@ -251,14 +251,15 @@ pub(super) fn head(count: u64, precision: Precision) -> Vec<u8> {
     })
 }
 
-/// Returns the array with only those of its rows that are kept, in the same number type and order.
+/// Returns the array with only those of its rows that are kept, in the same number type and order. `kept` has an entry
+/// for each row.
 pub(super) fn keep(bytes: &[u8], kept: &[bool]) -> Result<Vec<u8>, FormatError> {
     let (header, offset) = read_head(bytes)?;
     let size = header.precision.bytes();
     let data = bytes.get(offset as usize..).unwrap_or_default();
     let count = kept.iter().filter(|kept| **kept).count() as u64;
 
-    // The rest of the head stays as it was.
+    // All else in the dictionary stays as it was.
     let mut out = head_of(&NpyHeader { count, ..header });
     // In Fortran order each column is an array by itself. Chunks need a size, even if there are no rows.
     let (width, arrays) = if header.fortran {

@@ -63,7 +63,8 @@ impl Drop for Lock {
     }
 }
 
-/// Whether `path` is a name of the open file, and no link; except on Unix, whether it is a name of any file.
+/// Whether `path` is a name of the open file, and no link. On systems other than Unix: whether it is a name of any
+/// file, and no link.
 pub(crate) fn is_own(opened: &File, path: &Path) -> std::io::Result<bool> {
     let named = match fs::symlink_metadata(path) {
         Err(error) if error.kind() == std::io::ErrorKind::NotFound => return Ok(false),

@@ -73,7 +73,8 @@ pub(super) fn check_from(
         return in_memory();
     }
 
-    // A point of a text file takes at least four bytes.
+    // A text does not state its number of points. A point takes at least four bytes of it, so that this is the largest
+    // number possible; the error below says no more than that.
     let count = reader.count().unwrap_or(length / 4);
 
     match in_pieces(reader, overrides, control) {

@@ -1,4 +1,5 @@
-//! A module as it is read, to be cut into two modules: its sections, and who refers to which function.
+//! A module as it is read, to be cut into two modules: its sections, and who refers to which function. Where the first
+//! module calls a function of the later one, a *stub* of the same type stands in its place.
 
 use std::collections::BTreeMap;
 
