@@ -12,7 +12,7 @@ use std::process::ExitCode;
 use tilescope_cli::Arguments;
 
 /// Carries out a command of the command line, or opens the window. If no window opens, refuses the file or the link
-/// that was to be shown, or else runs the default session headless.
+/// that was to be shown, or else, also where a lesson was to be played, runs the default session headless.
 fn main() -> ExitCode {
     let arguments = Arguments::read();
     let played = match arguments.played() {

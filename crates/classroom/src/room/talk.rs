@@ -150,6 +150,8 @@ impl Classroom {
     /// Presents the scenes as a lesson, which was made of them, or shows a notice with the reason why there is none. The session
     /// comes back when the talk ends.
     pub fn present_scenes(&mut self, made: Result<String, String>, context: &mut Context) {
+        // Read for its part of the talk, and so that a fault is reported as one of the scenes; `open_lesson` reads the
+        // text itself.
         let read = made.and_then(|text| {
             let lesson = Lesson::read("scenes", &text);
             Ok((lesson.map_err(|error| error.to_string())?, text))
@@ -535,7 +537,8 @@ impl Classroom {
 
         let name = open.learner.lesson().name.clone();
         let shipped = self.lessons.shipped(&name);
-        // Only lessons that come with the program have a translation at hand.
+        // Only lessons that come with the program have a translation at hand: one beside the file of a lesson is not
+        // read for this.
         let translation = shipped
             .filter(|_| open.source == LessonSource::Shipped)
             .and_then(|shipped| shipped.translation(&self.lessons.language))

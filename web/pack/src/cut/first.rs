@@ -1,4 +1,6 @@
-//! The first module: what the start needs, and a stub for each function of the later module that it refers to.
+//! The first module: what the start needs, and a stub for each function of the later module that it refers to. A stub
+//! calls the *check*, which loads the later module if it is not there, and then the function in its *slot*, a place of
+//! a table that the later module fills.
 
 use std::collections::BTreeSet;
 

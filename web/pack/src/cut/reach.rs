@@ -1,4 +1,5 @@
-//! Which function goes to which module.
+//! Which function goes to which module. Where the first module refers to a later function, it has a *stub*, which calls
+//! that function by its *slot*: a place of a table that the later module fills.
 
 use std::collections::{BTreeMap, BTreeSet};
 
