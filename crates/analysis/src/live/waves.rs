@@ -251,6 +251,7 @@ fn write_in_vectors<S: Simd>(simd: S, sums: &[ProductSums], scale: f64, powers: 
         } else {
             above.copy_from_slice(&up.as_slice()[..count]);
         }
+        // The middle, column 0, is written by both: opposite frequencies are the same there.
         let below = &mut powers[columns - first - count..][..count];
         if let Ok(below) = <&mut [f64; LANES]>::try_from(&mut *below) {
             below.copy_from_slice(down.as_slice());

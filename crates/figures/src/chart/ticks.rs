@@ -9,8 +9,9 @@ pub(crate) struct Ticks {
 }
 
 impl Ticks {
-    /// Returns at most `most` ticks (at least 2) of a rising range of finite numbers. Where round values of that distance
-    /// leave fewer than two, the next smaller ones are taken if they are not too many.
+    /// Returns at most `most` ticks of a rising range of finite numbers; a `most` below 2 counts as 2. Where the round
+    /// distance that keeps to it leaves fewer than two ticks, the next smaller one is taken if it does not give too
+    /// many.
     pub(crate) fn of(range: [f64; 2], most: usize) -> Self {
         let least = (range[1] - range[0]) / (most.max(2) - 1) as f64;
         let ticks = Self::apart(range, least);

@@ -65,7 +65,7 @@ fn most_iterations(found: &[IterationCounts]) -> usize {
     iterations.max().unwrap_or(0)
 }
 
-/// Returns the numbers of each case over its sets.
+/// Returns the numbers of each case over its sets. Means of a case without sets are null.
 pub fn by_case(found: &[IterationCounts], cases: &[InsertionCase]) -> Table {
     table("iterations/cases", cases, |case| {
         let sets = of(found, *case);
@@ -75,7 +75,8 @@ pub fn by_case(found: &[IterationCounts], cases: &[InsertionCase]) -> Table {
 
         let samples = total(&|set| set.count) as f64;
         let inserted = total(&|set| set.inserted.iter().sum()) as f64;
-        // All cases have the columns of the one with the most iterations.
+        // All cases have the columns of the one with the most iterations; the number of an iteration takes the place of
+        // `{n}` in the key below.
         let in_each =
             (0..most_iterations(found)).map(|k| (k + 1, total(&|set| inserted_in(set, k))));
         let iterations = || sets.iter().map(|one| one.iterations());
