@@ -215,7 +215,8 @@ impl SampleArguments {
     }
 }
 
-/// Leaves an origin out, with a note, where the format to be written cannot hold it.
+/// Leaves an origin out, with a note, where the format to be written cannot hold it. Fails there for sets with a field
+/// or a shape, which lie at the origin.
 pub fn leave_out_origin(
     path: &Path,
     format: Option<Format>,

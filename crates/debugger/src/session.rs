@@ -264,7 +264,6 @@ impl Session {
 
     /// Computes the session's run again, with its events. If the pattern comes from a file, `pattern_loader` reads it;
     /// its digest must be the saved one. A session in a field or a shape is refused: [`Self::record_in`] computes its run.
-    /// The limits are checked here as well, since a session need not come from [`Self::from_json`].
     pub fn record(
         &self,
         pattern_loader: &mut dyn FnMut(&PatternFile) -> Result<Pattern, String>,
@@ -305,7 +304,6 @@ impl Session {
     }
 
     /// Computes the run of a session in a field or a shape again, with its events; `locality` is made from [`Self::ground`].
-    /// Such a run has no pattern.
     pub fn record_in(
         &self,
         locality: &Arc<Locality>,

@@ -99,7 +99,8 @@ impl Certificate {
             positions_digest: found.positions_digest.clone(),
             count: found.count,
         };
-        // Numbers that follow from others are compared as for every certificate.
+        // Statements about the file's content, and numbers that follow from others, are compared as for every
+        // certificate.
         let mut list = Differences(contradictions(self, &contents));
         list.exact("radius", &self.radius, &found.radius);
         list.exact("conflicts", &self.conflicts, &found.conflicts);

@@ -55,7 +55,8 @@ impl Spectra {
         may_be_thinned: bool,
     ) -> Result<u64, MeasureError> {
         let last = if may_be_thinned { STRIDES - 1 } else { 0 };
-        // From the finest spectrum on, the first one that gets there is chosen.
+        // From the finest spectrum on, the first one that gets there is chosen. The steps of beginning do not count in
+        // the choice; the move below has those that they leave.
         let (mut chosen, mut steps) = (0, 0);
         loop {
             steps += self.begin(chosen, course, target)?;

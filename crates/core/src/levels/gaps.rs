@@ -338,6 +338,7 @@ impl LevelRegion {
                     && !(doubtful && self.touches_unknown(centre, sight));
 
                 if !is_known {
+                    // The disk holds the whole pixel, with the same two units more.
                     self.doubt(UnknownDisk {
                         at: centre,
                         radius: pixel.half_diagonal() as i32 + 2,

@@ -71,6 +71,7 @@ impl BallGrid {
         mut visit: impl FnMut(Place) -> bool,
     ) -> bool {
         let frame = &self.frame;
+        // `x`, `y` and `z` lead from `min` to the lowest place of the cell.
         frame.any_cell_near(min, side, depth, |cell, [x, y, z]| {
             let slots = self.cells[cell].0.iter();
             let mut held = slots.take_while(|&&slot| slot != EMPTY);

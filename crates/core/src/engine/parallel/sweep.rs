@@ -26,7 +26,8 @@ use super::window_maker::{WindowMaker, WindowSamples};
 /// Windows for each thread that are computed before their samples are joined. Chosen, not measured.
 const WINDOWS_A_THREAD: usize = 6;
 
-/// The shortest side of a window, in cells, so that halos do not outweigh windows.
+/// The shortest side of a window, in cells. What surrounds a window, its halo, is computed with it, and must not
+/// outweigh it.
 const MIN_SIDE: i32 = 64;
 
 /// Samples to a squared radius for which memory is reserved: a little more than in the densest runs measured (0.6983,

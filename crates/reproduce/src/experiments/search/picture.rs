@@ -17,6 +17,8 @@ use crate::outcome::Picture;
 use crate::sets::{Set, shortest};
 use crate::texts::text;
 
+// Sizes and numbers below are chosen, not measured.
+
 /// Width of a picture, in points.
 const WIDTH: f64 = 900.0;
 /// Sides of the part that is shown, in radii.
@@ -66,7 +68,7 @@ fn scene(set: &Set, witness: &Witness, caption: String) -> Result<Scene> {
     };
     let mut scene = set_scene(&picture, &options);
 
-    // The gap is that at the witness's centre.
+    // The gap is the one that holds the witness's centre. If none does, no area is drawn.
     let is_periodic = false;
     let region = Region::new(size, is_periodic);
     let parts = Tessellation::of(&points, region, radius)?;

@@ -35,8 +35,9 @@ pub(super) struct SearchedPixel {
 }
 
 impl<const TAGS: bool> Region<TAGS> {
-    /// Searches one measured pixel and adds its candidates to `gaps.candidates`; cells that depend on the plane beyond
-    /// the frame are added to `unsure`. `gaps.near` holds the samples around `cell`.
+    /// Searches one pixel and adds its candidates to `gaps.candidates`; cells that depend on the plane beyond the frame
+    /// are added to `unsure`. `gaps.near` holds the samples around `cell`, and `pixel.sites` has the bits of those
+    /// among them that may make a candidate.
     #[inline(always)]
     pub(super) fn search_pixel<S: Simd>(
         &self,
