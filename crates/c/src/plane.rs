@@ -55,8 +55,8 @@ impl Default for TilescopeSettings {
 }
 
 impl TilescopeSettings {
-    /// Returns the parameters of the run whose windows the plane has. Fails for a method that there is not, and for a
-    /// period that is negative or no number. Whether the other values are in range is for the caller to check.
+    /// Returns the parameters of the run whose windows the plane has. Fails for an unknown method, and for a period
+    /// that is negative or no number. The caller checks the other values.
     pub(crate) fn parameters(&self) -> Result<Parameters, Failure> {
         let method = match self.method {
             0 => TilingMethod::Kdrt,
@@ -165,7 +165,8 @@ impl TilescopePlane {
     }
 
     /// Writes the number of the samples that are asked for to `count`, and the samples to `points`. If they do not all
-    /// fit, it writes none of them and fails. It also fails, without a number, as [`Self::check_size`] says.
+    /// fit, it writes none of them and fails. For a window of too many samples, or with too little memory, it fails
+    /// before it writes a number.
     pub(crate) fn write(
         &self,
         asked: &Asked,

@@ -16,8 +16,8 @@
 //! differ by 18 R at most), and d + 2h + 9 from m. A sample that is too near to the candidate is no farther. So the samples within
 //! [`PIXEL_SLACK`] and d + 2h of m decide everything in the pixel, now and later, since d never grows.
 //!
-//! *Unknowns.* An unknown is a disk in which a sample may lie that is not listed: the first are those of tiled samples
-//! whose fate depends on the plane beyond the frame. A pixel is itself an unknown if an unknown reaches into that
+//! *Unknowns.* An unknown is a disk in which a sample may lie that is not listed. Tiled samples whose fate depends on
+//! the plane beyond the frame are unknowns from the beginning. A pixel becomes one if an unknown reaches into that
 //! circle, or the strip of width R along the frame's edges in which tiled samples beyond may have been lost. Since d +
 //! h > R in an open pixel, the circle also holds every place at which an insertion would cover a place of the pixel.
 //! Insertions in the other pixels therefore depend on no unknown, in any iteration.

@@ -144,7 +144,7 @@ impl Checkpoint {
         let mut hasher = blake3::Hasher::new();
         hasher.update_reader(rows.take(length)).map_err(failed)?;
         let is_same = digest_text(&hasher) == self.rows_digest;
-        // Every file begins with no rows, so that none must not count as the checkpoint's.
+        // A checkpoint of no rows would fit every file.
         Ok(is_same && self.count > 0 && hasher.count() == length)
     }
 

@@ -106,8 +106,8 @@ impl StippleRecipe {
         let mut black = self.estimate()?;
         let image = self.image.in_blocks(self.block(black))?;
 
-        // At least one may be left out: of the smallest numbers the rounded share is 0, and only chance would meet
-        // them.
+        // At least one may be left out: for one or two dots the share is rounded down to 0, and only chance would make
+        // exactly as many.
         let dots = self.dots as f64;
         let aim = dots + AIM * dots.sqrt();
         let most = self.dots + ((LEFT_OUT * dots.sqrt()) as u64).max(1);

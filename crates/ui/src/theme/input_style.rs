@@ -23,8 +23,8 @@ pub struct InputStyle {
     pub still: bool,
 }
 
-/// The height of targets for touch, in screen points. Buttons by themselves have 2 more, and rows and small controls,
-/// which stand close together, 4 less.
+/// The height of targets for touch, in screen points. Buttons with an icon have 2 more, and rows and other controls 4
+/// less.
 pub const FINGER: f32 = 40.0;
 
 /// Gives `ctx` the fonts, and the colours of `look`.

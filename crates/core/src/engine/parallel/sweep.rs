@@ -26,7 +26,7 @@ use super::window_maker::{WindowMaker, WindowSamples};
 /// Windows for each thread that are computed before their samples are joined. Chosen, not measured.
 const WINDOWS_A_THREAD: usize = 6;
 
-/// The shortest side of a window, in cells. What surrounds a window, its halo, is computed with it, and must not
+/// The shortest side of a window, in cells, so that its halo, the surroundings that are computed with it, does not
 /// outweigh it.
 const MIN_SIDE: i32 = 64;
 
