@@ -24,6 +24,7 @@ mod engine;
 mod filter;
 mod ground;
 mod history;
+mod laid;
 mod lists;
 mod packed;
 mod pieces;
@@ -37,6 +38,7 @@ pub use darts::{Arrival, PatternDarts, PlacedDart};
 pub use engine::exact_sample;
 pub use engine::recorded::exact_recorded;
 pub use history::PatternHistory;
+pub use laid::{ExactPiece, exact_pieces};
 pub use plane::{ExactPlane, exact_points, exact_sample_parallel};
 
 /// The most samples of a set that takes a pattern of 200 r, which has as many itself. Larger sets take one of 400 r.

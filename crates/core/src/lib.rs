@@ -58,6 +58,7 @@ pub mod windows {
     pub use crate::engine::parallel::frame::{CELL_BITS, Frame, PAD};
     pub use crate::engine::parallel::gaps::reach_cells;
     pub use crate::engine::parallel::plane::lost_reach;
+    pub use crate::exact::{ExactPiece, exact_pieces};
     pub use crate::lattice::Rect64;
 }
 

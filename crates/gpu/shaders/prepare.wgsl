@@ -1,13 +1,5 @@
 // Computes the workgroups of the next indirect dispatches from counters.
-
-// Writes the workgroups for `count` invocations. Invocations beyond `count` must return at once.
-fn set_workgroups(argument: u32, count: u32) {
-    let groups = (count + WORKGROUP - 1u) / WORKGROUP;
-    let columns = min(groups, GROUP_COLUMNS);
-    arguments[3u * argument] = columns;
-    arguments[3u * argument + 1u] = select((groups + GROUP_COLUMNS - 1u) / GROUP_COLUMNS, 0u, groups == 0u);
-    arguments[3u * argument + 2u] = 1u;
-}
+// import: workgroups
 
 fn run(index: u32) {
     // One invocation computes all arguments.

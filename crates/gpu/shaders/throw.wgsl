@@ -1,15 +1,7 @@
 // Throws a level's darts: each active cell draws its own. Darts that no sample covers are proposed.
 // import: cover_cell
-// import: random
+// import: poisson
 // import: propose
-
-fn poisson(word: u32) -> u32 {
-    var count = 0u;
-    for (var k = 0u; k < POISSON_COUNT; k++) {
-        count += u32(word >= POISSON[k]);
-    }
-    return count;
-}
 
 fn is_covered(p: vec2<i32>) -> bool {
     return is_cell_covered(p, vec2<i32>(0));

@@ -6,7 +6,7 @@ use tilescope_core::windows::CELL_BITS;
 use crate::constants::{COUNT_MASK, FATE_MASK, POSITION_MASK, TILE_WORDS};
 use crate::error::GpuError;
 use crate::execute::Device;
-use crate::layout::{Frame, Image, Name, Proposal, counter};
+use crate::layout::{Dart, Frame, Ground, Image, LaidPiece, Name, PieceCell, Proposal, counter};
 
 /// The rows of a buffer as a table of numbers.
 #[derive(Clone, Debug, PartialEq, Eq)]
@@ -44,6 +44,12 @@ fn words_of(name: Name) -> u64 {
         Name::Frame => size_of::<Frame>() as u64 / 4,
         Name::Images => size_of::<Image>() as u64 / 4,
         Name::Proposals => size_of::<Proposal>() as u64 / 4,
+        Name::Ground => size_of::<Ground>() as u64 / 4,
+        Name::LaidPieces => size_of::<LaidPiece>() as u64 / 4,
+        Name::Darts => size_of::<Dart>() as u64 / 4,
+        Name::FreshCells | Name::OpenCells | Name::NextOpenCells => {
+            size_of::<PieceCell>() as u64 / 4
+        }
         Name::Pieces | Name::Grid => 4,
         Name::TileImages => u64::from(TILE_WORDS),
         Name::Arguments => 3,
@@ -57,7 +63,11 @@ fn words_of(name: Name) -> u64 {
         | Name::By
         | Name::Heads
         | Name::List
-        | Name::Unsure => 1,
+        | Name::Unsure
+        | Name::States
+        | Name::Questions
+        | Name::Verdicts
+        | Name::Marks => 1,
     }
 }
 
@@ -73,6 +83,14 @@ fn columns(name: Name) -> Vec<String> {
         Name::Frame => fields(Frame::FIELDS.1),
         Name::Images => fields(Image::FIELDS.1),
         Name::Proposals => fields(Proposal::FIELDS.1),
+        Name::Ground => fields(Ground::FIELDS.1),
+        Name::LaidPieces => fields(LaidPiece::FIELDS.1),
+        Name::Darts => fields(Dart::FIELDS.1),
+        Name::FreshCells | Name::OpenCells | Name::NextOpenCells => fields(PieceCell::FIELDS.1),
+        Name::States => named(&["state"]),
+        Name::Questions => named(&["dart"]),
+        Name::Verdicts => named(&["is sample"]),
+        Name::Marks => named(&["is marked"]),
         Name::Pieces => named(&["image", "column", "row", "size"]),
         // A cell has three slots: no four samples that are farther than r from each other fit a square of r.
         Name::Grid => ["count", "flags"]
@@ -136,6 +154,12 @@ fn meaning(name: Name, row: &[u32]) -> Vec<i64> {
         Name::Frame => signed(row, Frame::FIELDS.1),
         Name::Images => signed(row, Image::FIELDS.1),
         Name::Proposals => signed(row, Proposal::FIELDS.1),
+        Name::Ground => signed(row, Ground::FIELDS.1),
+        Name::LaidPieces => signed(row, LaidPiece::FIELDS.1),
+        Name::Darts => signed(row, Dart::FIELDS.1),
+        Name::FreshCells | Name::OpenCells | Name::NextOpenCells => {
+            signed(row, PieceCell::FIELDS.1)
+        }
         // Cells may begin left of the frame or below it. Points of `Result`, below, lie in the domain and are not negative.
         Name::Active | Name::NextActive => row.iter().map(|&w| i64::from(w as i32)).collect(),
         Name::Job
@@ -149,6 +173,10 @@ fn meaning(name: Name, row: &[u32]) -> Vec<i64> {
         | Name::Heads
         | Name::List
         | Name::Unsure
+        | Name::States
+        | Name::Questions
+        | Name::Verdicts
+        | Name::Marks
         | Name::Counters
         | Name::Arguments
         | Name::Result

@@ -65,6 +65,27 @@ pub const PREPARE_SPREAD: u32 = 1;
 /// A flag of `prepare`: also go on to the next level of uniform insertion.
 pub const PREPARE_LEVEL: u32 = 2;
 
+/// A flag of `prepare_darts`: the cells for the next level become the open ones.
+pub const PREPARE_NEXT_CELLS: u32 = 1;
+/// A flag of `prepare_darts`: all open cells have thrown their darts.
+pub const PREPARE_THROWN: u32 = 2;
+/// A flag of `prepare_darts`: all darts are linked.
+pub const PREPARE_LINKED: u32 = 4;
+/// A flag of `prepare_darts`: a throw begins, so that its questions are asked whatever the round before changed.
+pub const PREPARE_FIRST: u32 = 8;
+
+/// The binary logarithm of the side of marked cells, which is R.
+pub const MARK_BITS: u32 = CELL_BITS;
+
+/// The bits of a dart's label that hold four times its level plus its throw: at most 60.
+pub const THROW_BITS: u32 = 6;
+/// Stands for the pattern's sample of a dart that was thrown here.
+pub const NO_SAMPLE: u32 = u32::MAX;
+/// A bit of a dart's state: it is a sample, as things stand.
+pub const DART_PRESENT: u32 = 1;
+/// A bit of a dart's state: the answer about it may be another than in the pattern.
+pub const DART_QUESTION: u32 = 2;
+
 /// The state of a proposal that was inserted.
 pub const PROPOSAL_INSERTED: u32 = 4;
 
@@ -103,6 +124,11 @@ pub const ARGUMENTS: &[&str] = &[
     "ARGUMENT_PROPOSALS",
     "ARGUMENT_UNSURE",
     "ARGUMENT_ACTIVE",
+    "ARGUMENT_OPEN_CELLS",
+    "ARGUMENT_FRESH_CELLS",
+    "ARGUMENT_THROWN",
+    "ARGUMENT_LINKED",
+    "ARGUMENT_JUDGED",
 ];
 
 /// Orders of elimination, numbered as the variants of core's `Order`.
@@ -186,6 +212,15 @@ fn unsigned() -> Vec<(&'static str, u32)> {
         ("STREAM_DART", Stream::Dart as u32),
         ("PREPARE_SPREAD", PREPARE_SPREAD),
         ("PREPARE_LEVEL", PREPARE_LEVEL),
+        ("PREPARE_NEXT_CELLS", PREPARE_NEXT_CELLS),
+        ("PREPARE_THROWN", PREPARE_THROWN),
+        ("PREPARE_LINKED", PREPARE_LINKED),
+        ("PREPARE_FIRST", PREPARE_FIRST),
+        ("THROW_BITS", THROW_BITS),
+        ("THROW_MASK", (1 << THROW_BITS) - 1),
+        ("NO_SAMPLE", NO_SAMPLE),
+        ("DART_PRESENT", DART_PRESENT),
+        ("DART_QUESTION", DART_QUESTION),
         ("PROPOSAL_WORDS", 8),
         ("PROPOSAL_UNDECIDED", 0),
         ("PROPOSAL_KEPT", 1),

@@ -84,7 +84,11 @@ impl Device {
         lengths.push((Name::Frame, size_of_val(&plan.uniform) as u64));
         // Recorded runs keep every buffer, since each can be inspected up to the end.
         lengths.retain(|(name, _)| keeps_stages || phase.needs(*name, setup.sources));
+        self.hold(lengths).await
+    }
 
+    /// Frees the buffers that are not named, and allocates those that are missing or shorter than the lengths in bytes.
+    pub(crate) async fn hold(&mut self, lengths: Vec<(Name, u64)>) -> Result<(), GpuError> {
         // Buffers are freed before others are allocated, so that their memory can be used.
         self.buffers.retain(|name, (_, have)| {
             lengths
@@ -114,7 +118,7 @@ impl Device {
     }
 
     /// Returns a device without buffers of a run.
-    fn empty(gpu: &Arc<Gpu>, recording: Recording) -> Result<Self, GpuError> {
+    pub(crate) fn empty(gpu: &Arc<Gpu>, recording: Recording) -> Result<Self, GpuError> {
         let jobs = gpu.buffer(
             "jobs",
             // More than enough: a part of the commands has half as many passes (see `submit`).
@@ -141,7 +145,7 @@ impl Device {
     fn allocate(&mut self, name: Name, length: u64) -> Result<(), GpuError> {
         // WebGPU does not allow bindings of length 0. 32 bytes hold an element of each list that may be empty.
         let length = length.max(32).next_multiple_of(4);
-        let usage = if name == Name::Frame {
+        let usage = if matches!(name, Name::Frame | Name::Ground) {
             wgpu::BufferUsages::UNIFORM
         } else if name == Name::Arguments {
             wgpu::BufferUsages::STORAGE | wgpu::BufferUsages::INDIRECT
@@ -263,18 +267,21 @@ impl Device {
                 // Passes find buffers by name as they are encoded, so swapping names swaps the lists, and nothing is
                 // copied.
                 self.swaps += 1;
-                let [active, next] =
-                    [Name::Active, Name::NextActive].map(|n| self.buffers.remove(&n));
-                self.buffers
-                    .extend(active.map(|buffer| (Name::NextActive, buffer)));
-                self.buffers
-                    .extend(next.map(|buffer| (Name::Active, buffer)));
+                self.swap(Name::Active, Name::NextActive);
             }
+            Command::SwapOpen => self.swap(Name::OpenCells, Name::NextOpenCells),
 
             Command::Dispatch { pass, size, .. } => {
                 self.dispatch(encoder, pass, size, job, stage);
             }
         }
+    }
+
+    /// Gives two buffers each other's names.
+    fn swap(&mut self, a: Name, b: Name) {
+        let [held_a, held_b] = [a, b].map(|name| self.buffers.remove(&name));
+        self.buffers.extend(held_a.map(|buffer| (b, buffer)));
+        self.buffers.extend(held_b.map(|buffer| (a, buffer)));
     }
 
     /// Appends a pass to `encoder`, with its times where they are measured, and reports it.

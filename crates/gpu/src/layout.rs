@@ -176,9 +176,119 @@ shared! {
     }
 }
 
+shared! {
+    /// Constants of an exact tiling of a whole domain, for every pass of it.
+    Ground {
+        /// The first abscissa beyond the domain.
+        end_x: i32,
+        /// The first ordinate beyond the domain.
+        end_y: i32,
+        /// Cells of side R in a row.
+        columns: u32,
+        /// Cells in all.
+        cells: u32,
+        /// 1 if opposite ends are joined.
+        periodic: u32,
+        /// Pieces in all.
+        pieces: u32,
+        /// Marks in all: one for each cell of the pattern in each piece.
+        marks: u32,
+        /// Cells of the pattern in a row.
+        pattern_columns: u32,
+        /// The word at which the pattern's samples begin, four words each; before it are the starts of cells.
+        pattern_points: u32,
+        /// Room in the list of darts, and in those of questions and answers.
+        dart_capacity: u32,
+        /// Room in each list of cells.
+        cell_capacity: u32,
+        /// Fills the structure up to a multiple of 16 bytes.
+        unused: u32,
+    }
+}
+
+shared! {
+    /// A dart of an exact tiling, or a sample of the pattern that was laid down.
+    Dart {
+        /// The abscissa in the domain.
+        x: i32,
+        /// The ordinate in the domain.
+        y: i32,
+        /// The index of its piece, above six bits for four times its level plus its throw.
+        label: u32,
+        /// Its rank in the throw.
+        rank: u32,
+        /// Its abscissa in the pattern.
+        source_x: i32,
+        /// Its ordinate in the pattern.
+        source_y: i32,
+        /// The index of the pattern's sample, or `NO_SAMPLE` of a dart that was thrown here.
+        sample: u32,
+        /// The next dart of its cell, plus one.
+        next: u32,
+    }
+}
+
+shared! {
+    /// The part of a block that one copy of the pattern fills.
+    LaidPiece {
+        /// The lowest abscissa of the pattern in it.
+        source_min_x: i32,
+        /// The lowest ordinate of the pattern in it.
+        source_min_y: i32,
+        /// The first abscissa beyond that part of the pattern.
+        source_max_x: i32,
+        /// The first ordinate beyond that part of the pattern.
+        source_max_y: i32,
+        /// The lowest abscissa of the block in the domain.
+        block_min_x: i32,
+        /// The lowest ordinate of the block.
+        block_min_y: i32,
+        /// The first abscissa beyond the block.
+        block_max_x: i32,
+        /// The first ordinate beyond the block.
+        block_max_y: i32,
+        /// Where the domain has the pattern's place 0: its abscissa, modulo 2^32.
+        origin_x: i32,
+        /// Its ordinate, modulo 2^32.
+        origin_y: i32,
+        /// The symmetry that turns the pattern.
+        symmetry: u32,
+        /// The index of the block.
+        block: u32,
+        /// The first mark of its cells.
+        first_mark: u32,
+        /// Marks in a row of its cells.
+        mark_columns: u32,
+        /// The first piece of the block.
+        first_piece: u32,
+        /// The first piece of the next block.
+        end_piece: u32,
+    }
+}
+
+shared! {
+    /// A cell of the pattern in a piece. Its side goes with the level.
+    PieceCell {
+        /// The index of the piece.
+        piece: u32,
+        /// The cell's lowest abscissa in the pattern, a multiple of its side.
+        x: i32,
+        /// The cell's lowest ordinate in the pattern.
+        y: i32,
+    }
+}
+
 /// The structures that Rust and shaders share.
-pub const STRUCTURES: &[(&str, Fields)] =
-    &[Frame::FIELDS, Job::FIELDS, Image::FIELDS, Proposal::FIELDS];
+pub const STRUCTURES: &[(&str, Fields)] = &[
+    Frame::FIELDS,
+    Job::FIELDS,
+    Image::FIELDS,
+    Proposal::FIELDS,
+    Ground::FIELDS,
+    Dart::FIELDS,
+    LaidPiece::FIELDS,
+    PieceCell::FIELDS,
+];
 
 /// Returns the WGSL declarations of the shared structures.
 #[must_use]
@@ -247,6 +357,24 @@ pub mod counter {
         TILED,
         /// Samples of the result.
         KEPT,
+        /// Darts of an exact tiling, with the samples that were laid down.
+        DARTS,
+        /// Darts that are linked into the lists of their cells.
+        LINKED,
+        /// Questions of the throw.
+        QUESTIONS,
+        /// Questions that are answered in this round; none once the answers are right.
+        JUDGED,
+        /// Answers of the last round that are others than before.
+        CHANGED,
+        /// Cells that were marked and not cut yet.
+        FRESH_CELLS,
+        /// Cells that throw the darts of the throw. It follows the counter of the cells that become open ones by a cut.
+        OPEN_CELLS,
+        /// Open cells of the level to come; it follows the counter of those that are cut for it.
+        NEXT_OPEN_CELLS,
+        /// Open cells that have thrown their darts.
+        THROWN,
     }
 }
 
@@ -301,6 +429,26 @@ pub enum Name {
     Result,
     /// The sources of the result's samples.
     Tags,
+    /// The constants of an exact tiling, a uniform.
+    Ground,
+    /// The parts of blocks that one copy of the pattern fills each.
+    LaidPieces,
+    /// The pattern's samples that were laid down, then the darts that were thrown.
+    Darts,
+    /// For each dart whether it is a sample as things stand, and whether it is a question.
+    States,
+    /// The darts about which a throw asks whether an earlier sample covers them.
+    Questions,
+    /// For each question the answer of the last round.
+    Verdicts,
+    /// For each cell of the pattern in each piece whether its darts are thrown.
+    Marks,
+    /// Cells that were marked and not cut yet.
+    FreshCells,
+    /// Cells that throw the darts of the throw.
+    OpenCells,
+    /// Cells that throw the darts of the next level.
+    NextOpenCells,
 }
 
 impl Name {
@@ -335,6 +483,17 @@ impl Name {
 
             Self::Result => "result",
             Self::Tags => "tags",
+
+            Self::Ground => "ground",
+            Self::LaidPieces => "pieces_laid",
+            Self::Darts => "darts",
+            Self::States => "states",
+            Self::Questions => "questions",
+            Self::Verdicts => "verdicts",
+            Self::Marks => "marks",
+            Self::FreshCells => "fresh_cells",
+            Self::OpenCells => "open_cells",
+            Self::NextOpenCells => "next_open_cells",
         }
     }
 
@@ -348,6 +507,10 @@ impl Name {
             Self::Active | Self::NextActive => "vec2<i32>",
             Self::Pieces => "vec4<u32>",
             Self::Result | Self::Tags => "vec2<u32>",
+            Self::Ground => "Ground",
+            Self::LaidPieces => "LaidPiece",
+            Self::Darts => "Dart",
+            Self::FreshCells | Self::OpenCells | Self::NextOpenCells => "PieceCell",
             Self::TileImages
             | Self::Pattern
             | Self::Starts
@@ -359,6 +522,10 @@ impl Name {
             | Self::Heads
             | Self::List
             | Self::Unsure
+            | Self::States
+            | Self::Questions
+            | Self::Verdicts
+            | Self::Marks
             | Self::Counters
             | Self::Arguments => "u32",
         }

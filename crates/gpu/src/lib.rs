@@ -44,6 +44,7 @@ mod buffer_rows;
 mod constants;
 pub mod cpu_reference;
 mod error;
+mod exact;
 #[cfg(feature = "device")]
 mod execute;
 #[cfg(not(feature = "device"))]
@@ -76,6 +77,7 @@ pub use adapter::{AdapterReport, Choice, Limits};
 pub use backend::{ASKED_FOR, Backend, Bands, Engine, WORTH_A_GPU};
 pub use buffer_rows::BufferRows;
 pub use error::GpuError;
+pub use exact::{exact_on_gpu, exact_with_reports};
 pub use opened::{Gpu, adapters};
 pub use pass_report::PassReport;
 pub use row_locator::RowLocator;

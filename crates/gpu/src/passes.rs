@@ -4,6 +4,7 @@
 mod blocks;
 mod detect;
 mod eliminate;
+mod exact;
 mod finish;
 mod insert;
 mod tile;
@@ -15,6 +16,7 @@ use crate::shader::FILES;
 pub(crate) use blocks::blocks;
 pub(crate) use detect::{detect, detectors, redetect};
 pub(crate) use eliminate::{eliminate, rounds, survive};
+pub(crate) use exact::{Throw, begin, collect, end, finish_exact, lay, rounds_of};
 pub(crate) use finish::finish;
 pub(crate) use insert::{choose, insert, unlink};
 pub(crate) use tile::tile;
@@ -58,9 +60,11 @@ pub enum Command {
     Clear(Name, Option<(u32, u32)>),
     /// Swaps the lists of active cells of this level and the next.
     SwapActive,
+    /// Swaps the lists of open cells of this level and the next, of an exact tiling.
+    SwapOpen,
 }
 
-/// Every pass, in the order of the stages.
+/// Every pass, in the order of the stages: those of randomized tiling, then those of exact tiling.
 pub const ALL: &[&Pass] = &[
     &PREPARE,
     &blocks::BLOCKS,
@@ -91,6 +95,19 @@ pub const ALL: &[&Pass] = &[
     &finish::ADD_HEADS,
     &finish::GATHER,
     &finish::SOURCES,
+    &exact::PREPARE_DARTS,
+    &exact::LAY,
+    &exact::LINK_DARTS,
+    &exact::CUT_CELLS,
+    &exact::CUT_FRESH_CELLS,
+    &exact::THROW_DARTS,
+    &exact::ENLIST,
+    &exact::JUDGE,
+    &exact::WARN,
+    &exact::DECIDE,
+    &exact::UNLINK_DARTS,
+    &exact::COUNT_SAMPLES,
+    &exact::COLLECT,
 ];
 
 /// Returns the description of the pass of this name: the head of its shader, as one text. `None` if there is no such

@@ -56,6 +56,17 @@ impl Phase {
             | Name::Heads
             | Name::Counters
             | Name::Arguments => true,
+            // Randomized tiling has none of the buffers of exact tiling.
+            Name::Ground
+            | Name::LaidPieces
+            | Name::Darts
+            | Name::States
+            | Name::Questions
+            | Name::Verdicts
+            | Name::Marks
+            | Name::FreshCells
+            | Name::OpenCells
+            | Name::NextOpenCells => false,
         }
     }
 }

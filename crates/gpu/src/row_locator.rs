@@ -197,7 +197,18 @@ impl RowLocator {
             | Name::Pattern
             | Name::Sums
             | Name::Counters
-            | Name::Arguments => None,
+            | Name::Arguments
+            // The buffers of exact tiling are not those of a window, whose rows are placed here.
+            | Name::Ground
+            | Name::LaidPieces
+            | Name::Darts
+            | Name::States
+            | Name::Questions
+            | Name::Verdicts
+            | Name::Marks
+            | Name::FreshCells
+            | Name::OpenCells
+            | Name::NextOpenCells => None,
         };
 
         places.extend(place);

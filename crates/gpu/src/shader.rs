@@ -16,12 +16,14 @@ macro_rules! files {
 /// Every shader file by its name. A file is a library of functions or a pass with an entry point.
 #[rustfmt::skip]
 pub const FILES: &[(&str, &str)] = files![
-    "attribute", "blocks", "candidates", "choose", "circumcentre", "clip", "count", "cover_cell",
-    "coverage", "detectors", "eliminate", "frame", "gap_cells", "gather", "grid", "grid_shared",
-    "lattice", "link", "open", "place", "prefix", "prepare", "proposal", "propose", "random",
-    "reopen", "rounds", "scan", "scan_add", "scan_sums", "settle", "sites", "sort_blocks",
-    "sources", "split", "spread", "survive", "tally", "throw", "tile", "turn", "unlink", "unsure",
-    "wide"
+    "arrival", "attribute", "blocks", "candidates", "choose", "circumcentre", "clip", "collect",
+    "count", "count_samples", "cover_cell", "coverage", "cut_cells", "decide", "detectors",
+    "eliminate", "enlist", "frame", "gap_cells", "gather", "grid", "grid_shared", "judge", "laid",
+    "lattice", "lay", "link", "link_darts", "marks", "near", "open", "place", "poisson", "prefix",
+    "prepare", "prepare_darts", "proposal", "propose", "random", "reopen", "rounds", "scan",
+    "scan_add", "scan_sums", "settle", "sites", "sort_blocks", "sources", "split", "spread",
+    "survive", "tally", "throw", "throw_darts", "tile", "turn", "unlink", "unlink_darts", "unsure",
+    "warn", "wide", "workgroups"
 ];
 
 /// Returns the complete WGSL source of a pass: constants, structures, bindings, imported files, the file itself.

@@ -17,6 +17,9 @@
 //!   an image's index from it is compared with the number of images.
 //! - **Chains.** The proposals of a cell are chained by `heads` and `next`. `heads` is cleared before each iteration, and each proposal is
 //!   added once, so a chain ends.
+//! - **Darts** of an exact tiling are chained likewise: each is linked once when it is added, chains are not changed by passes that follow them,
+//!   and the pass that takes darts out of a cell's chain has the chain to itself. Indices of darts are listed only if there
+//!   was room for the dart, and none twice in a throw, so that the list of questions is no longer than that of darts.
 //! - **Loops** run over a range known before them, over the bits of a word that lose one each time, over such a chain, or on by one
 //!   or more up to an end.
 //! - **Divisors** are sides of the domain, of the frame and of the pattern, which the host has checked to be above 0.

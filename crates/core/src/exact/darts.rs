@@ -184,6 +184,12 @@ impl PatternDarts {
         &self.throws[first as usize..(first + throws(level)) as usize]
     }
 
+    /// Returns the key of a throw of a level: all darts of the throw follow from it.
+    #[must_use]
+    pub fn throw_key(&self, level: u32, throw: u32) -> Key {
+        self.level(level)[throw as usize].key
+    }
+
     /// Returns the darts of a level in a cell of side `R >> level` that begins at `min`, a multiple of the side, in no
     /// order.
     pub fn of_cell(&self, level: u32, min: Point) -> impl Iterator<Item = (Arrival, Point)> {

@@ -13,9 +13,9 @@ pub(crate) struct SourcePiece {
     pub(crate) tile: u32,
     /// The places of the pattern that the piece has.
     pub(crate) sources: Rect,
-    symmetry: Symmetry,
+    pub(crate) symmetry: Symmetry,
     /// Where the copy has the pattern's place 0.
-    origin: IVec2,
+    pub(crate) origin: IVec2,
 }
 
 impl SourcePiece {

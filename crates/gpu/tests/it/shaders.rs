@@ -3,7 +3,9 @@
 
 use naga::valid::{Capabilities, ValidationFlags, Validator};
 use naga::{Module, ScalarKind, TypeInner};
-use tilescope_gpu::layout::{Frame, Image, Job, Proposal, STRUCTURES};
+use tilescope_gpu::layout::{
+    Dart, Frame, Ground, Image, Job, LaidPiece, PieceCell, Proposal, STRUCTURES,
+};
 use tilescope_gpu::passes::ALL as PASSES;
 use tilescope_gpu::shader::{FILES, compose, imports};
 
@@ -13,6 +15,10 @@ const LENGTHS: &[(&str, usize)] = &[
     ("Job", size_of::<Job>()),
     ("Image", size_of::<Image>()),
     ("Proposal", size_of::<Proposal>()),
+    ("Ground", size_of::<Ground>()),
+    ("Dart", size_of::<Dart>()),
+    ("LaidPiece", size_of::<LaidPiece>()),
+    ("PieceCell", size_of::<PieceCell>()),
 ];
 
 /// A structure's fields with their offsets in bytes and their types.

@@ -1,0 +1,259 @@
+//! The buffers of an exact tiling: what the host writes into them, and how long they are.
+
+use tilescope_core::windows::{CELL_BITS, ExactPiece, exact_pieces};
+use tilescope_core::{Domain, MAXIMAL_DENSITY, Parameters, PatternHistory, R, SampleError};
+
+use crate::adapter::Limits;
+use crate::constants::{ARGUMENTS, SCAN_PART, THROW_BITS};
+use crate::error::GpuError;
+use crate::layout::{Dart, Ground, LaidPiece, Name, PieceCell, counter};
+
+/// Room in the lists whose length is found as they are made.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(super) struct DartRoom {
+    /// Darts, with the samples that are laid down.
+    pub darts: u32,
+    /// Cells of each list of cells.
+    pub cells: u32,
+}
+
+/// How many cells of side R a side has.
+const fn cells_along(side: i32) -> u32 {
+    ((side - 1) / R + 1) as u32
+}
+
+impl DartRoom {
+    /// Estimates the room that a run needs, with some to spare. A run that needs more is made again.
+    pub(super) fn expected(
+        parameters: &Parameters,
+        history: &PatternHistory,
+    ) -> Result<Self, SampleError> {
+        let area = parameters.validate()?.area_radii();
+        let pattern = history.pattern();
+        let density = pattern.samples().len() as f64 / pattern.domain().area_radii();
+
+        // What happens, happens along the borders of blocks, whose length to an area falls as the leaf grows. Both numbers
+        // of each list are well above what runs with leaves of 6 to 80 r needed: at most 4.4 darts and 2.1 cells of a list to
+        // a squared radius at a leaf of 6 r.
+        let share = |most: f64, per_leaf: f64| area * (per_leaf / parameters.leaf).min(most);
+        // A list may be longer by a share for small domains, of which borders take more: 4,096 cost little.
+        Ok(Self {
+            darts: (1.02 * density * area + share(5.0, 30.0)) as u32 + 4096,
+            cells: share(2.5, 15.0) as u32 + 4096,
+        })
+    }
+
+    /// Returns twice the room.
+    pub(super) const fn doubled(self) -> Self {
+        Self {
+            darts: self.darts.saturating_mul(2),
+            cells: self.cells.saturating_mul(2),
+        }
+    }
+}
+
+/// An exact tiling of a whole domain, as a device gets it.
+pub(super) struct ExactPlan {
+    pub ground: Ground,
+    pub pieces: Vec<LaidPiece>,
+    /// Where the samples of each of the pattern's cells begin, one entry more for the end, then four words of each sample.
+    pub pattern: Vec<u32>,
+    /// How many blocks there are.
+    pub blocks: usize,
+}
+
+impl ExactPlan {
+    /// Returns the plan of a run with so much room.
+    ///
+    /// Fails when the parameters cannot be sampled, or a bounded pattern is too small for a block.
+    pub(super) fn new(
+        parameters: &Parameters,
+        history: &PatternHistory,
+        room: DartRoom,
+    ) -> Result<Self, SampleError> {
+        let domain = parameters.validate()?;
+        let (placed, blocks) = exact_pieces(parameters, history)?;
+        let (pieces, marks) = laid(&placed);
+        let (pattern, pattern_points) = pattern_words(history);
+        let end = domain.rect().max;
+        let [columns, rows] = [end.x, end.y].map(cells_along);
+
+        let ground = Ground {
+            end_x: end.x,
+            end_y: end.y,
+            columns,
+            cells: columns * rows,
+            periodic: domain.is_periodic().into(),
+            pieces: pieces.len() as u32,
+            marks,
+            pattern_columns: cells_along(pattern_rect(history).width()),
+            pattern_points,
+            dart_capacity: room.darts,
+            cell_capacity: room.cells,
+            unused: 0,
+        };
+        Ok(Self {
+            ground,
+            pieces,
+            pattern,
+            blocks,
+        })
+    }
+
+    /// Returns the room that the plan has.
+    pub(super) const fn room(&self) -> DartRoom {
+        DartRoom {
+            darts: self.ground.dart_capacity,
+            cells: self.ground.cell_capacity,
+        }
+    }
+
+    /// Returns the length of each buffer in bytes, but for those of the result.
+    pub(super) fn lengths(&self) -> Vec<(Name, u64)> {
+        let words = |count: u32| 4 * u64::from(count);
+        let Ground {
+            cells,
+            marks,
+            dart_capacity,
+            cell_capacity,
+            ..
+        } = self.ground;
+        let darts = u64::from(dart_capacity) * size_of::<Dart>() as u64;
+        let listed = u64::from(cell_capacity) * size_of::<PieceCell>() as u64;
+        // One entry more is the end of the last cell's samples.
+        let starts = 4 * (u64::from(cells) + 1);
+        vec![
+            (Name::Ground, size_of::<Ground>() as u64),
+            (Name::LaidPieces, size_of_val(&*self.pieces) as u64),
+            (Name::Pattern, size_of_val(&*self.pattern) as u64),
+            (Name::Heads, words(cells)),
+            (Name::Darts, darts),
+            (Name::States, words(dart_capacity)),
+            (Name::Questions, words(dart_capacity)),
+            (Name::Verdicts, words(dart_capacity)),
+            (Name::Marks, words(marks)),
+            (Name::FreshCells, listed),
+            (Name::OpenCells, listed),
+            (Name::NextOpenCells, listed),
+            (Name::Starts, starts),
+            (Name::Sums, starts.div_ceil(SCAN_PART.into())),
+            (Name::Counters, words(counter::COUNT)),
+            // Three words for each dispatch.
+            (Name::Arguments, 12 * ARGUMENTS.len() as u64),
+        ]
+    }
+
+    /// Returns the lengths of the buffers of a result of so many samples: two words for each place, and two for each source.
+    pub(super) fn result_lengths(count: u32) -> [(Name, u64); 2] {
+        let bytes = 8 * u64::from(count);
+        [(Name::Result, bytes), (Name::Tags, bytes)]
+    }
+
+    /// Fails if the run does not fit the limits of a device, or the memory that may be used.
+    pub(super) fn check(&self, limits: &Limits, memory: u64) -> Result<(), GpuError> {
+        let Ground {
+            end_x,
+            end_y,
+            cells,
+            ..
+        } = self.ground;
+        // No set has more samples to an area.
+        let most = (f64::from(cells) * MAXIMAL_DENSITY) as u32;
+        let mut lengths = self.lengths();
+        lengths.extend(Self::result_lengths(most));
+        let longest = lengths.iter().map(|(_, length)| *length).max().unwrap_or(0);
+        let sum = lengths.iter().map(|(_, length)| length).sum();
+
+        // The label of a dart holds the index of its piece beside its throw.
+        let pieces = u64::from(self.ground.pieces);
+        let checks = [
+            (pieces, "the label of a dart", 1 << (32 - THROW_BITS)),
+            (
+                longest,
+                "maxStorageBufferBindingSize",
+                limits.max_storage_buffer_binding_size,
+            ),
+            (longest, "maxBufferSize", limits.max_buffer_size),
+            (sum, "the memory to be used", memory),
+        ];
+        for (needed, limit, allowed) in checks {
+            if needed > allowed {
+                return Err(GpuError::TooLittleMemory {
+                    cells: cells_along(end_x.max(end_y)),
+                    needed,
+                    limit,
+                    allowed,
+                });
+            }
+        }
+        Ok(())
+    }
+}
+
+/// Returns pieces as shaders have them, and how many marks they have.
+fn laid(placed: &[ExactPiece]) -> (Vec<LaidPiece>, u32) {
+    let mut pieces: Vec<LaidPiece> = Vec::with_capacity(placed.len());
+    let mut marks = 0;
+    let of_block = |a: &ExactPiece, b: &ExactPiece| a.block == b.block;
+    for block in placed.chunk_by(of_block) {
+        let first_piece = pieces.len() as u32;
+        for piece in block {
+            let (sources, rect) = (&piece.sources, &piece.block_rect);
+            let cells =
+                |min: i32, max: i32| (((max - 1) >> CELL_BITS) - (min >> CELL_BITS) + 1) as u32;
+            let mark_columns = cells(sources.min.x, sources.max.x);
+            pieces.push(LaidPiece {
+                source_min_x: sources.min.x,
+                source_min_y: sources.min.y,
+                source_max_x: sources.max.x,
+                source_max_y: sources.max.y,
+                block_min_x: rect.min.x,
+                block_min_y: rect.min.y,
+                block_max_x: rect.max.x,
+                block_max_y: rect.max.y,
+                origin_x: piece.origin[0],
+                origin_y: piece.origin[1],
+                symmetry: piece.symmetry.0.into(),
+                block: piece.block,
+                first_mark: marks,
+                mark_columns,
+                first_piece,
+                end_piece: first_piece + block.len() as u32,
+            });
+            marks += mark_columns * cells(sources.min.y, sources.max.y);
+        }
+    }
+    (pieces, marks)
+}
+
+fn pattern_rect(history: &PatternHistory) -> tilescope_core::Rect {
+    let domain: &Domain = history.pattern().domain();
+    domain.rect()
+}
+
+/// Returns the pattern as words, and the word at which its samples begin: place, throw and rank of each. Samples are in canonical
+/// order, which is that of their cells.
+fn pattern_words(history: &PatternHistory) -> (Vec<u32>, u32) {
+    let samples = history.pattern().samples();
+    let rect = pattern_rect(history);
+    let [columns, rows] = [rect.width(), rect.height()].map(cells_along);
+
+    let mut words = Vec::with_capacity((columns * rows) as usize + 1 + 4 * samples.len());
+    let mut first = 0;
+    for row in 0..rows as i32 {
+        for column in 0..columns as i32 {
+            words.push(first as u32);
+            let is_here = |at: &&tilescope_core::Point| (at.x / R, at.y / R) == (column, row);
+            first += samples[first..].iter().take_while(is_here).count();
+        }
+    }
+    words.push(first as u32);
+
+    let points = words.len() as u32;
+    for (sample, place) in (0..).zip(samples) {
+        let arrival = history.arrival(sample);
+        let throw = 4 * arrival.level() + arrival.throw();
+        words.extend([place.x as u32, place.y as u32, throw, arrival.rank()]);
+    }
+    (words, points)
+}

@@ -1,0 +1,166 @@
+//! Exact tilings on a device: equal to core's engine bit for bit, in samples, sources and counts.
+
+use std::sync::Arc;
+
+use proptest::prelude::*;
+use tilescope_core::{
+    Boundary, Parameters, PatternHistory, PatternSpec, Progress, Run, SampleError, Stage,
+    TilingMethod, Unobserved, exact_sample,
+};
+use tilescope_gpu::{Gpu, GpuError, exact_on_gpu, exact_with_reports};
+
+use crate::support::device::{checked_gpu, gpu};
+
+fn history(parameters: &Parameters) -> PatternHistory {
+    PatternHistory::of_spec(&parameters.pattern, &mut Unobserved).unwrap()
+}
+
+fn parameters(side: f64, leaf: f64) -> Parameters {
+    Parameters {
+        method: TilingMethod::Exact,
+        width: side,
+        height: side,
+        radius: 1.0,
+        leaf,
+        pattern: PatternSpec {
+            side: 20.0,
+            ..PatternSpec::default()
+        },
+        ..Parameters::default()
+    }
+}
+
+/// Fails unless two runs have the same samples, sources and counts.
+fn compare(device: &Run, cpu: &Run) -> Result<(), String> {
+    let differs = |what: &str| Err(format!("{what} differ: {:?}", cpu.parameters));
+    if device.points() != cpu.points() {
+        return differs("points");
+    }
+    if device.samples.origins != cpu.samples.origins {
+        return differs("sources");
+    }
+    if device.summary() != cpu.summary() {
+        return differs("counts");
+    }
+    Ok(())
+}
+
+fn on(gpu: &Arc<Gpu>, parameters: &Parameters, history: &PatternHistory) -> Result<Run, GpuError> {
+    pollster::block_on(async { exact_on_gpu(gpu, parameters, history, &mut Unobserved).await })
+}
+
+/// Fails unless the device gives the CPU's run, with trusted shaders and with checked ones. Returns the run.
+fn made(parameters: &Parameters) -> Result<Run, String> {
+    let history = history(parameters);
+    let cpu = exact_sample(parameters, &history, &mut Unobserved).unwrap();
+    for gpu in [gpu(), checked_gpu()] {
+        let device = on(gpu, parameters, &history).map_err(|error| error.to_string())?;
+        compare(&device, &cpu)?;
+    }
+    Ok(cpu)
+}
+
+#[test]
+fn exact_tilings_are_equal() {
+    for (boundary, dihedral, leaf) in [
+        (Boundary::Periodic, false, 8.0),
+        (Boundary::Bounded, true, 13.0),
+    ] {
+        let parameters = Parameters {
+            height: 33.3,
+            boundary,
+            dihedral,
+            ..parameters(47.7, leaf)
+        };
+        let run = made(&parameters).unwrap_or_else(|error| panic!("{error}"));
+        // What is compared has losses, and darts of many levels.
+        let summary = run.summary();
+        assert!(summary.eliminated > 50 && summary.inserted.len() > 4);
+        assert!(run.points().len() > 1000);
+    }
+}
+
+/// Control: a run with another seed, and one that lacks a sample, are not taken for equal.
+#[test]
+fn runs_that_differ_are_caught() {
+    let parameters = parameters(20.0, 8.0);
+    let history = history(&parameters);
+    let device = on(gpu(), &parameters, &history).unwrap();
+    let other = Parameters {
+        seed: parameters.seed + 1,
+        ..parameters
+    };
+    let cpu = exact_sample(&other, &history, &mut Unobserved).unwrap();
+    let caught = compare(&device, &cpu).unwrap_err();
+    assert!(caught.starts_with("points differ"), "{caught}");
+
+    let mut cpu = exact_sample(&parameters, &history, &mut Unobserved).unwrap();
+    assert_eq!(compare(&device, &cpu), Ok(()));
+    cpu.result.pop();
+    assert!(compare(&device, &cpu).is_err());
+}
+
+#[test]
+fn passes_are_reported_in_the_order_of_throws() {
+    let parameters = parameters(16.0, 8.0);
+    let history = history(&parameters);
+    let mut observer = Unobserved;
+    let run = exact_with_reports(gpu(), &parameters, &history, &mut observer);
+    let (_, reports) = pollster::block_on(run).unwrap();
+    assert!(reports.is_sorted_by_key(|report| report.stage));
+    assert_eq!(reports[0].name, "lay");
+    assert_eq!(reports.last().unwrap().name, "collect");
+    let judged = |level: u32| {
+        let of_level = reports
+            .iter()
+            .filter(|report| report.stage == Stage::Iterate(level));
+        of_level.filter(|report| report.name == "judge").count()
+    };
+    // Level 0 has four throws, which count as iteration 1 together with that of level 1.
+    assert!(judged(1) >= 5 && judged(7) >= 1);
+}
+
+#[test]
+fn an_observer_stops_the_run_between_throws() {
+    let parameters = parameters(16.0, 8.0);
+    let history = history(&parameters);
+    let stopped = Stage::Iterate(3);
+    let mut stop = |progress: Progress| {
+        if progress.stage == stopped {
+            std::ops::ControlFlow::Break(())
+        } else {
+            std::ops::ControlFlow::Continue(())
+        }
+    };
+    let run = exact_on_gpu(gpu(), &parameters, &history, &mut stop);
+    let stage = stopped;
+    assert_eq!(
+        pollster::block_on(run).err(),
+        Some(GpuError::Sample(SampleError::Cancelled { stage }))
+    );
+}
+
+proptest! {
+    #![proptest_config(ProptestConfig { cases: tilescope_tests::cases(16), max_shrink_iters: 20, ..ProptestConfig::default() })]
+    #[test]
+    fn any_exact_tiling_is_equal(
+        seed: u64,
+        (width, height) in (10.0_f64..60.0, 10.0_f64..60.0),
+        leaf in 6.0_f64..40.0,
+        side in 10.0_f64..40.0,
+        bounded: bool,
+        dihedral: bool,
+    ) {
+        let parameters = Parameters {
+            width,
+            height,
+            seed,
+            dihedral,
+            boundary: Boundary::of(!bounded),
+            pattern: PatternSpec { side, seed, ..PatternSpec::default() },
+            ..parameters(10.0, leaf)
+        };
+        let compared = made(&parameters);
+        prop_assert!(compared.is_ok(), "{}", compared.unwrap_err());
+    }
+}
