@@ -48,7 +48,7 @@ pub enum EngineArgument {
     /// A GPU for sets of 20 million samples and more, if there is one; else the parallel engine; the sequential
     /// engine for Algorithm 4 as printed
     Auto,
-    /// Windows on a GPU
+    /// Windows on a GPU; an exact tiling in one go
     Gpu,
     /// Windows on all threads
     Parallel,
@@ -77,13 +77,26 @@ impl EngineArguments {
         self.engine == EngineArgument::Gpu || self.adapter.gpu_adapter.is_some()
     }
 
-    /// Refuses a GPU, by its options, for another method than KDRT.
+    /// Refuses a GPU, by its options, for a method that no GPU runs.
     pub fn check_on_cpu(&self, method: &str) -> Result<()> {
         ensure!(
             !self.wants_gpu(),
-            "--engine gpu and --gpu-adapter are for KDRT: {method} runs on the CPU"
+            "--engine gpu and --gpu-adapter are for KDRT and exact tiling: {method} runs on the CPU"
         );
         Ok(())
+    }
+
+    /// Opens the GPU that the arguments ask for; returns `None` if they ask for none. For exact tiling `auto` takes the threads
+    /// whatever the size, as its rates on a card have not been measured.
+    ///
+    /// Fails if the arguments ask for a GPU and none can be used.
+    pub fn gpu_if_asked(&self) -> Result<Option<Backend>> {
+        // A GPU that is asked for is opened for sets of any size.
+        let any_size = 0.0;
+        let asked = self.wants_gpu();
+        asked
+            .then(|| self.choose(Variant::Staged, any_size))
+            .transpose()
     }
 
     /// Returns the engine for a set of about `expected` samples. Opens a GPU only if the arguments ask for one or the set is

@@ -3,14 +3,14 @@
 use std::error::Error;
 use std::path::Path;
 
-use anyhow::{Context, Result};
+use anyhow::{Context, Result, bail};
 use pollster::block_on;
 use serde_json::json;
 use tilescope_analysis::VerifyError;
 use tilescope_core::memory::{Making, ask_for};
 use tilescope_core::{MAXIMAL_DENSITY, Parameters};
 use tilescope_formats::{ExportContext, Format, PointSet, positions_digest};
-use tilescope_gpu::{Backend, Bands, Engine};
+use tilescope_gpu::{Backend, Bands, Engine, exact_on_gpu};
 use tilescope_sets::{Made, Recipe, Settled};
 
 use crate::engine::of_engine;
@@ -129,13 +129,35 @@ pub fn reference(recipe: &Recipe) -> Result<Worked> {
     Ok(Worked { made, work })
 }
 
-/// Makes a set by exact tiling.
-pub fn exact(recipe: &Recipe) -> Result<Worked> {
+/// Makes a set by exact tiling, on a GPU if `gpu` has one and otherwise on all threads.
+pub fn exact(recipe: &Recipe, gpu: Option<Backend>) -> Result<Worked> {
     ask_for_whole(Making::Exact, &recipe.parameters)?;
 
     let mut watch = Stopwatch::start();
-    let made = recipe.exact(&mut watch)?;
-    let work = Work::on_cpu(&mut watch);
+    let Some(backend) = gpu else {
+        let made = recipe.exact(&mut watch)?;
+        let work = Work::on_cpu(&mut watch);
+        return Ok(Worked { made, work });
+    };
+
+    // Which engine a GPU's set is made by was asked for by name, so that no other one takes over.
+    let Engine::Gpu(device) = &backend.engine else {
+        bail!(
+            "exact tiling needs a GPU here, not the {} engine",
+            backend.engine.name()
+        );
+    };
+    let made = recipe.exact_by(
+        |parameters, history, observer| {
+            block_on(exact_on_gpu(device, parameters, history, observer))
+        },
+        &mut watch,
+    );
+    let made = made.map_err(of_engine)?;
+    let work = Work {
+        backend: Some(backend),
+        seconds: watch.take(),
+    };
     Ok(Worked { made, work })
 }
 

@@ -61,9 +61,9 @@ fn outcome(arguments: &SampleArguments) -> Result<Outcome> {
             make::reference(&recipe)?
         }
         SamplingMethod::Exact => {
-            arguments.engine.check_on_cpu("exact tiling")?;
+            let gpu = arguments.engine.gpu_if_asked()?;
             recipe.parameters.pattern = arguments.run.exact_pattern(&recipe.parameters)?;
-            make::exact(&recipe)?
+            make::exact(&recipe, gpu)?
         }
         SamplingMethod::Kdrt => {
             let variant = recipe.parameters.variant;

@@ -51,7 +51,10 @@ pub fn run(arguments: &SampleArguments, asked: &[f64]) -> Result<u8> {
             show(arguments, corners, &plane, &run.facts)
         }
         SamplingMethod::Exact => {
-            arguments.engine.check_on_cpu("exact tiling")?;
+            ensure!(
+                !arguments.engine.wants_gpu(),
+                "--window runs on the CPU: a GPU makes whole sets"
+            );
             ensure!(
                 recipe.count.is_none(),
                 "--count would make the whole set to find its radius: with --window and --method exact give --radius"

@@ -6,9 +6,9 @@ use std::sync::Arc;
 use serde_json::Value;
 use tilescope_analysis::PrefixClaim;
 use tilescope_core::{
-    Domain, NOT_OF_EXACT, NestedRequest, Observer, Parameter, Parameters, Pattern, PatternHistory,
-    PatternSpec, SampleError, Sampled, Sequential, Summary, Sweep, exact_sample_parallel,
-    radius_for_count, reference_sample, search_radius,
+    Domain, NOT_OF_EXACT, NestedRequest, Observer, Parameter, ParameterError, Parameters, Pattern,
+    PatternHistory, PatternSpec, Run, SampleError, Sampled, Sequential, Summary, Sweep,
+    exact_sample_parallel, radius_for_count, reference_sample, search_radius,
 };
 use tilescope_formats::PointSet;
 
@@ -172,10 +172,24 @@ impl Recipe {
     /// [`SampleError`] when the parameters are invalid, when the set would be too large, when no radius gives the count, and
     /// when it is cancelled.
     pub fn exact(&self, observer: &mut dyn Observer) -> Result<Made, SampleError> {
+        self.exact_by(exact_sample_parallel, observer)
+    }
+
+    /// Makes the set as [`Self::exact`] does, by another engine of exact tiling: `make` returns the run of parameters with the
+    /// pattern of a history.
+    ///
+    /// # Errors
+    ///
+    /// Those of [`Self::exact`], and those of `make`.
+    pub fn exact_by<E: From<SampleError> + From<ParameterError>>(
+        &self,
+        make: impl Fn(&Parameters, &PatternHistory, &mut dyn Observer) -> Result<Run, E>,
+        observer: &mut dyn Observer,
+    ) -> Result<Made, E> {
         // The pattern's lengths are in r, so that every try for the radius has the same pattern.
         let history = PatternHistory::of_spec(&self.parameters.pattern, observer)?;
-        let mut attempt = |radius| -> Result<_, SampleError> {
-            let run = exact_sample_parallel(&self.with_radius(radius), &history, observer)?;
+        let mut attempt = |radius| -> Result<_, E> {
+            let run = make(&self.with_radius(radius), &history, observer)?;
             Ok((run.result.len() as u64, run))
         };
         let run = if let Some(count) = self.count {
