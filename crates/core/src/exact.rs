@@ -17,6 +17,7 @@
 
 mod agenda;
 mod agreement;
+mod arrivals;
 mod bare;
 mod cells;
 mod darts;
@@ -34,6 +35,7 @@ mod seams;
 
 use crate::parameters::PatternSpec;
 
+pub use arrivals::PatternArrivals;
 pub use darts::{Arrival, PatternDarts, PlacedDart};
 pub use engine::exact_sample;
 pub use engine::recorded::exact_recorded;

@@ -10,7 +10,7 @@ use std::sync::Arc;
 use tilescope_core::stages::darts::{LAST_LEVEL, throws};
 use tilescope_core::windows::WindowCounts;
 use tilescope_core::{
-    Observer, Parameters, PatternHistory, Point, Progress, R, Run, SampleError, Sampled, Source,
+    Observer, Parameters, PatternArrivals, Point, Progress, R, Run, SampleError, Sampled, Source,
     Stage,
 };
 
@@ -43,10 +43,10 @@ const FAULT_ROUNDS: u32 = 6;
 pub async fn exact_on_gpu(
     gpu: &Arc<Gpu>,
     parameters: &Parameters,
-    history: &PatternHistory,
+    arrived: &PatternArrivals,
     observer: &mut dyn Observer,
 ) -> Result<Run, GpuError> {
-    let (run, _) = recorded(gpu, parameters, history, Recording::Nothing, observer).await?;
+    let (run, _) = recorded(gpu, parameters, arrived, Recording::Nothing, observer).await?;
     Ok(run)
 }
 
@@ -54,28 +54,28 @@ pub async fn exact_on_gpu(
 pub async fn exact_with_reports(
     gpu: &Arc<Gpu>,
     parameters: &Parameters,
-    history: &PatternHistory,
+    arrived: &PatternArrivals,
     observer: &mut dyn Observer,
 ) -> Result<(Run, Vec<PassReport>), GpuError> {
-    recorded(gpu, parameters, history, Recording::Passes, observer).await
+    recorded(gpu, parameters, arrived, Recording::Passes, observer).await
 }
 
 async fn recorded(
     gpu: &Arc<Gpu>,
     parameters: &Parameters,
-    history: &PatternHistory,
+    arrived: &PatternArrivals,
     recording: Recording,
     observer: &mut dyn Observer,
 ) -> Result<(Run, Vec<PassReport>), GpuError> {
     let limits = gpu.report().limits;
     let memory = memory_of(gpu.report(), None);
-    let mut room = DartRoom::expected(parameters, history)?;
+    let mut room = DartRoom::expected(parameters, arrived)?;
 
     for _ in 0..MAX_TRIES {
-        let plan = ExactPlan::new(parameters, history, room)?;
+        let plan = ExactPlan::new(parameters, arrived, room)?;
         plan.check(&limits, memory)?;
         let work = ExactWork::new(gpu, plan, recording).await?;
-        match work.run(parameters, history, observer).await? {
+        match work.run(parameters, arrived, observer).await? {
             Attempt::Made(run, reports) => return Ok((*run, reports)),
             // A list was too short. Its counter went on, but what was left out may have brought up more.
             Attempt::Short(needed) => room = needed.doubled(),
@@ -100,13 +100,13 @@ struct ExactWork {
 }
 
 /// The throws of all levels, whose numbers are the steps of progress.
-fn all_throws(history: &PatternHistory) -> impl Iterator<Item = Throw> + '_ {
+fn all_throws(arrived: &PatternArrivals) -> impl Iterator<Item = Throw> + '_ {
     (0..=LAST_LEVEL).flat_map(move |level| {
         (0..throws(level)).map(move |number| Throw {
             level,
             number,
             side_bits: R.ilog2() - level,
-            key: history.darts().throw_key(level, number).words(),
+            key: arrived.darts().throw_key(level, number).words(),
         })
     })
 }
@@ -131,7 +131,7 @@ impl ExactWork {
     async fn run(
         mut self,
         parameters: &Parameters,
-        history: &PatternHistory,
+        arrived: &PatternArrivals,
         observer: &mut dyn Observer,
     ) -> Result<Attempt, GpuError> {
         let ground = self.plan.ground;
@@ -144,7 +144,7 @@ impl ExactWork {
 
         // Lists hold nothing but samples when a throw begins; those of the first throw hold the pattern's.
         let mut unlink: Option<Command> = None;
-        for throw in all_throws(history) {
+        for throw in all_throws(arrived) {
             let stage = Stage::Iterate(throw.level.max(1));
             let mut commands: Vec<Command> = unlink.take().into_iter().collect();
             commands.extend(passes::begin(throw, own));
@@ -172,7 +172,7 @@ impl ExactWork {
         let mut commands: Vec<Command> = unlink.into_iter().collect();
         commands.extend(passes::finish_exact(&ground));
         self.submit(commands, Stage::Finish, observer).await?;
-        self.result(parameters, history, own).await
+        self.result(parameters, arrived, own).await
     }
 
     /// Submits commands, and reads the counters after them. Fails if the observer stops the run.
@@ -234,7 +234,7 @@ impl ExactWork {
     async fn result(
         mut self,
         parameters: &Parameters,
-        history: &PatternHistory,
+        arrived: &PatternArrivals,
         own: u32,
     ) -> Result<Attempt, GpuError> {
         let count = self.counter(counter::KEPT);
@@ -272,7 +272,7 @@ impl ExactWork {
             sources: Some(sources),
         };
         let parameters = parameters.as_exact();
-        let run = Run::of_result(&parameters, history.pattern(), sampled, summary)?;
+        let run = Run::of_result(&parameters, arrived.pattern(), sampled, summary)?;
         let reports = self.device.reports.take().unwrap_or_default();
         Ok(Attempt::Made(Box::new(run), reports))
     }

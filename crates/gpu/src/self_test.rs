@@ -3,11 +3,12 @@
 use std::sync::Arc;
 
 use tilescope_core::{
-    Boundary, Insertion, Order, Parameters, Pattern, PatternSpec, Sampled, Sequential, Source,
-    Unobserved,
+    Boundary, Insertion, Order, Parameters, Pattern, PatternHistory, PatternSpec, Run, Sampled,
+    Sequential, Source, TilingMethod, Unobserved, exact_sample,
 };
 
 use crate::error::GpuError;
+use crate::exact::exact_on_gpu;
 use crate::opened::Gpu;
 use crate::sweep::{GpuSweep, Options};
 
@@ -30,8 +31,8 @@ const ORDERS: [Order; 4] = [
     Order::PhaseGroup,
 ];
 
-/// Runs the self-test: every order, both insertions, both boundaries, with and without symmetries of the pattern, about
-/// two thousand samples each. A device with low limits computes such a run in several windows.
+/// Runs the self-test: every order, both insertions, both boundaries, with and without symmetries of the pattern, and an exact
+/// tiling, about two thousand samples each. A device with low limits computes a run of KDRT in several windows.
 ///
 /// Fails when the device fails. A wrong result is not an error but a verdict.
 pub async fn self_test(gpu: &Arc<Gpu>) -> Result<SelfTest, GpuError> {
@@ -47,11 +48,7 @@ pub async fn self_test(gpu: &Arc<Gpu>) -> Result<SelfTest, GpuError> {
             insertion: [Insertion::Circumcentre, Insertion::Uniform][k as usize / 2],
             // Each insertion and each boundary runs once with symmetries and once without.
             dihedral: k == 1 || k == 2,
-            // A small pattern, since the device stores it in each of its eight symmetries.
-            pattern: PatternSpec {
-                side: 30.0,
-                ..PatternSpec::default()
-            },
+            pattern: SMALL_PATTERN,
             ..Parameters::default()
         };
 
@@ -67,19 +64,25 @@ pub async fn self_test(gpu: &Arc<Gpu>) -> Result<SelfTest, GpuError> {
         let cpu_set = sequential(&parameters, pattern)?;
 
         if let Some(verdict) = difference(&gpu_set, &cpu_set) {
-            return Ok(SelfTest {
-                passed: false,
-                samples,
-                verdict: format!(
-                    "with {order:?}, {:?} and {:?}: {verdict}",
-                    parameters.insertion, parameters.boundary
-                ),
-            });
+            let Parameters {
+                insertion,
+                boundary,
+                ..
+            } = parameters;
+            let with = format!("with {order:?}, {insertion:?} and {boundary:?}: {verdict}");
+            return Ok(failed(samples, with));
         }
 
         samples += cpu_set.points.len();
         runs += 1;
     }
+
+    let (gpu_set, cpu_set) = exact_sets(gpu).await?;
+    if let Some(verdict) = difference(&gpu_set, &cpu_set) {
+        return Ok(failed(samples, format!("of an exact tiling: {verdict}")));
+    }
+    samples += cpu_set.points.len();
+    runs += 1;
 
     Ok(SelfTest {
         passed: true,
@@ -88,14 +91,51 @@ pub async fn self_test(gpu: &Arc<Gpu>) -> Result<SelfTest, GpuError> {
     })
 }
 
+/// A small pattern, since the device stores it in each of its eight symmetries.
+const SMALL_PATTERN: PatternSpec = PatternSpec {
+    side: 30.0,
+    seed: 0,
+    boundary: Boundary::Periodic,
+};
+
+const fn failed(samples: usize, verdict: String) -> SelfTest {
+    SelfTest {
+        passed: false,
+        samples,
+        verdict,
+    }
+}
+
+/// Returns an exact tiling as the device makes it, and as the CPU does.
+async fn exact_sets(gpu: &Arc<Gpu>) -> Result<(Sampled, Sampled), GpuError> {
+    let parameters = Parameters {
+        method: TilingMethod::Exact,
+        radius: 0.019,
+        leaf: 8.0,
+        seed: 24,
+        dihedral: true,
+        pattern: SMALL_PATTERN,
+        ..Parameters::default()
+    };
+    let history = PatternHistory::of_spec(&parameters.pattern, &mut Unobserved)?;
+    let run = exact_on_gpu(gpu, &parameters, history.arrived(), &mut Unobserved).await?;
+    let cpu = exact_sample(&parameters, &history, &mut Unobserved)?;
+    Ok((set_of(&run), set_of(&cpu)))
+}
+
+/// Returns the result of a run with its sources.
+fn set_of(run: &Run) -> Sampled {
+    let source = |&id: &u32| Source::from(run.samples.origins[id as usize]);
+    Sampled {
+        points: run.points(),
+        sources: Some(run.result.iter().map(source).collect()),
+    }
+}
+
 /// Returns the set of the sequential engine, which computes independently of the device.
 fn sequential(parameters: &Parameters, pattern: Arc<Pattern>) -> Result<Sampled, GpuError> {
     let run = Sequential::new(parameters, pattern)?.finish(&mut Unobserved)?;
-    let source = |&id: &u32| Source::from(run.samples.origins[id as usize]);
-    Ok(Sampled {
-        points: run.points(),
-        sources: Some(run.result.iter().map(source).collect()),
-    })
+    Ok(set_of(&run))
 }
 
 /// Returns the first difference between two sets, in a sentence.

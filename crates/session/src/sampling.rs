@@ -3,8 +3,10 @@
 use std::sync::Arc;
 
 use serde::{Deserialize, Serialize};
-use tilescope_core::{Parameters, Pattern, PatternSpec, Run, SampleError, Stage};
-use tilescope_gpu::{Gpu, GpuError, GpuSweep, Stepper};
+use tilescope_core::{
+    Parameters, Pattern, PatternArrivals, PatternSpec, Run, SampleError, Stage, TilingMethod,
+};
+use tilescope_gpu::{Gpu, GpuError, GpuSweep, Stepper, exact_on_gpu};
 
 use crate::jobs::Monitor;
 use crate::nesting;
@@ -71,6 +73,24 @@ impl Task for PatternTask {
     }
 }
 
+/// The task of finding the arrivals of the pattern of a description.
+#[derive(Serialize, Deserialize)]
+pub struct ArrivalsTask(pub PatternSpec);
+
+impl Task for ArrivalsTask {
+    type Outcome = Result<PatternArrivals, MakeError>;
+    const NAME: &'static str = "arrivals";
+
+    fn run(self, monitor: &Monitor) -> Self::Outcome {
+        let mut observer = Reporter { monitor };
+        Ok(PatternArrivals::of_spec(&self.0, &mut observer)?)
+    }
+
+    fn cancelled(monitor: &Monitor) -> Option<Self::Outcome> {
+        Some(Err(MakeError::cancelled_by(monitor)))
+    }
+}
+
 /// The task of preparing a GPU's run as a session, with the events of the same run on the CPU.
 #[derive(Serialize, Deserialize)]
 pub struct GpuSessionTask {
@@ -123,17 +143,28 @@ pub async fn on_gpu(
     let mut observer = Reporter { monitor };
 
     let recipe = recipe.clone();
-    let pattern = if let Some(own) = &recipe.own {
-        Arc::clone(&own.pattern)
-    } else {
-        // The pattern is made in a task, which runs in a worker on a page, so that the window's thread stays free.
-        let making = PatternTask(recipe.parameters.pattern);
-        let made = task::run_for(making, monitor).await;
-        made.map_err(MakeError::fault)??
+    let parameters = &recipe.parameters;
+    // The CPU's engine refuses an own pattern with exact tiling, and the GPU's has no use for it either.
+    recipe.check().map_err(SampleError::from)?;
+
+    // Patterns are made in tasks, which run in workers on a page, so that the window's thread stays free.
+    let ran = match (parameters.method, &recipe.own) {
+        (TilingMethod::Exact, _) => {
+            let made = task::run_for(ArrivalsTask(parameters.pattern), monitor).await;
+            let arrived = made.map_err(MakeError::fault)??;
+            exact_on(&gpu, parameters, &arrived, &mut observer).await
+        }
+        (TilingMethod::Kdrt, Some(own)) => {
+            run_on(gpu, parameters, &own.pattern, &mut observer).await
+        }
+        (TilingMethod::Kdrt, None) => {
+            let made = task::run_for(PatternTask(parameters.pattern), monitor).await;
+            let pattern = made.map_err(MakeError::fault)??;
+            run_on(gpu, parameters, &pattern, &mut observer).await
+        }
     };
 
-    let parameters = &recipe.parameters;
-    let error = match run_on(gpu, parameters, &pattern, &mut observer).await {
+    let error = match ran {
         Ok(run) => {
             let engine = format!("GPU ({name})");
             let preparing = GpuSessionTask {
@@ -157,6 +188,18 @@ pub async fn on_gpu(
     let mut session = made.map_err(MakeError::fault)??;
     session.failure = Some(Failure { name, error });
     Ok(session)
+}
+
+/// Makes an exact tiling on a device. Only its result is kept: the CPU's recording has the stages of small ones.
+async fn exact_on(
+    gpu: &Arc<Gpu>,
+    parameters: &Parameters,
+    arrived: &PatternArrivals,
+    observer: &mut Reporter<'_>,
+) -> Result<Run, GpuError> {
+    // As in `run_on`.
+    parameters.validate_sequential()?;
+    exact_on_gpu(gpu, parameters, arrived, observer).await
 }
 
 /// Runs parameters on a device, keeping either all stages or only the result.

@@ -233,11 +233,18 @@ impl Session {
         generation: u64,
         observer: &mut Reporter<'_>,
     ) -> Result<Self, SampleError> {
-        // A GPU reports no events. Those of the CPU are taken if its run is the same, as it must be.
-        if run.counted.is_none() {
+        // A GPU reports no events. Those of the CPU are taken if its run is the same, as it must be. Of an exact tiling a GPU
+        // keeps the result alone, which is compared for runs whose events the CPU would keep.
+        let is_exact = run.parameters.method == TilingMethod::Exact;
+        if run.counted.is_none() || is_exact && keeps_everything(&run.parameters)? {
             let recording = recipe.record(observer)?;
             let twin = recording.run();
-            if twin.samples == run.samples && twin.result == run.result {
+            let is_same = if is_exact {
+                twin.points() == run.points() && twin.summary() == run.summary()
+            } else {
+                twin.samples == run.samples && twin.result == run.result
+            };
+            if is_same {
                 let made =
                     observer.prepare(|| Self::from_recording(Arc::new(recording), generation));
                 return made.map(|session| session.with(recipe));

@@ -172,24 +172,28 @@ impl Recipe {
     /// [`SampleError`] when the parameters are invalid, when the set would be too large, when no radius gives the count, and
     /// when it is cancelled.
     pub fn exact(&self, observer: &mut dyn Observer) -> Result<Made, SampleError> {
-        self.exact_by(exact_sample_parallel, observer)
+        // The pattern's lengths are in r, so that every try for the radius has the same pattern.
+        let history = PatternHistory::of_spec(&self.parameters.pattern, observer)?;
+        let make = |parameters: &Parameters, observer: &mut dyn Observer| {
+            exact_sample_parallel(parameters, &history, observer)
+        };
+        self.exact_by(history.pattern(), make, observer)
     }
 
-    /// Makes the set as [`Self::exact`] does, by another engine of exact tiling: `make` returns the run of parameters with the
-    /// pattern of a history.
+    /// Makes the set as [`Self::exact`] does, by any engine of exact tiling: `make` returns the run of parameters with `pattern`,
+    /// which is the one that the parameters of the recipe describe.
     ///
     /// # Errors
     ///
     /// Those of [`Self::exact`], and those of `make`.
     pub fn exact_by<E: From<SampleError> + From<ParameterError>>(
         &self,
-        make: impl Fn(&Parameters, &PatternHistory, &mut dyn Observer) -> Result<Run, E>,
+        pattern: &Pattern,
+        make: impl Fn(&Parameters, &mut dyn Observer) -> Result<Run, E>,
         observer: &mut dyn Observer,
     ) -> Result<Made, E> {
-        // The pattern's lengths are in r, so that every try for the radius has the same pattern.
-        let history = PatternHistory::of_spec(&self.parameters.pattern, observer)?;
         let mut attempt = |radius| -> Result<_, E> {
-            let run = make(&self.with_radius(radius), &history, observer)?;
+            let run = make(&self.with_radius(radius), observer)?;
             Ok((run.result.len() as u64, run))
         };
         let run = if let Some(count) = self.count {
@@ -200,7 +204,7 @@ impl Recipe {
         };
 
         let samples = run.result.len() as f64;
-        let facts = facts_of_exact(&run.parameters, &run.domain, history.pattern(), samples);
+        let facts = facts_of_exact(&run.parameters, &run.domain, pattern, samples);
         Ok(Made::of_run(&run, facts))
     }
 

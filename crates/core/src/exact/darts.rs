@@ -22,7 +22,9 @@ pub(crate) const LANES: usize = 8;
 
 /// The arrival of a dart of a pattern: by level, then by throw, then by the dart's rank in the throw. Two darts may have
 /// the same.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash)]
+#[derive(
+    Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash, serde::Serialize, serde::Deserialize,
+)]
 pub struct Arrival(u64);
 
 impl Arrival {
@@ -98,7 +100,7 @@ pub(crate) struct DrawnDart {
 }
 
 /// One throw of a level: each cell of the level gets darts of it.
-#[derive(Clone, Copy, Debug)]
+#[derive(Clone, Copy, Debug, serde::Serialize, serde::Deserialize)]
 struct Throw {
     level: u32,
     number: u32,
@@ -126,7 +128,7 @@ impl Throw {
 ///
 /// The reference sampler throws the same darts, but not into cells that one sample covers. Darts there would all be
 /// refused, so that random sequential addition of all darts gives the same samples.
-#[derive(Clone, Debug)]
+#[derive(Clone, Debug, serde::Serialize, serde::Deserialize)]
 pub struct PatternDarts {
     rect: Rect,
     throws: Vec<Throw>,

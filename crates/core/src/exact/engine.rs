@@ -30,7 +30,7 @@ use crate::exact::pieces::pieces;
 use crate::exact::present::{ArrivedSample, PresentSamples};
 use crate::lattice::{Point, R, Rect, Rect64};
 use crate::parameters::Parameters;
-use crate::pattern::Symmetry;
+use crate::pattern::{Pattern, Symmetry};
 use crate::progress::{Meter, Observer};
 use crate::random::Key;
 use crate::record::{Recorder, RunEvent, Unrecorded};
@@ -60,7 +60,7 @@ pub fn exact_sample(
     observer: &mut dyn Observer,
 ) -> Result<Run, SampleError> {
     let domain = parameters.validate_sequential()?;
-    let mut run_clipper = clipper(parameters, history)?;
+    let mut run_clipper = clipper(parameters, history.pattern())?;
     // Sources name blocks by their indices, which blocks have only once they are counted.
     run_clipper.count_blocks();
 
@@ -79,13 +79,10 @@ pub fn exact_sample(
 }
 
 /// Returns what finds the blocks of a run, and the samples that they clip.
-pub(crate) fn clipper(
-    parameters: &Parameters,
-    history: &PatternHistory,
-) -> Result<Clipper, SampleError> {
+pub(crate) fn clipper(parameters: &Parameters, pattern: &Pattern) -> Result<Clipper, SampleError> {
     let domain = parameters.validate()?;
     let key = Key::from_seed(parameters.seed);
-    let (leaf, pattern) = (parameters.leaf_units()?, history.pattern());
+    let leaf = parameters.leaf_units()?;
     Ok(Clipper::new(
         domain,
         leaf,

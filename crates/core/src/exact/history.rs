@@ -5,6 +5,7 @@ use std::sync::Arc;
 use glam::IVec2;
 
 use crate::error::SampleError;
+use crate::exact::arrivals::PatternArrivals;
 use crate::exact::bare::MARK_SIDE;
 use crate::exact::darts::{Arrival, PatternDarts, PlacedDart};
 use crate::exact::filter::SampleFilter;
@@ -35,10 +36,7 @@ pub(crate) struct WaitingDart {
 /// It takes 12 bytes a refused dart, 12 a sample and 4 a cell of half a radius, 101 bytes a squared r: 1.0 MB of a pattern of
 /// 100 r, 16.2 MB of one of 400 r, 404 MB of the largest.
 pub struct PatternHistory {
-    pattern: Arc<Pattern>,
-    darts: PatternDarts,
-    /// The arrivals of the pattern's samples.
-    arrivals: Vec<Arrival>,
+    arrived: PatternArrivals,
     /// Where the refused darts of each sample begin, and where the last ones end.
     starts: Vec<u32>,
     refused: Vec<Refused>,
@@ -54,18 +52,17 @@ impl PatternHistory {
     ///
     /// The observer is called for [`Stage::Pattern`], and may stop it.
     pub fn of_spec(spec: &PatternSpec, observer: &mut dyn Observer) -> Result<Self, SampleError> {
-        let pattern = Pattern::of_spec(spec, observer)?;
-        let darts = PatternDarts::of_spec(spec)?;
+        let arrived = PatternArrivals::of_spec(spec, observer)?;
+        let (pattern, darts) = (arrived.pattern(), arrived.darts());
         let samples = pattern.samples();
 
         let mut grid = SampleGrid::with_capacity(*pattern.domain(), samples.len());
         for (id, &place) in (0..).zip(samples) {
             grid.insert(id, place);
         }
-        // Later darts at the place of a sample were refused by it.
-        let arrivals: Vec<Arrival> = samples.iter().map(|&p| darts.first_at(p)).collect();
 
-        let mut refusals = blocked(&pattern, &darts, &arrivals, &grid, observer)?;
+        let arrivals = arrived.arrivals();
+        let mut refusals = blocked(pattern, darts, arrivals, &grid, observer)?;
         // Darts that wait behind one sample follow each other, so that two indices name them.
         refusals.sort_unstable_by_key(|(blocker, _)| *blocker);
         let begins = |id: u32| refusals.partition_point(|(blocker, _)| *blocker < id) as u32;
@@ -73,36 +70,40 @@ impl PatternHistory {
         Ok(Self {
             starts: (0..=samples.len() as u32).map(begins).collect(),
             refused: refusals.iter().map(|(_, refused)| *refused).collect(),
-            covering: covering(&darts, &arrivals, &grid),
+            covering: covering(darts, arrivals, &grid),
             mark_columns: mark_columns(darts.rect()),
-            pattern,
-            darts,
-            arrivals,
+            arrived,
         })
+    }
+
+    /// Returns the pattern whose history it is, with the arrivals of its samples.
+    #[must_use]
+    pub const fn arrived(&self) -> &PatternArrivals {
+        &self.arrived
     }
 
     /// Returns the pattern whose history it is.
     #[must_use]
     pub const fn pattern(&self) -> &Arc<Pattern> {
-        &self.pattern
+        self.arrived.pattern()
     }
 
     /// Returns all darts of the pattern.
     #[must_use]
     pub const fn darts(&self) -> &PatternDarts {
-        &self.darts
+        self.arrived.darts()
     }
 
     /// Returns the arrival of a sample of the pattern, by its index.
     #[must_use]
     pub fn arrival(&self, sample: u32) -> Arrival {
-        self.arrivals[sample as usize]
+        self.arrived.arrivals()[sample as usize]
     }
 
     /// Returns the bytes that the tables take, beside the pattern's samples.
     #[must_use]
     pub fn bytes(&self) -> usize {
-        size_of_val(&*self.arrivals)
+        size_of_val(self.arrived.arrivals())
             + size_of_val(&*self.starts)
             + size_of_val(&*self.refused)
             + size_of_val(&*self.covering)
@@ -139,7 +140,7 @@ impl PatternHistory {
     pub(crate) fn dart(&self, sample: u32, place: Point) -> PlacedDart {
         PlacedDart {
             arrival: self.arrival(sample),
-            source: self.pattern.samples()[sample as usize],
+            source: self.pattern().samples()[sample as usize],
             place,
         }
     }
@@ -174,7 +175,7 @@ impl PatternHistory {
     /// Returns the place in the pattern at an offset, of at most R, from one of its samples.
     #[inline]
     pub(crate) fn source(&self, sample: u32, offset: IVec2) -> Point {
-        let domain = self.pattern.domain();
+        let domain = self.pattern().domain();
         // A dart lies in the pattern: only around the ends of a periodic one, which are joined, does an offset lead
         // beyond an end, and by less than a side.
         let wrapped = |at: i32, side: i32| {
@@ -186,7 +187,7 @@ impl PatternHistory {
                 at
             }
         };
-        let from = self.pattern.samples()[sample as usize];
+        let from = self.pattern().samples()[sample as usize];
         Point::new(
             wrapped(from.x + offset.x, domain.width()),
             wrapped(from.y + offset.y, domain.height()),
@@ -197,9 +198,7 @@ impl PatternHistory {
     #[cfg(test)]
     pub(crate) fn without_waiting(&self) -> Self {
         Self {
-            pattern: Arc::clone(&self.pattern),
-            darts: self.darts.clone(),
-            arrivals: self.arrivals.clone(),
+            arrived: self.arrived.clone(),
             starts: vec![0; self.starts.len()],
             refused: Vec::new(),
             covering: self.covering.clone(),
@@ -324,8 +323,8 @@ mod tests {
     fn every_refused_dart_waits_behind_its_first_blocker() {
         for (side, boundary) in [(13.7, Boundary::Periodic), (12.0, Boundary::Bounded)] {
             let history = history(side, boundary);
-            let domain = history.pattern.domain();
-            let samples = history.pattern.samples();
+            let domain = history.pattern().domain();
+            let samples = history.pattern().samples();
             let (mut waiting, mut seconds) = (Vec::new(), 0);
             for (id, sample) in (0..).zip(samples) {
                 for dart in history.waiting(id) {
@@ -360,13 +359,13 @@ mod tests {
 
             let mut thrown = Vec::new();
             for level in 0..LATE_LEVEL {
-                for cell in tiling_cells(history.darts.rect(), R >> level) {
-                    thrown.extend(history.darts.of_cell(level, cell.min));
+                for cell in tiling_cells(history.darts().rect(), R >> level) {
+                    thrown.extend(history.darts().of_cell(level, cell.min));
                 }
             }
             let is_sample = |(arrival, place): &(Arrival, Point)| {
                 let id = samples.iter().position(|p| p == place);
-                id.is_some_and(|id| history.arrivals[id] == *arrival)
+                id.is_some_and(|id| history.arrived().arrivals()[id] == *arrival)
             };
             let refused = thrown.iter().filter(|dart| !is_sample(dart));
             let mut refused: Vec<_> = refused.map(|(a, p)| (*a, p.row_major())).collect();

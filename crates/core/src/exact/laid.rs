@@ -5,11 +5,10 @@ use glam::I64Vec2;
 use crate::error::SampleError;
 use crate::exact::engine::clipper;
 use crate::exact::ground::Ground;
-use crate::exact::history::PatternHistory;
 use crate::exact::pieces::pieces;
 use crate::lattice::Rect;
 use crate::parameters::Parameters;
-use crate::pattern::Symmetry;
+use crate::pattern::{Pattern, Symmetry};
 
 /// The part of a block that one copy of the pattern fills, in a whole domain.
 ///
@@ -34,9 +33,9 @@ pub struct ExactPiece {
 /// Fails when the parameters cannot be sampled, or a bounded pattern is too small for a block.
 pub fn exact_pieces(
     parameters: &Parameters,
-    history: &PatternHistory,
+    pattern: &Pattern,
 ) -> Result<(Vec<ExactPiece>, usize), SampleError> {
-    let mut run_clipper = clipper(parameters, history)?;
+    let mut run_clipper = clipper(parameters, pattern)?;
     run_clipper.check_blocks()?;
     // Sources name blocks by their indices, which blocks have only once they are counted.
     run_clipper.count_blocks();
@@ -45,7 +44,7 @@ pub fn exact_pieces(
     let mut blocks = Vec::new();
     run_clipper.blocks(&ground.frame, &mut blocks)?;
 
-    let held = history.pattern().domain().rect();
+    let held = pattern.domain().rect();
     let mut all = Vec::with_capacity(blocks.len());
     let mut count = 0;
     for block in &blocks {
@@ -94,8 +93,8 @@ mod tests {
                 },
                 ..Parameters::default()
             };
-            let history = PatternHistory::of_spec(&parameters.pattern, &mut Unobserved).unwrap();
-            let (pieces, blocks) = exact_pieces(&parameters, &history).unwrap();
+            let pattern = Pattern::of_spec(&parameters.pattern, &mut Unobserved).unwrap();
+            let (pieces, blocks) = exact_pieces(&parameters, &pattern).unwrap();
             // Blocks are longer than the pattern, so that some have several pieces.
             assert!(blocks > 5 && pieces.len() > blocks);
 

@@ -69,7 +69,7 @@ impl<'a> ExactPlane<'a> {
     ///
     /// Fails when the parameters cannot be sampled, or a bounded pattern is too small for a block.
     pub fn new(parameters: &Parameters, history: &'a PatternHistory) -> Result<Self, SampleError> {
-        let run_clipper = clipper(parameters, history)?;
+        let run_clipper = clipper(parameters, history.pattern())?;
         run_clipper.check_blocks()?;
         Ok(Self {
             domain: parameters.validate()?,

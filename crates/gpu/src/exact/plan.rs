@@ -1,7 +1,7 @@
 //! The buffers of an exact tiling: what the host writes into them, and how long they are.
 
 use tilescope_core::windows::{CELL_BITS, ExactPiece, exact_pieces};
-use tilescope_core::{Domain, MAXIMAL_DENSITY, Parameters, PatternHistory, R, SampleError};
+use tilescope_core::{Domain, MAXIMAL_DENSITY, Parameters, PatternArrivals, R, SampleError};
 
 use crate::adapter::Limits;
 use crate::constants::{ARGUMENTS, SCAN_PART, THROW_BITS};
@@ -26,10 +26,10 @@ impl DartRoom {
     /// Estimates the room that a run needs, with some to spare. A run that needs more is made again.
     pub(super) fn expected(
         parameters: &Parameters,
-        history: &PatternHistory,
+        arrived: &PatternArrivals,
     ) -> Result<Self, SampleError> {
         let area = parameters.validate()?.area_radii();
-        let pattern = history.pattern();
+        let pattern = arrived.pattern();
         let density = pattern.samples().len() as f64 / pattern.domain().area_radii();
 
         // What happens, happens along the borders of blocks, whose length to an area falls as the leaf grows. Both numbers
@@ -68,13 +68,13 @@ impl ExactPlan {
     /// Fails when the parameters cannot be sampled, or a bounded pattern is too small for a block.
     pub(super) fn new(
         parameters: &Parameters,
-        history: &PatternHistory,
+        arrived: &PatternArrivals,
         room: DartRoom,
     ) -> Result<Self, SampleError> {
         let domain = parameters.validate()?;
-        let (placed, blocks) = exact_pieces(parameters, history)?;
+        let (placed, blocks) = exact_pieces(parameters, arrived.pattern())?;
         let (pieces, marks) = laid(&placed);
-        let (pattern, pattern_points) = pattern_words(history);
+        let (pattern, pattern_points) = pattern_words(arrived);
         let end = domain.rect().max;
         let [columns, rows] = [end.x, end.y].map(cells_along);
 
@@ -86,7 +86,7 @@ impl ExactPlan {
             periodic: domain.is_periodic().into(),
             pieces: pieces.len() as u32,
             marks,
-            pattern_columns: cells_along(pattern_rect(history).width()),
+            pattern_columns: cells_along(pattern_rect(arrived).width()),
             pattern_points,
             dart_capacity: room.darts,
             cell_capacity: room.cells,
@@ -226,16 +226,16 @@ fn laid(placed: &[ExactPiece]) -> (Vec<LaidPiece>, u32) {
     (pieces, marks)
 }
 
-fn pattern_rect(history: &PatternHistory) -> tilescope_core::Rect {
-    let domain: &Domain = history.pattern().domain();
+fn pattern_rect(arrived: &PatternArrivals) -> tilescope_core::Rect {
+    let domain: &Domain = arrived.pattern().domain();
     domain.rect()
 }
 
 /// Returns the pattern as words, and the word at which its samples begin: place, throw and rank of each. Samples are in canonical
 /// order, which is that of their cells.
-fn pattern_words(history: &PatternHistory) -> (Vec<u32>, u32) {
-    let samples = history.pattern().samples();
-    let rect = pattern_rect(history);
+fn pattern_words(arrived: &PatternArrivals) -> (Vec<u32>, u32) {
+    let samples = arrived.pattern().samples();
+    let rect = pattern_rect(arrived);
     let [columns, rows] = [rect.width(), rect.height()].map(cells_along);
 
     let mut words = Vec::with_capacity((columns * rows) as usize + 1 + 4 * samples.len());
@@ -250,8 +250,7 @@ fn pattern_words(history: &PatternHistory) -> (Vec<u32>, u32) {
     words.push(first as u32);
 
     let points = words.len() as u32;
-    for (sample, place) in (0..).zip(samples) {
-        let arrival = history.arrival(sample);
+    for (arrival, place) in arrived.arrivals().iter().zip(samples) {
         let throw = 4 * arrival.level() + arrival.throw();
         words.extend([place.x as u32, place.y as u32, throw, arrival.rank()]);
     }

@@ -158,14 +158,24 @@ impl GpuState {
         }
     }
 
-    /// Returns the device that makes a run. Exact tiling and Algorithm 4 as printed run on the CPU, whatever was chosen.
+    /// Returns the device that makes a run. Algorithm 4 as printed runs on the CPU, whatever was chosen. So do exact tilings that are
+    /// not asked of the GPU by name: on a page KDRT takes one that passed its test, but the rates of exact tiling on a card have
+    /// not been measured.
     pub(super) fn for_run(
         &self,
         parameters: &Parameters,
         engine: EngineChoice,
     ) -> Option<Arc<Gpu>> {
-        let serves = self.gpu_samples(engine) && parameters.check_parallel().is_ok();
+        let serves = match parameters.method {
+            TilingMethod::Exact => engine == EngineChoice::Gpu,
+            TilingMethod::Kdrt => parameters.variant == Variant::Staged,
+        } && self.gpu_samples(engine);
         self.device.ready().filter(|_| serves).map(Arc::clone)
+    }
+
+    /// Returns whether a run of `parameters` is an exact tiling that the CPU makes, as no GPU was chosen by name.
+    fn leaves_exact(&self, parameters: &Parameters) -> bool {
+        parameters.method == TilingMethod::Exact && self.engine != EngineChoice::Gpu
     }
 
     /// Returns whether another engine made the run shown than the one that makes the next. False if the CPU alone makes
@@ -176,7 +186,8 @@ impl GpuState {
         let Some(session) = &run.session else {
             return false;
         };
-        let has_choice = session.kind() == SessionKind::Run && session.has_recipe();
+        let is_tiling = matches!(session.kind(), SessionKind::Run | SessionKind::Exact);
+        let has_choice = is_tiling && session.has_recipe();
         if !has_choice || draft.levels.is_some() || draft.ground.is_asked() {
             return false;
         }
@@ -217,7 +228,7 @@ impl GpuState {
             ));
         }
         if session.is_exact() {
-            let text = "This is an exact tiling, made on the CPU; the passes are those of KDRT.";
+            let text = "This is an exact tiling; the passes that can be inspected one by one are those of KDRT.";
             return Some(text.to_owned());
         }
 
@@ -239,8 +250,8 @@ impl GpuState {
 
         let line: &str = match &self.device {
             // Two kinds of runs are made by the CPU even if a device is ready, so that they come before the others.
-            Device::Ready(_) if gpu_samples && parameters.method == TilingMethod::Exact => {
-                "CPU: it alone makes exact tilings."
+            Device::Ready(_) if gpu_samples && self.leaves_exact(parameters) => {
+                "CPU, for exact tilings: choose the GPU to use it."
             }
             Device::Ready(_) if gpu_samples && parameters.variant == Variant::AsPrinted => {
                 "CPU: it alone runs Algorithm 4 as printed."
@@ -284,8 +295,8 @@ impl GpuState {
                 None => ".",
             },
             Device::Testing(_) => " while the GPU is opened and tested.",
-            Device::Ready(_) if gpu_samples && parameters.method == TilingMethod::Exact => {
-                ": it alone makes exact tilings."
+            Device::Ready(_) if gpu_samples && self.leaves_exact(parameters) => {
+                ": a GPU makes exact tilings only if it is chosen."
             }
             Device::Ready(_) if gpu_samples && parameters.variant == Variant::AsPrinted => {
                 ": it alone runs Algorithm 4 as printed."

@@ -540,6 +540,32 @@ mod device {
     }
 
     #[test]
+    fn exact_tilings_on_the_gpu_have_the_events_of_the_cpu() {
+        let mut state = on_the_gpu();
+        let exact = json!(tilescope_core::TilingMethod::Exact);
+        let choice = Choice::Parameter(Parameter::Method, exact);
+        state.apply(Command::Form(FormCommand::Choose(choice)));
+        type_in(&mut state, Parameter::Radius, "0.02");
+        state.apply(Command::Run);
+        state.settle();
+        let session = state.runs.first.session.clone().unwrap();
+        assert!(session.is_exact() && session.engine.starts_with("GPU"));
+        // The stages are those of the CPU's recording, which is shown only if its samples are the device's.
+        assert!(session.has_stages() && state.messages.notice.is_none());
+
+        // Without a GPU by name the CPU makes exact tilings, also where a GPU is at hand.
+        for engine in [EngineChoice::Auto, EngineChoice::Cpu] {
+            state.apply(Command::Gpu(GpuCommand::Engine(engine)));
+            state.apply(Command::Run);
+            state.settle();
+            let of_cpu = state.runs.first.session.as_ref().unwrap();
+            assert_eq!(of_cpu.engine, "CPU");
+            assert_eq!(of_cpu.run().points(), session.run().points());
+            assert_eq!(of_cpu.summary, session.summary);
+        }
+    }
+
+    #[test]
     fn algorithm_4_as_printed_runs_on_the_cpu_whatever_is_chosen() {
         let mut state = on_the_gpu();
         state.apply(Command::Form(FormCommand::Choose(Choice::Parameter(

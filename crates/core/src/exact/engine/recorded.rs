@@ -38,7 +38,7 @@ pub fn exact_recorded<T: Recorder>(
     }
 
     let domain = parameters.validate_sequential()?;
-    let mut run_clipper = clipper(parameters, history)?;
+    let mut run_clipper = clipper(parameters, history.pattern())?;
     // Origins name blocks by their indices, which blocks have only once they are counted.
     run_clipper.count_blocks();
 

@@ -46,7 +46,9 @@ fn compare(device: &Run, cpu: &Run) -> Result<(), String> {
 }
 
 fn on(gpu: &Arc<Gpu>, parameters: &Parameters, history: &PatternHistory) -> Result<Run, GpuError> {
-    pollster::block_on(async { exact_on_gpu(gpu, parameters, history, &mut Unobserved).await })
+    pollster::block_on(async {
+        exact_on_gpu(gpu, parameters, history.arrived(), &mut Unobserved).await
+    })
 }
 
 /// Fails unless the device gives the CPU's run, with trusted shaders and with checked ones. Returns the run.
@@ -105,7 +107,7 @@ fn passes_are_reported_in_the_order_of_throws() {
     let parameters = parameters(16.0, 8.0);
     let history = history(&parameters);
     let mut observer = Unobserved;
-    let run = exact_with_reports(gpu(), &parameters, &history, &mut observer);
+    let run = exact_with_reports(gpu(), &parameters, history.arrived(), &mut observer);
     let (_, reports) = pollster::block_on(run).unwrap();
     assert!(reports.is_sorted_by_key(|report| report.stage));
     assert_eq!(reports[0].name, "lay");
@@ -132,7 +134,7 @@ fn an_observer_stops_the_run_between_throws() {
             std::ops::ControlFlow::Continue(())
         }
     };
-    let run = exact_on_gpu(gpu(), &parameters, &history, &mut stop);
+    let run = exact_on_gpu(gpu(), &parameters, history.arrived(), &mut stop);
     let stage = stopped;
     assert_eq!(
         pollster::block_on(run).err(),
