@@ -6,12 +6,16 @@
 //!
 //! The set is that of a process of darts in which time is local: where the radius is R, darts come with the
 //! intensity 1 / R^2, and a dart becomes a sample unless an earlier sample is near it. [`crate::stages::darts`] runs it.
-//! With the radius [`R`](crate::R) everywhere it is the reference sampler, dart by dart.
+//! With the radius [`R`](crate::R) everywhere it is the reference sampler, dart by dart. [`varying_sample`] makes the
+//! same samples on all threads.
 
+mod crowd;
 mod field;
 mod ground;
 mod locality;
+mod near;
 mod octaves;
+mod parallel;
 mod quadtree;
 mod rule;
 mod shape;
@@ -19,11 +23,6 @@ mod shape;
 use crate::error::SampleError;
 use crate::lattice::Point;
 use crate::progress::Observer;
-use crate::random::Key;
-use crate::record::Unrecorded;
-use crate::reference::finished;
-use crate::stages::darts::DartProcess;
-use ground::VaryingGround;
 
 pub use field::{FieldError, MAX_FIELD_RADIUS, MAX_PITCH_BITS, RadiusField};
 pub use locality::Locality;
@@ -41,8 +40,5 @@ pub fn varying_sample(
     seed: u64,
     observer: &mut dyn Observer,
 ) -> Result<Vec<Point>, SampleError> {
-    let ground = VaryingGround::new(field, shape);
-    let cells = quadtree::base_cells(field, shape);
-    let process = DartProcess::on(ground, Key::from_seed(seed), cells);
-    finished(process, observer, &mut Unrecorded)
+    parallel::sample(field, shape, seed, observer)
 }

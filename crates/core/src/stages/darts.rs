@@ -154,6 +154,15 @@ pub(crate) enum DartDraws {
     Two,
 }
 
+impl DartDraws {
+    /// Returns how darts of a cell of this side are drawn, where others are drawn so.
+    #[inline]
+    pub(crate) const fn in_cell(self, side: i32) -> Self {
+        // The halves of one draw do not reach all places of a wider cell.
+        if side > 1 << 16 { Self::Two } else { self }
+    }
+}
+
 /// A dart process in progress.
 pub struct DartProcess<G: DartGround = DiskGrid> {
     key: Key,
@@ -307,12 +316,7 @@ impl<G: DartGround> DartProcess<G> {
         let mut darts = Vec::new();
         for cell in &self.active {
             let square = self.ground.square(cell, self.level);
-            // The halves of one draw do not reach all places of a wider cell.
-            let draws = if square.side > 1 << 16 {
-                DartDraws::Two
-            } else {
-                self.draws
-            };
+            let draws = self.draws.in_cell(square.side);
             for (index, (rank, point)) in cell_darts(key, square, draws).enumerate() {
                 let coin = || {
                     let cell_key = key.derive_at(square.min.x, square.min.y);
@@ -405,33 +409,41 @@ pub(crate) fn cell_darts(
     cell: Cell,
     draws: DartDraws,
 ) -> impl Iterator<Item = (u32, Point)> {
-    let Cell { min, side } = cell;
-    // With one draw for a dart a coordinate has 16 random bits. A cell takes the highest of them, as many as the binary
-    // logarithm of its side.
-    let shift = 16 - side.ilog2().min(16);
-    let cell_key = key.derive_at(min.x, min.y);
+    let cell_key = key.derive_at(cell.min.x, cell.min.y);
+    let count = dart_count(cell_key, cell.side);
+    (0..count).map(move |index| cell_dart(cell_key, cell, draws, index))
+}
+
+/// Returns how many darts a cell of this side throws. `cell_key` is derived from the throw's key at the cell's lowest place.
+#[inline]
+pub(crate) fn dart_count(cell_key: Key, side: i32) -> u32 {
     // A cell of one point throws that point for certain, so that the process ends.
-    let count = if side == 1 {
+    if side == 1 {
         1
     } else {
         poisson(cell_key.words()[0])
-    };
+    }
+}
 
-    (0..count).map(move |index| {
-        let (rank, right, up) = match draws {
-            DartDraws::One => {
-                let [halves, rank] = cell_key.draw(Stream::Dart, index);
-                let (right, up) = (halves >> 16, halves & 0xffff);
-                (rank, right >> shift, up >> shift)
-            }
-            DartDraws::Two => {
-                let [x, y] = cell_key.draw(Stream::Dart, 2 * index);
-                let [rank, _] = cell_key.draw(Stream::Dart, 2 * index + 1);
-                (rank, below(x, side as u32), below(y, side as u32))
-            }
-        };
-        (rank, Point::new(min.x + right as i32, min.y + up as i32))
-    })
+/// Returns the rank and the place of a cell's dart. `cell_key` is derived from the throw's key at the cell's lowest place.
+#[inline]
+pub(crate) fn cell_dart(cell_key: Key, cell: Cell, draws: DartDraws, index: u32) -> (u32, Point) {
+    let Cell { min, side } = cell;
+    let (rank, right, up) = match draws {
+        DartDraws::One => {
+            // A coordinate has 16 random bits. A cell takes the highest of them, as many as the binary logarithm of its side.
+            let shift = 16 - side.ilog2().min(16);
+            let [halves, rank] = cell_key.draw(Stream::Dart, index);
+            let (right, up) = (halves >> 16, halves & 0xffff);
+            (rank, right >> shift, up >> shift)
+        }
+        DartDraws::Two => {
+            let [x, y] = cell_key.draw(Stream::Dart, 2 * index);
+            let [rank, _] = cell_key.draw(Stream::Dart, 2 * index + 1);
+            (rank, below(x, side as u32), below(y, side as u32))
+        }
+    };
+    (rank, Point::new(min.x + right as i32, min.y + up as i32))
 }
 
 /// Returns the Poisson count of mean 0.85 for a uniform word: a cell's is the first word of its key. The darts are

@@ -310,6 +310,22 @@ impl RadiusField {
         ])
     }
 
+    /// Returns lower bounds of the radii in a cell's quarters, and an upper bound of all.
+    pub(super) fn quarter_bounds(&self, cell: Cell) -> ([i32; 4], i32) {
+        let Some([a, b, c, d]) = self.corners(cell) else {
+            let range = self.range(cell);
+            return ([range.least; 4], range.greatest);
+        };
+
+        // On edges a bilinear function is linear, and in the middle it is the mean of the corners. A quarter's radii
+        // are not below the least of its corner of the cell, the middles of two edges, and the middle of the cell.
+        let [ab, ac, bd, cd] = [a + b, a + c, b + d, c + d].map(|sum| sum / 2);
+        let middle = (a + b + c + d) / 4;
+        let quarters = [[a, ab, ac], [b, ab, bd], [c, ac, cd], [d, bd, cd]];
+        let least = quarters.map(|radii| radii.into_iter().fold(middle, i32::min));
+        (least, a.max(b).max(c).max(d))
+    }
+
     /// Returns radii between which all radii of a cell lie that begins in the domain. Those of its corners if it is no
     /// wider than the pitch; otherwise those of all nodes around it. Which cells throw darts depends on this: it is
     /// part of the definition of the set.

@@ -7,7 +7,7 @@ use glam::IVec2;
 use super::field::RadiusField;
 use super::octaves::{Octaves, Sight};
 use super::quadtree::VaryingCell;
-use super::rule::is_near;
+use super::rule::{is_near, is_thinned};
 use super::shape::{Class, Shape};
 use crate::lattice::Point;
 use crate::stages::darts::{DartGround, Landing};
@@ -42,22 +42,6 @@ impl<'a> VaryingGround<'a> {
             samples: Octaves::new(field),
         }
     }
-
-    /// Returns lower bounds of the radii in a cell's quarters, and an upper bound of all.
-    fn bounds(&self, cell: Cell) -> ([i32; 4], i32) {
-        let Some([a, b, c, d]) = self.field.corners(cell) else {
-            let range = self.field.range(cell);
-            return ([range.least; 4], range.greatest);
-        };
-
-        // On edges a bilinear function is linear, and in the middle it is the mean of the corners. A quarter's radii
-        // are not below the least of its corner of the cell, the middles of two edges, and the middle of the cell.
-        let [ab, ac, bd, cd] = [a + b, a + c, b + d, c + d].map(|sum| sum / 2);
-        let middle = (a + b + c + d) / 4;
-        let quarters = [[a, ab, ac], [b, ab, bd], [c, ac, cd], [d, bd, cd]];
-        let least = quarters.map(|radii| radii.into_iter().fold(middle, i32::min));
-        (least, a.max(b).max(c).max(d))
-    }
 }
 
 impl DartGround for VaryingGround<'_> {
@@ -80,20 +64,10 @@ impl DartGround for VaryingGround<'_> {
             return Landing::Outside;
         }
 
-        // A cell throws as many darts as suit a radius that is its base cell's side. Where the radius is larger, a
-        // share of side^2 / radius^2 of them stays, so that their density depends on the radius alone. Without this,
-        // sets are twice as dense on one side of a place where the radius passes a power of two as on the other (the
-        // test below). The dart of a cell of one point, whose `bits` are 0, always stays, which makes the set maximal.
+        // The dart of a cell of one point, whose `bits` are 0, always stays, which makes the set maximal.
         let radius = self.field.radius_at(at);
-        let base_side = 1_i64 << cell.base_bits;
-        if cell.bits > 0 && i64::from(radius) > base_side {
-            let drawn = i64::from(coin() >> 16);
-            let area = i64::from(radius) * i64::from(radius);
-            // The dart is left out unless drawn / 2^16 < side^2 / radius^2. Both sides of the comparison have four bits
-            // less, so that they fit 64 bits.
-            if drawn * (area >> 4) >= (base_side * base_side) << 12 {
-                return Landing::Thinned;
-            }
+        if cell.bits > 0 && is_thinned(radius, cell.base_bits, coin) {
+            return Landing::Thinned;
         }
         let sight = cell.sight;
         Landing::Inside(DartPlace { radius, sight })
@@ -117,7 +91,7 @@ impl DartGround for VaryingGround<'_> {
         let square = cell.square();
         let half = square.side / 2;
         let middle = Point::new(square.min.x + half, square.min.y + half);
-        let (least_radii, greatest) = self.bounds(square);
+        let (least_radii, greatest) = self.field.quarter_bounds(square);
 
         near.clear();
         // A sample that is near all places of a quarter is near the quarter's corner beside the cell's middle, too, and

@@ -1,11 +1,11 @@
 //! The cells at which the process of darts begins: squares about as wide as the radius there. Places are *near* each
 //! other if they are at most the reach of their two radii apart ([`super::rule`]).
 
-use super::field::RadiusField;
+use super::field::{RadiusField, RadiusRange};
 use super::octaves::{Sight, octave_of};
 use super::shape::{Class, Shape};
 use crate::lattice::Point;
-use crate::stages::disks::Cell;
+use crate::stages::disks::{Cell, tiling_cells};
 
 /// A square into which darts are thrown.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -33,22 +33,30 @@ impl VaryingCell {
 /// the shape are left out.
 pub(super) fn base_cells(field: &RadiusField, shape: &Shape) -> Vec<VaryingCell> {
     let mut base = Vec::new();
-    let mut stack = Vec::new();
+    add_base_cells(field, shape, tops(field).collect(), &mut |cell, _| {
+        base.push(cell);
+    });
+    base
+}
 
-    // The search begins with cells of the side of the octave of the largest radius. That is at most this radius, and
-    // base cells are no wider than the least radius in them.
-    let top = octave_of(field.whole().greatest);
+/// Returns the cells of which the base cells are parts, row by row. They have the side of the octave of the largest radius: that
+/// is at most this radius, and base cells are no wider than the least radius in them.
+pub(super) fn tops(field: &RadiusField) -> impl Iterator<Item = Cell> + use<> {
+    tiling_cells(
+        &field.domain().rect(),
+        1 << octave_of(field.whole().greatest),
+    )
+}
 
+/// Calls `add` with the base cells in the cells of a stack, and with the range of the radii in each.
+pub(super) fn add_base_cells(
+    field: &RadiusField,
+    shape: &Shape,
+    mut stack: Vec<Cell>,
+    add: &mut impl FnMut(VaryingCell, RadiusRange),
+) {
     let rect = field.domain().rect();
-    for row in 0..=(rect.max.y - 1) >> top {
-        for column in 0..=(rect.max.x - 1) >> top {
-            stack.push((Point::new(column << top, row << top), top));
-        }
-    }
-
-    while let Some((min, bits)) = stack.pop() {
-        let side = 1 << bits;
-        let cell = Cell { min, side };
+    while let Some(cell) = stack.pop() {
         let class = shape.class(cell);
         // The cell holds no place of the shape, and so no dart.
         if class == Class::Outside {
@@ -56,24 +64,23 @@ pub(super) fn base_cells(field: &RadiusField, shape: &Shape) -> Vec<VaryingCell>
         }
 
         let range = field.range(cell);
-        if side <= range.least {
-            let sight = sight_of(field, cell, range.greatest);
-            base.push(VaryingCell {
-                min,
+        if cell.side <= range.least {
+            let bits = cell.side.ilog2() as u8;
+            let base = VaryingCell {
+                min: cell.min,
                 base_bits: bits,
                 bits,
                 class,
-                sight,
-            });
+                sight: sight_of(field, cell, range.greatest),
+            };
+            add(base, range);
         } else {
-            let quarters = cell.quarters().map(|quarter| (quarter.min, bits - 1));
             // Quarters beyond the domain's far borders hold no place of it. Cells come off the stack in another order than
             // their places, which does not matter to the process of darts.
-            stack.extend(quarters.into_iter().filter(|(min, _)| rect.contains(*min)));
+            let quarters = cell.quarters().into_iter();
+            stack.extend(quarters.filter(|quarter| rect.contains(quarter.min)));
         }
     }
-
-    base
 }
 
 /// Returns which samples can be near a place of a cell whose radii are at most `greatest`.

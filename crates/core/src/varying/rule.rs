@@ -26,6 +26,26 @@ pub(super) const fn is_near(squared: i64, a: i32, b: i32) -> bool {
     squared <= farthest * farthest
 }
 
+/// Returns whether a dart is left out where the radius is larger than its base cell's side, two to the power `base_bits`.
+/// `coin` draws the random word that decides.
+///
+/// A cell throws as many darts as suit a radius that is its base cell's side. Where the radius is larger, a share of
+/// side^2 / radius^2 of them stays, so that their density depends on the radius alone. Without this, sets are twice as dense on
+/// one side of a place where the radius passes a power of two as on the other (the test in [`super::ground`]).
+#[inline]
+pub(super) fn is_thinned(radius: i32, base_bits: u8, coin: impl FnOnce() -> u32) -> bool {
+    let base_side = 1_i64 << base_bits;
+    if i64::from(radius) <= base_side {
+        return false;
+    }
+
+    let drawn = i64::from(coin() >> 16);
+    let area = i64::from(radius) * i64::from(radius);
+    // The dart is left out unless drawn / 2^16 < side^2 / radius^2. Both sides of the comparison have four bits less, so that
+    // they fit 64 bits.
+    drawn * (area >> 4) >= (base_side * base_side) << 12
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;

@@ -331,6 +331,27 @@ proptest! {
     }
 }
 
+proptest! {
+    #![proptest_config(ProptestConfig { cases: tilescope_tests::cases(256), failure_persistence: None, ..ProptestConfig::default() })]
+
+    #[test]
+    fn any_number_of_threads_makes_the_recorded_set(case in cases()) {
+        let locality = Arc::new(Locality { field: case.field(), shape: case.shape() });
+        let parameters = Parameters { seed: case.seed, ..Parameters::default() };
+        let mut events = tilescope_core::Unrecorded;
+        let recorded = varying_recorded(&locality, &parameters, &mut Unobserved, &mut events).unwrap();
+
+        let sample = |seed: u64| varying_sample(&locality.field, &locality.shape, seed, &mut Unobserved).unwrap();
+        for threads in [1, 3] {
+            let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build().unwrap();
+            prop_assert_eq!(&pool.install(|| sample(case.seed)), &recorded.samples.points);
+        }
+        // Another seed gives another set, so that the comparison shows something.
+        let other = sample(case.seed ^ 1);
+        prop_assert!(other.is_empty() || other != recorded.samples.points);
+    }
+}
+
 #[test]
 fn with_one_radius_the_set_is_that_of_the_reference_sampler() {
     for boundary in [Boundary::Periodic, Boundary::Bounded] {
