@@ -16,6 +16,7 @@ mod locality;
 mod near;
 mod octaves;
 mod parallel;
+mod patch;
 mod quadtree;
 mod rule;
 mod shape;

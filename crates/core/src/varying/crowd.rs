@@ -8,7 +8,8 @@ use std::sync::atomic::{AtomicU32, Ordering};
 
 use rayon::prelude::*;
 
-use super::octaves::{Octaves, Sight};
+use super::field::RadiusField;
+use super::octaves::{Sight, octave_of};
 use super::rule::{is_near, reach};
 use crate::lattice::Point;
 use crate::stages::cells::CellGrid;
@@ -55,15 +56,20 @@ struct EarlierDarts {
 }
 
 impl Crowd {
-    /// Returns empty grids for darts of the same radii as those samples.
-    pub fn new(samples: &Octaves) -> Self {
-        let octaves = samples.grids().map(|grid| OctaveDarts {
-            grid: grid.clone(),
-            heads: (0..grid.count()).map(|_| AtomicU32::new(0)).collect(),
-        });
+    /// Returns empty grids for darts of the field's radii.
+    pub fn new(field: &RadiusField) -> Self {
+        let domain = field.domain();
+        let octave = |bits: u8| {
+            let grid = CellGrid::new(domain.rect(), domain.is_periodic(), bits.into());
+            OctaveDarts {
+                heads: (0..grid.count()).map(|_| AtomicU32::new(0)).collect(),
+                grid,
+            }
+        };
+        let [first, last] = field.extremes().map(octave_of);
         Self {
-            first: samples.first(),
-            octaves: octaves.collect(),
+            first,
+            octaves: (first..=last).map(octave).collect(),
         }
     }
 
@@ -94,7 +100,7 @@ impl Crowd {
 
     /// Returns the head of the chain of a dart's cell.
     fn head(&self, dart: &OpenDart) -> &AtomicU32 {
-        let octave = &self.octaves[(dart.radius.ilog2() as u8 - self.first) as usize];
+        let octave = &self.octaves[usize::from(octave_of(dart.radius) - self.first)];
         &octave.heads[octave.grid.cell_at(dart.at)]
     }
 
@@ -127,6 +133,10 @@ impl Crowd {
                     while let Some(index) = number.checked_sub(1) {
                         number = next[index as usize];
                         let other = &darts[index as usize];
+                        // Half of all darts come later, which is found before any distance.
+                        if other.rank > dart.rank {
+                            continue;
+                        }
                         // The wrapped sums are right, as the offsets of darts found here are short.
                         let dx = other.at.x.wrapping_add(shift.x).wrapping_sub(at.x);
                         let dy = other.at.y.wrapping_add(shift.y).wrapping_sub(at.y);

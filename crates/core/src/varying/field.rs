@@ -3,6 +3,7 @@
 
 use thiserror::Error;
 
+use super::patch::FieldPatch;
 use crate::lattice::{Domain, Point, R};
 use crate::stages::disks::Cell;
 
@@ -259,21 +260,24 @@ impl RadiusField {
     /// among them.
     #[inline]
     fn at(&self, x: i64, y: i64) -> i32 {
+        self.patch(x, y).at(x, y)
+    }
+
+    /// Returns the nodes around a place that is not negative, or those nearest to one beyond the last nodes.
+    #[inline]
+    fn patch(&self, x: i64, y: i64) -> FieldPatch {
         let bits = self.bits;
         let column = ((x >> bits) as usize).min(self.cells[0] - 1);
         let row = ((y >> bits) as usize).min(self.cells[1] - 1);
-        let pitch = 1_i64 << bits;
-        let right = (x - ((column as i64) << bits)).min(pitch);
-        let up = (y - ((row as i64) << bits)).min(pitch);
 
-        let first = row * (self.cells[0] + 1) + column;
-        let above = first + self.cells[0] + 1;
-        let along = |left: usize| {
-            let (from, to) = (i64::from(self.nodes[left]), i64::from(self.nodes[left + 1]));
-            from * (pitch - right) + to * right
-        };
-        // The sum is at most 2^21 times 2^40, which fits 64 bits.
-        ((along(first) * (pitch - up) + along(above) * up) >> (2 * bits)) as i32
+        let below = row * (self.cells[0] + 1) + column;
+        let above = below + self.cells[0] + 1;
+        FieldPatch {
+            x: (column as i64) << bits,
+            y: (row as i64) << bits,
+            bits,
+            nodes: [below, below + 1, above, above + 1].map(|node| self.nodes[node]),
+        }
     }
 
     /// Returns the least and the greatest radius of all nodes, in units; those of all places lie between them.
@@ -302,11 +306,13 @@ impl RadiusField {
         }
         let (x, y) = (i64::from(min.x), i64::from(min.y));
         let (right, top) = (x + i64::from(side) - 1, y + i64::from(side) - 1);
+        // Cells begin at multiples of their sides, which are powers of two as the pitch is: this one lies between four nodes.
+        let patch = self.patch(x, y);
         Some([
-            self.at(x, y),
-            self.at(right, y),
-            self.at(x, top),
-            self.at(right, top),
+            patch.at(x, y),
+            patch.at(right, y),
+            patch.at(x, top),
+            patch.at(right, top),
         ])
     }
 
@@ -388,11 +394,19 @@ impl RadiusField {
 
     /// Returns the range of the nodes around some cells, or a little more.
     fn cells_range(&self, first: [usize; 2], last: [usize; 2]) -> RadiusRange {
+        // A field of one radius, which is asked most often, has one cell and no blocks.
+        if self.levels.is_empty() {
+            return self.around(0, 0);
+        }
+
         // The smallest blocks of which three or fewer on each axis hold all cells: at most nine ranges are read. The
         // last level has a single block, which always does.
         let spread =
             |size: usize| (0..2).all(|axis| (last[axis] >> size) - (first[axis] >> size) <= 2);
-        let size = (0..self.levels.len())
+        // More than a quarter of the cells is more than three blocks: no smaller size needs to be tried.
+        let longest = (last[0] - first[0]).max(last[1] - first[1]);
+        let least = (longest / 4).checked_ilog2().unwrap_or(0) as usize;
+        let size = (least..self.levels.len())
             .find(|&size| spread(size))
             .unwrap_or(self.levels.len());
         self.blocks(

@@ -74,16 +74,6 @@ impl Octaves {
         }
     }
 
-    /// Returns the binary logarithm of the first octave.
-    pub const fn first(&self) -> u8 {
-        self.first
-    }
-
-    /// Returns the cells of each octave.
-    pub fn grids(&self) -> impl Iterator<Item = &CellGrid> {
-        self.octaves.iter().map(|octave| &octave.grid)
-    }
-
     /// Adds a sample of the domain; returns `false`, and adds nothing, when its cell is full, which happens only in a
     /// set that is not conflict-free.
     pub fn insert(&mut self, at: Point, radius: i32) -> bool {

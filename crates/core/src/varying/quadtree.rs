@@ -32,23 +32,18 @@ impl VaryingCell {
 /// Returns the base cells: the largest aligned squares that are no wider than the least radius in them. Those without a place of
 /// the shape are left out.
 pub(super) fn base_cells(field: &RadiusField, shape: &Shape) -> Vec<VaryingCell> {
+    // No base cell is wider than the octave of the largest radius.
+    let top = 1 << octave_of(field.whole().greatest);
+    let squares = tiling_cells(&field.domain().rect(), top).collect();
+
     let mut base = Vec::new();
-    add_base_cells(field, shape, tops(field).collect(), &mut |cell, _| {
+    add_base_cells(field, shape, squares, &mut |cell, _| {
         base.push(cell);
     });
     base
 }
 
-/// Returns the cells of which the base cells are parts, row by row. They have the side of the octave of the largest radius: that
-/// is at most this radius, and base cells are no wider than the least radius in them.
-pub(super) fn tops(field: &RadiusField) -> impl Iterator<Item = Cell> + use<> {
-    tiling_cells(
-        &field.domain().rect(),
-        1 << octave_of(field.whole().greatest),
-    )
-}
-
-/// Calls `add` with the base cells in the cells of a stack, and with the range of the radii in each.
+/// Calls `add` with the base cells in aligned squares, from a stack, and with the range of the radii in each.
 pub(super) fn add_base_cells(
     field: &RadiusField,
     shape: &Shape,

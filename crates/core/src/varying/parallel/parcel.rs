@@ -1,0 +1,363 @@
+//! The families of a large square, which one thread works on at a time.
+
+use fearless_simd::Simd;
+use glam::IVec2;
+
+use super::draws::DrawnDarts;
+use super::{Surroundings, Throw};
+use crate::lattice::Point;
+use crate::random::Stream;
+use crate::stages::disks::Cell;
+use crate::varying::crowd::OpenDart;
+use crate::varying::field::{RadiusField, RadiusRange};
+use crate::varying::near::{NearList, NearSamples, QuarterTest};
+use crate::varying::quadtree::{VaryingCell, add_base_cells};
+use crate::varying::rule::is_thinned;
+use crate::varying::shape::Class;
+
+/// The number of no family.
+const NO_FAMILY: u32 = u32::MAX;
+
+/// A base cell, and what is known of its places.
+struct Family {
+    base: VaryingCell,
+    /// The least and the greatest radius in the base cell.
+    range: RadiusRange,
+    /// The samples that can be near its places.
+    near: NearList,
+    /// Whether any part of it is active.
+    is_active: bool,
+}
+
+/// An active part of a base cell. Its side follows from the level.
+#[derive(Clone, Copy)]
+pub(super) struct ActivePart {
+    pub min: Point,
+    /// The number of its family in the parcel.
+    pub family: u32,
+    /// Which of its places belong to the shape.
+    pub class: Class,
+}
+
+/// A sample of the last throw, or an image of it, where it acts.
+#[derive(Clone, Copy)]
+pub(super) struct NewSample {
+    pub x: i64,
+    pub y: i64,
+    pub radius: i32,
+}
+
+/// The buffers of a thread, whose content does not matter between two parcels.
+#[derive(Default)]
+pub(super) struct Scratch {
+    parts: Vec<ActivePart>,
+    drawn: DrawnDarts,
+}
+
+/// All families of a square.
+pub(super) struct Parcel {
+    square: Cell,
+    families: Vec<Family>,
+    /// The family of each square of two to the power `bits` units, row by row: as wide as the narrowest base cell.
+    family_at: Vec<u32>,
+    bits: u32,
+    /// The largest radius in the parcel.
+    greatest: i32,
+    near: NearSamples,
+    new_samples: Vec<NewSample>,
+    /// The active parts of all families, one family's after another's.
+    parts: Vec<ActivePart>,
+    /// The darts of the last throw that no sample before it is near.
+    pub darts: Vec<OpenDart>,
+}
+
+impl Parcel {
+    /// Returns the parcel of a square before the first throw.
+    pub fn new(square: Cell, surroundings: Surroundings<'_>) -> Self {
+        let mut families = Vec::new();
+        let Surroundings { field, shape } = surroundings;
+        add_base_cells(field, shape, vec![square], &mut |base, range| {
+            families.push(Family {
+                base,
+                range,
+                near: NearList::EMPTY,
+                is_active: true,
+            });
+        });
+
+        let widths = families.iter().map(|family| u32::from(family.base.bits));
+        let bits = widths.min().unwrap_or_else(|| square.side.ilog2());
+        let part = |(number, family): (u32, &Family)| ActivePart {
+            min: family.base.min,
+            family: number,
+            class: family.base.class,
+        };
+        let radii = families.iter().map(|family| family.range.greatest);
+        Self {
+            square,
+            family_at: map_of(&families, square, bits),
+            bits,
+            greatest: radii.max().unwrap_or(0),
+            near: NearSamples::default(),
+            new_samples: Vec::new(),
+            parts: (0..).zip(&families).map(part).collect(),
+            darts: Vec::new(),
+            families,
+        }
+    }
+
+    /// Returns whether nothing in it is left to fill.
+    pub const fn is_finished(&self) -> bool {
+        self.parts.is_empty()
+    }
+
+    pub const fn active_parts(&self) -> usize {
+        self.parts.len()
+    }
+
+    /// Takes a sample that may be near one of its places, for the next throw.
+    pub fn receive(&mut self, sample: NewSample) {
+        if !self.is_finished() {
+            self.new_samples.push(sample);
+        }
+    }
+
+    /// Lists the new samples, cuts the active parts, if the throw is the first one of a level, and throws darts into them.
+    #[inline(always)]
+    pub fn advance<S: Simd>(
+        &mut self,
+        simd: S,
+        throw: Throw,
+        surroundings: Surroundings<'_>,
+        scratch: &mut Scratch,
+    ) {
+        self.list_new_samples();
+        if throw.level > 0 && throw.number == 0 {
+            self.cut(simd, throw.level, surroundings, &mut scratch.parts);
+        }
+        self.darts.clear();
+        self.throw(simd, throw, surroundings, &mut scratch.drawn);
+
+        // A finished parcel is not visited again.
+        if self.is_finished() {
+            self.families = Vec::new();
+            self.near = NearSamples::default();
+            self.family_at = Vec::new();
+        }
+    }
+
+    /// Adds each new sample to the lists of the families that have a place that it can be near.
+    fn list_new_samples(&mut self) {
+        let last = self.square.side - 1;
+        for sample in self.new_samples.drain(..) {
+            let NewSample { x, y, radius } = sample;
+            // An image beyond the parcel is at most twice the largest radius away from it, so that its offset fits.
+            let min = self.square.min;
+            let at = IVec2::new((x - i64::from(min.x)) as i32, (y - i64::from(min.y)) as i32);
+            let reach = most(radius, self.greatest);
+            let low = (at - reach).max(IVec2::ZERO);
+            let high = (at + reach).min(IVec2::splat(last));
+            if low.cmpgt(high).any() {
+                continue;
+            }
+
+            let (low, high) = (low >> self.bits as i32, high >> self.bits as i32);
+            let columns = self.square.side >> self.bits;
+            for row in low.y..=high.y {
+                let mut column = low.x;
+                while column <= high.x {
+                    let number = self.family_at[(row * columns + column) as usize];
+                    let Some(family) = self.families.get_mut(number as usize) else {
+                        column += 1;
+                        continue;
+                    };
+                    let corner = family.base.min - min;
+                    let side = 1 << family.base.bits;
+                    // The next family of the row.
+                    column = (corner.x + side) >> self.bits;
+                    // A family is met in each of its rows, and counts in the first one.
+                    let first_row = (corner.y >> self.bits).max(low.y);
+                    if !family.is_active || first_row != row {
+                        continue;
+                    }
+
+                    // How far the sample is beyond the sides; nothing on an axis on which it is between them.
+                    let offset = at - corner;
+                    let beyond = (-offset).max(offset - (side - 1)).max(IVec2::ZERO);
+                    let reach = i64::from(most(radius, family.range.greatest));
+                    if beyond.as_i64vec2().length_squared() <= reach * reach {
+                        self.near.push(&mut family.near, offset, radius);
+                    }
+                }
+            }
+        }
+    }
+
+    /// Cuts the parts of the level before this one: their quarters are active that hold places of the domain and are not covered
+    /// by a single sample.
+    #[inline(always)]
+    fn cut<S: Simd>(
+        &mut self,
+        simd: S,
+        level: u32,
+        surroundings: Surroundings<'_>,
+        before: &mut Vec<ActivePart>,
+    ) {
+        before.clone_from(&self.parts);
+        self.parts.clear();
+        for parts in before.chunk_by(|a, b| a.family == b.family) {
+            let number = parts[0].family;
+            let family = &mut self.families[number as usize];
+            let first = self.parts.len();
+
+            // A part of one point has thrown that point.
+            if level <= u32::from(family.base.base_bits) {
+                let half = 1 << (u32::from(family.base.base_bits) - level);
+                for part in parts {
+                    family.cut(simd, part, half, surroundings, &self.near, &mut self.parts);
+                }
+            }
+            if self.parts.len() == first {
+                family.is_active = false;
+                self.near.release(&mut family.near);
+            }
+        }
+    }
+
+    /// Throws darts into all active parts, and keeps those that exist and that no sample is near.
+    #[inline(always)]
+    fn throw<S: Simd>(
+        &mut self,
+        simd: S,
+        throw: Throw,
+        surroundings: Surroundings<'_>,
+        drawn: &mut DrawnDarts,
+    ) {
+        let Surroundings { field, shape } = surroundings;
+        let rect = field.domain().rect();
+        let bits = |part: &ActivePart| {
+            let base_bits = self.families[part.family as usize].base.base_bits;
+            u32::from(base_bits) - throw.level
+        };
+
+        for parts in self.parts.chunks(DrawnDarts::PARTS) {
+            drawn.draw(simd, throw.key, parts, bits);
+            for dart in &drawn.darts {
+                let part = &parts[usize::from(dart.part)];
+                let family = &self.families[part.family as usize];
+                if !rect.contains(dart.at) {
+                    continue;
+                }
+
+                // Most darts are covered, and that is found sooner than whether they exist at all.
+                let radius = family.radius_at(dart.at, field);
+                let offset = dart.at - family.base.min;
+                if self.near.covers(simd, family.near, offset, radius) {
+                    continue;
+                }
+                if part.class == Class::Mixed && !shape.inside(dart.at) {
+                    continue;
+                }
+                // The dart of a cell of one point always stays, which makes the set maximal.
+                let base_bits = family.base.base_bits;
+                let coin = || dart.cell_key.draw(Stream::Thin, dart.index)[0];
+                if throw.level < u32::from(base_bits) && is_thinned(radius, base_bits, coin) {
+                    continue;
+                }
+                self.darts.push(OpenDart {
+                    rank: dart.rank,
+                    at: dart.at,
+                    radius,
+                    sight: family.base.sight,
+                });
+            }
+        }
+    }
+}
+
+impl Family {
+    /// Returns the radius at one of its places.
+    #[inline(always)]
+    fn radius_at(&self, at: Point, field: &RadiusField) -> i32 {
+        if self.range.least == self.range.greatest {
+            self.range.least
+        } else {
+            field.radius_at(at)
+        }
+    }
+
+    /// Appends the quarters of a part, `half` units wide, that hold places of the domain and are not covered by a single sample.
+    #[inline(always)]
+    fn cut<S: Simd>(
+        &self,
+        simd: S,
+        part: &ActivePart,
+        half: i32,
+        surroundings: Surroundings<'_>,
+        near: &NearSamples,
+        out: &mut Vec<ActivePart>,
+    ) {
+        let Surroundings { field, shape } = surroundings;
+        let cell = Cell {
+            min: part.min,
+            side: 2 * half,
+        };
+        let least = if self.range.least == self.range.greatest {
+            [self.range.least; 4]
+        } else {
+            field.quarter_bounds(cell).0
+        };
+        let test = QuarterTest {
+            corner: part.min - self.base.min,
+            half,
+            least,
+        };
+        let covered = near.covered_quarters(simd, self.near, &test);
+
+        let rect = field.domain().rect();
+        for (index, quarter) in cell.quarters().into_iter().enumerate() {
+            // A quarter that begins beyond the domain has no place of it.
+            if covered >> index & 1 == 1 || !rect.contains(quarter.min) {
+                continue;
+            }
+            // A part that lies inside as a whole has no quarter outside.
+            let class = match part.class {
+                Class::Inside => Class::Inside,
+                Class::Mixed | Class::Outside => shape.class(quarter),
+            };
+            if class != Class::Outside {
+                out.push(ActivePart {
+                    min: quarter.min,
+                    class,
+                    ..*part
+                });
+            }
+        }
+    }
+}
+
+/// Returns how far apart places of two radii can be and still be near each other, where the second one is at most `greatest`.
+fn most(radius: i32, greatest: i32) -> i32 {
+    // A reach is at most the mean of both radii, and at most twice the smaller one.
+    let mean = (radius + greatest + 1) / 2;
+    mean.min(2 * radius.min(greatest))
+}
+
+/// Returns the number of the family in each part of a square that is two to the power `bits` wide, row by row.
+fn map_of(families: &[Family], square: Cell, bits: u32) -> Vec<u32> {
+    let columns = (square.side >> bits) as usize;
+    if families.is_empty() {
+        return Vec::new();
+    }
+
+    let mut map = vec![NO_FAMILY; columns * columns];
+    for (number, family) in (0..).zip(families) {
+        let corner = (family.base.min - square.min) >> bits as i32;
+        let width = 1 << (u32::from(family.base.bits) - bits);
+        for row in corner.y as usize..corner.y as usize + width {
+            let start = row * columns + corner.x as usize;
+            map[start..start + width].fill(number);
+        }
+    }
+    map
+}
