@@ -46,8 +46,8 @@ pub use made::{Made, point_set, provenance};
 pub use recipe::{EXACT_PAYS_FROM, GivenPattern, Recipe, Settled, exact_pattern, facts_of_exact};
 pub use solid::{BallSize, SolidMade, SolidRecipe};
 pub use varying::{
-    DEFAULT_WHITE, Expression, GivenGround, GivenRadius, GrayImage, Ground, MAX_CORNERS,
-    MAX_EXPRESSION, MAX_PIXELS, PlanarPolygon, RadiusGrid, RadiusSource, ShapeSource, Stipple,
-    StippleLook, StippleRecipe, Tone, VaryingError, VaryingRecipe, check_pixels, check_white,
-    color_of,
+    Brush, BrushStroke, DEFAULT_WHITE, Expression, GivenGround, GivenRadius, GrayImage, Ground,
+    MAX_CORNERS, MAX_EXPRESSION, MAX_PIXELS, PAINTED, PaintedRadii, PlanarPolygon, RadiusGrid,
+    RadiusSource, ShapeSource, Stipple, StippleLook, StippleRecipe, Tone, VaryingError,
+    VaryingRecipe, check_pixels, check_white, color_of,
 };

@@ -240,6 +240,17 @@ pub enum VaryingError {
     /// The judge refuses field or shape.
     #[error(transparent)]
     Judge(#[from] VerifyError),
+    /// No pixels fill a domain.
+    #[error(
+        "the domain is {} x {}; to be painted, a field needs square pixels that fill it, at most {limit} along the longer side",
+        Number(.size[0]), Number(.size[1])
+    )]
+    Unsquare {
+        /// Width and height of the domain.
+        size: [f64; 2],
+        /// The most pixels along the longer side.
+        limit: usize,
+    },
     /// The sampler refused the parameters, or was cancelled.
     #[error(transparent)]
     Sample(#[from] SampleError),

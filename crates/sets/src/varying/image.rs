@@ -178,6 +178,35 @@ impl GrayImage {
         })
     }
 
+    /// Returns the image that [`Self::read`] reads of a PNG file of these grey values, which are row by row from the lowest row up, and
+    /// have 16 bits in the file.
+    ///
+    /// # Errors
+    ///
+    /// [`VaryingError::Grid`] unless there are whole rows, [`VaryingError::Pixels`].
+    pub fn as_png(name: &str, columns: usize, grey: &[u16]) -> Result<Self, VaryingError> {
+        check_pixels(columns, grey.len())?;
+        let encoded = png_file::encoded(columns, &upside_down(grey, columns));
+        let bytes = encoded.map_err(|error| VaryingError::Image {
+            name: name.to_owned(),
+            reason: error.to_string(),
+        })?;
+        Self::read(name, &bytes)
+    }
+
+    /// Returns a PNG file of the grey values, in 16 bits: the one that [`Self::as_png`] has read, byte by byte.
+    ///
+    /// # Errors
+    ///
+    /// [`VaryingError::Image`] if it cannot be encoded.
+    pub fn to_png(&self) -> Result<Vec<u8>, VaryingError> {
+        let encoded = png_file::encoded(self.columns, &upside_down(&self.grey, self.columns));
+        encoded.map_err(|error| VaryingError::Image {
+            name: self.name.clone(),
+            reason: error.to_string(),
+        })
+    }
+
     /// Returns the name of the image for messages.
     #[must_use]
     pub fn name(&self) -> &str {

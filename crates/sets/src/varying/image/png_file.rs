@@ -47,6 +47,24 @@ pub(super) fn read(file: &ImageFile<'_>) -> Result<Pixels, VaryingError> {
     Ok(pixels(&values, info.color_type, info.width as usize))
 }
 
+/// Encodes grey values of 16 bits, row by row from the highest row down.
+///
+/// Fails only if the encoder does, which writes to memory.
+pub(in crate::varying) fn encoded(
+    columns: usize,
+    light: &[u16],
+) -> Result<Vec<u8>, png::EncodingError> {
+    let mut bytes = Vec::new();
+    let mut encoder = png::Encoder::new(&mut bytes, columns as u32, (light.len() / columns) as u32);
+    encoder.set_color(ColorType::Grayscale);
+    encoder.set_depth(BitDepth::Sixteen);
+    let data: Vec<u8> = light.iter().flat_map(|value| value.to_be_bytes()).collect();
+    let mut writer = encoder.write_header()?;
+    writer.write_image_data(&data)?;
+    writer.finish()?;
+    Ok(bytes)
+}
+
 /// Returns the values of a decoded image in 16 bits.
 fn words(data: &[u8], depth: BitDepth) -> Vec<u16> {
     if depth == BitDepth::Sixteen {

@@ -1,0 +1,424 @@
+//! Radii that are painted: a field as grey values of 16 bits, which strokes of a soft brush make smaller or larger. Begin with
+//! [`PaintedRadii`].
+//!
+//! The image is that of a PNG file: who saves the file has the field, and certificates name it by the file's digest.
+
+use serde::{Deserialize, Serialize};
+use tilescope_core::Boundary;
+
+use super::VaryingRecipe;
+use super::error::VaryingError;
+use super::image::{GrayImage, WHITE};
+use super::source::RadiusSource;
+
+/// The name of the file of a painted field.
+pub const PAINTED: &str = "painted.png";
+
+/// The pixels along the longer side of a field that is no image yet. A brush of a fiftieth of the side is then 20 pixels wide, and
+/// steps from pixel to pixel are lost in its soft edge; one step to undo holds half a megabyte.
+const PIXELS: usize = 512;
+
+/// Pixels of an image or a mask are painted themselves up to this number on a side; larger images are painted in [`PIXELS`].
+const MAX_OWN_PIXELS: usize = 1024;
+
+/// The largest radius is at most this many times the least: half the limit of a lattice, as its r may lie up to a factor of two below
+/// the least radius.
+const MAX_RANGE: f64 = 32.0;
+
+/// A field can be painted up to so many times smaller and larger than its extremes, as far as [`MAX_RANGE`] allows.
+const ROOM: f64 = 4.0;
+
+/// A soft round brush.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(rename_all = "kebab-case")]
+pub struct Brush {
+    /// Its radius, as a share of the longer side of the domain.
+    pub size: f64,
+    /// The binary logarithm of the factor in its middle: with 1, one stroke halves the radius or doubles it.
+    pub strength: f64,
+    /// Whether strokes make radii larger, and not smaller.
+    pub is_larger: bool,
+}
+
+impl Default for Brush {
+    fn default() -> Self {
+        Self {
+            size: 0.08,
+            strength: 1.0,
+            is_larger: false,
+        }
+    }
+}
+
+impl Brush {
+    /// The least and the largest size: from a few pixels to half of the domain.
+    pub const SIZES: [f64; 2] = [0.01, 0.5];
+    /// The least and the largest strength: from an eighth more to four times as much.
+    pub const STRENGTHS: [f64; 2] = [0.1, 2.0];
+
+    /// Returns the brush with its numbers within their limits.
+    #[must_use]
+    pub fn limited(self) -> Self {
+        let within = |number: f64, [low, high]: [f64; 2], usual: f64| {
+            // A script may give what is no number.
+            if number.is_finite() {
+                number.clamp(low, high)
+            } else {
+                usual
+            }
+        };
+        let usual = Self::default();
+        Self {
+            size: within(self.size, Self::SIZES, usual.size),
+            strength: within(self.strength, Self::STRENGTHS, usual.strength),
+            ..self
+        }
+    }
+}
+
+/// A stroke of a brush.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(rename_all = "kebab-case")]
+pub struct BrushStroke {
+    /// The brush that makes it.
+    pub brush: Brush,
+    /// The places through which it goes, from the lower corner of the domain, in its unit; one place is a dab.
+    pub path: Vec<[f64; 2]>,
+}
+
+/// A field of radii that is being painted.
+#[derive(Clone, Debug, PartialEq)]
+pub struct PaintedRadii {
+    columns: usize,
+    /// Row by row from the lowest row up.
+    grey: Vec<u16>,
+    /// The radii of black and of white.
+    radii: [f64; 2],
+    /// Width and height of the domain.
+    size: [f64; 2],
+    is_periodic: bool,
+}
+
+impl PaintedRadii {
+    /// Returns the radii of a recipe, to be painted; those of a field that was painted are taken as they are.
+    ///
+    /// # Errors
+    ///
+    /// Those of the recipe's field; [`VaryingError::Unsquare`] if no squares fill the domain.
+    pub fn of(recipe: &VaryingRecipe) -> Result<Self, VaryingError> {
+        if let RadiusSource::Image { image, radii } = &recipe.radius
+            && image.name() == PAINTED
+        {
+            let size = recipe.ground()?.field.domain().size();
+            return Ok(Self {
+                columns: image.columns,
+                grey: image.grey.to_vec(),
+                radii: *radii,
+                size,
+                is_periodic: recipe.boundary == Boundary::Periodic,
+            });
+        }
+
+        let ground = recipe.ground()?;
+        let (field, domain) = (&ground.field, ground.field.domain());
+        // As it was asked for: the sides of the domain are rounded to its lattice, each by itself.
+        let size = match recipe.size {
+            [Some(width), Some(height)] => [width, height],
+            _ => domain.size(),
+        };
+        let [columns, rows] = pixels(recipe, size)?;
+
+        let unit = domain.radius() / f64::from(tilescope_core::R);
+        let extremes = field.extremes().map(|radius| f64::from(radius) * unit);
+        let radii = range(extremes);
+        let pitch = size[0] / columns as f64;
+        let middle = |at: usize| (at as f64 + 0.5) * pitch;
+        let places =
+            (0..rows).flat_map(|row| (0..columns).map(move |column| [middle(column), middle(row)]));
+        let grey = places.map(|at| {
+            let radius = field.radius_at(domain.lattice_from_user(at));
+            grey_of(f64::from(radius) * unit, radii)
+        });
+
+        Ok(Self {
+            columns,
+            grey: grey.collect(),
+            radii,
+            size,
+            is_periodic: recipe.boundary == Boundary::Periodic,
+        })
+    }
+
+    /// Paints a stroke. Where it passes several times, it counts once, so that it does not depend on how often a pointer reports.
+    pub fn paint(&mut self, stroke: &BrushStroke) {
+        let brush = stroke.brush.limited();
+        let reach = brush.size * self.size[0].max(self.size[1]);
+        let sign = if brush.is_larger { 1.0 } else { -1.0 };
+        let rows = self.grey.len() / self.columns;
+        let pitch = self.size[0] / self.columns as f64;
+
+        for row in 0..rows {
+            for column in 0..self.columns {
+                let at = [column, row].map(|index| (index as f64 + 0.5) * pitch);
+                let distance = self.distance_to(at, &stroke.path);
+                if distance >= reach {
+                    continue;
+                }
+                // One in the middle, and without a corner there and at the edge, so that no line is seen.
+                let share = distance / reach;
+                let weight = (1.0 - share * share) * (1.0 - share * share);
+
+                let index = row * self.columns + column;
+                let radius = radius_of(self.grey[index], self.radii);
+                // The function of libm has the same bits on every machine.
+                let factor = libm::exp2(sign * brush.strength * weight);
+                self.grey[index] = grey_of(radius * factor, self.radii);
+            }
+        }
+    }
+
+    /// Returns the distance of a place from a path, the short way around in a periodic domain; infinite of none.
+    fn distance_to(&self, at: [f64; 2], path: &[[f64; 2]]) -> f64 {
+        let wrapped = |offset: f64, side: f64| {
+            if self.is_periodic {
+                offset - (offset / side).round() * side
+            } else {
+                offset
+            }
+        };
+        // A dab is a segment without a length.
+        let last = path.last().copied();
+        let ends = path
+            .iter()
+            .copied()
+            .zip(path.iter().skip(1).copied().chain(last));
+        let to_segment = |(from, to): ([f64; 2], [f64; 2])| {
+            let from_here = [0, 1].map(|axis| wrapped(at[axis] - from[axis], self.size[axis]));
+            let along = [0, 1].map(|axis| to[axis] - from[axis]);
+            let squared = along[0] * along[0] + along[1] * along[1];
+            let dot = from_here[0] * along[0] + from_here[1] * along[1];
+            let share = if squared > 0.0 {
+                (dot / squared).clamp(0.0, 1.0)
+            } else {
+                0.0
+            };
+            let [x, y] = [0, 1].map(|axis| from_here[axis] - share * along[axis]);
+            (x * x + y * y).sqrt()
+        };
+        ends.map(to_segment).fold(f64::INFINITY, f64::min)
+    }
+
+    /// Returns the field as a source of radii: an image of a PNG file, with the radii of black and of white.
+    ///
+    /// # Errors
+    ///
+    /// [`VaryingError::Image`] if the file cannot be encoded.
+    pub fn source(&self) -> Result<RadiusSource, VaryingError> {
+        let image = GrayImage::as_png(PAINTED, self.columns, &self.grey)?;
+        let radii = self.radii;
+        Ok(RadiusSource::Image { image, radii })
+    }
+}
+
+/// Returns the pixels in which the radii of a recipe are painted: squares that fill the domain.
+fn pixels(recipe: &VaryingRecipe, size: [f64; 2]) -> Result<[usize; 2], VaryingError> {
+    let of_shape = recipe.shape.as_ref().and_then(super::ShapeSource::pixels);
+    // A mask and a field have the same pixels, however many.
+    if let Some(pixels) = of_shape {
+        return Ok(pixels);
+    }
+    let of_image = match &recipe.radius {
+        RadiusSource::Image { image, .. } | RadiusSource::Density { image, .. } => {
+            Some(image.pixels())
+        }
+        RadiusSource::Constant(_) | RadiusSource::Expression { .. } | RadiusSource::Grid { .. } => {
+            None
+        }
+    };
+    let is_small = |pixels: &[usize; 2]| pixels.iter().all(|count| *count <= MAX_OWN_PIXELS);
+    if let Some(pixels) = of_image.filter(is_small) {
+        return Ok(pixels);
+    }
+    squares(size).ok_or(VaryingError::Unsquare {
+        size,
+        limit: PIXELS,
+    })
+}
+
+/// Returns the largest number of squares, at most [`PIXELS`] along the longer side, that fill a domain.
+fn squares(size: [f64; 2]) -> Option<[usize; 2]> {
+    let longer = size[0].max(size[1]);
+    let counts = |along: usize| size.map(|side| side / longer * along as f64);
+    // Sides are rounded to the lattice, by less than a part in 2^30.
+    let is_whole = |count: f64| count >= 0.5 && (count / count.round() - 1.0).abs() < 1e-12;
+    let along = (1..=PIXELS)
+        .rev()
+        .find(|&along| counts(along).into_iter().all(is_whole))?;
+    Some(counts(along).map(|count| count.round() as usize))
+}
+
+/// Returns the radii of black and of white for a field of these extremes.
+fn range([least, greatest]: [f64; 2]) -> [f64; 2] {
+    // The room is the same at both ends. A field that fills the whole range has none, and is painted within it.
+    let room = (MAX_RANGE * least / greatest).sqrt().clamp(1.0, ROOM);
+    [least / room, greatest * room]
+}
+
+fn radius_of(grey: u16, [black, white]: [f64; 2]) -> f64 {
+    black + (white - black) * f64::from(grey) / f64::from(WHITE)
+}
+
+/// Returns the grey of a radius, which is made one of the range.
+fn grey_of(radius: f64, [black, white]: [f64; 2]) -> u16 {
+    let share = (radius - black) / (white - black);
+    (share.clamp(0.0, 1.0) * f64::from(WHITE)).round() as u16
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::varying::Expression;
+
+    fn recipe(radius: RadiusSource) -> VaryingRecipe {
+        VaryingRecipe {
+            radius,
+            shape: None,
+            size: [Some(2.0), Some(1.0)],
+            origin: None,
+            boundary: Boundary::Bounded,
+            seed: 1,
+            count: None,
+        }
+    }
+
+    fn dab(at: [f64; 2], is_larger: bool) -> BrushStroke {
+        let brush = Brush {
+            size: 0.1,
+            strength: 1.0,
+            is_larger,
+        };
+        BrushStroke {
+            brush,
+            path: vec![at],
+        }
+    }
+
+    /// Returns the radius of the painted field at a place of the domain.
+    fn radius_at(painted: &PaintedRadii, at: [f64; 2]) -> f64 {
+        let recipe = recipe(painted.source().expect("an image"));
+        let field = recipe.ground().expect("a field").field;
+        let domain = *field.domain();
+        let units = field.radius_at(domain.lattice_from_user(at));
+        f64::from(units) * domain.radius() / f64::from(tilescope_core::R)
+    }
+
+    fn is_about(found: f64, wanted: f64) -> bool {
+        (found / wanted - 1.0).abs() < 0.01
+    }
+
+    #[test]
+    fn a_dab_halves_or_doubles_the_radius_in_its_middle_and_nothing_far_away() {
+        let mut painted = PaintedRadii::of(&recipe(RadiusSource::Constant(0.04))).expect("a field");
+        assert_eq!((painted.columns, painted.grey.len()), (512, 512 * 256));
+        painted.paint(&dab([0.5, 0.5], false));
+        painted.paint(&dab([1.5, 0.5], true));
+        for (x, wanted) in [(0.5, 0.02), (1.0, 0.04), (1.5, 0.08)] {
+            let found = radius_at(&painted, [x, 0.5]);
+            assert!(is_about(found, wanted), "{x}: {found}");
+        }
+    }
+
+    #[test]
+    fn a_stroke_counts_once_however_often_it_is_reported() {
+        let start = PaintedRadii::of(&recipe(RadiusSource::Constant(0.04))).expect("a field");
+        let path = vec![[0.3, 0.5], [1.7, 0.5]];
+        let many = (0..=140)
+            .map(|at| [0.3 + f64::from(at) / 100.0, 0.5])
+            .collect();
+        let painted = |path: Vec<[f64; 2]>| {
+            let mut painted = start.clone();
+            painted.paint(&BrushStroke {
+                path,
+                ..dab([0.0; 2], false)
+            });
+            painted
+        };
+        let (short, long) = (painted(path), painted(many));
+        let differences = short
+            .grey
+            .iter()
+            .zip(&long.grey)
+            .map(|(a, b)| a.abs_diff(*b));
+        assert!(differences.max() <= Some(1));
+        assert_ne!(short, start);
+        assert_eq!(painted(Vec::new()), start);
+    }
+
+    #[test]
+    fn painting_goes_on_from_the_image_and_stays_in_its_range() {
+        let expression = Expression::parse("0.02 + 0.02*x").expect("an expression");
+        let radius = RadiusSource::Expression {
+            expression,
+            scale: 1.0,
+        };
+        let mut painted = PaintedRadii::of(&recipe(radius)).expect("a field");
+        for _ in 0..20 {
+            painted.paint(&dab([1.0, 0.5], false));
+        }
+        let again =
+            PaintedRadii::of(&recipe(painted.source().expect("an image"))).expect("a field");
+        assert_eq!(again, painted);
+
+        // The extremes are 0.02 and 0.06, so that the range is 32 times: the sampler accepts it, whatever is painted.
+        let least = radius_at(&painted, [1.0, 0.5]);
+        assert!(is_about(least, 0.02 / (32.0_f64 / 3.0).sqrt()), "{least}");
+        painted.paint(&dab([0.3, 0.2], true));
+        painted.paint(&dab([0.3, 0.2], true));
+        recipe(painted.source().expect("an image"))
+            .ground()
+            .expect("a field");
+    }
+
+    #[test]
+    fn the_saved_file_is_the_field() {
+        let mut painted = PaintedRadii::of(&recipe(RadiusSource::Constant(0.04))).expect("a field");
+        painted.paint(&dab([0.5, 0.5], false));
+        let RadiusSource::Image { image, .. } = painted.source().expect("an image") else {
+            panic!("no image");
+        };
+        let read =
+            GrayImage::read("other.png", &image.to_png().expect("a file")).expect("an image");
+        // Images are equal if their files are.
+        assert_eq!(read, image);
+        assert_eq!(read.grey, image.grey);
+    }
+
+    #[test]
+    fn a_stroke_goes_around_a_periodic_domain_and_ends_at_a_border() {
+        let dark_at_far_side = |boundary| {
+            let recipe = VaryingRecipe {
+                boundary,
+                ..recipe(RadiusSource::Constant(0.04))
+            };
+            let mut painted = PaintedRadii::of(&recipe).expect("a field");
+            painted.paint(&dab([0.01, 0.5], false));
+            let row = painted.grey.len() / painted.columns / 2;
+            painted.grey[row * painted.columns + painted.columns - 1] < painted.grey[0]
+        };
+        assert!(dark_at_far_side(Boundary::Periodic));
+        assert!(!dark_at_far_side(Boundary::Bounded));
+    }
+
+    #[test]
+    fn a_domain_that_no_squares_fill_is_refused() {
+        let size = [Some(1.0), Some(std::f64::consts::FRAC_1_SQRT_2)];
+        let recipe = VaryingRecipe {
+            size,
+            ..recipe(RadiusSource::Constant(0.04))
+        };
+        let said = PaintedRadii::of(&recipe)
+            .expect_err("no squares")
+            .to_string();
+        assert!(said.contains("0.70") && said.contains("512"), "{said}");
+    }
+}
