@@ -82,7 +82,7 @@ slowTest("every lesson and form can be played to its last step, by its buttons",
   await state(page, (told) => told.ready);
   assert.equal((await ask(page, { do: "lesson", act: "list" })).ok, true);
   const { lessons } = (await state(page, (told) => told.lesson?.list?.lessons.length > 0)).lesson.list;
-  assert.equal(lessons.length, 17);
+  assert.equal(lessons.length, 18);
 
   const button = (name) => page.getByRole("complementary", { name: "Lesson" }).getByRole("button", { name, exact: true });
   for (const { name, gates } of lessons) {

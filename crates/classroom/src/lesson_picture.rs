@@ -20,9 +20,9 @@ use tilescope_session::jobs::{Job, Monitor};
 use tilescope_session::layers::{Colouring, Layer, Layers};
 use tilescope_session::moment::Moment;
 use tilescope_session::selection::Selection;
-use tilescope_session::session::Session;
 use tilescope_session::task::Task;
 
+use crate::lesson_field::LessonField;
 use crate::lessons::{LessonSource, OpenLesson};
 use crate::pen::PenStroke;
 
@@ -93,7 +93,8 @@ pub fn picture(open: &OpenLesson, style: PictureStyle, strokes: &[PenStroke]) ->
     // The session ends at the moment, so that nothing later is drawn. Generations distinguish the sessions of a window;
     // this one serves a single picture.
     let generation = 0;
-    let session = Session::from_recording(Arc::new(run.until(cursor)), generation);
+    let shown = Arc::new(run.until(cursor));
+    let session = LessonField::session(open.shown_field().as_ref(), shown, generation);
 
     let size = session.size_radii();
     let camera = open.camera().map_or_else(

@@ -7,6 +7,7 @@
 
 pub mod graded;
 pub mod handout;
+pub mod lesson_field;
 pub mod lesson_labels;
 pub mod lesson_picture;
 pub mod lessons;

@@ -11,6 +11,7 @@ use tilescope_session::jobs::Wake;
 use tilescope_session::layers::Layers;
 use tilescope_session::recipe::Recipe;
 
+use crate::lesson_field::LessonField;
 use crate::lessons::{Lessons, OpenLesson};
 use crate::talk::Talks;
 
@@ -49,6 +50,8 @@ pub struct CanvasView {
 pub struct StepView {
     /// The recording of the whole run.
     pub run: Arc<Recording>,
+    /// The field of radii in which it was made, if it was.
+    pub field: Option<LessonField>,
     /// The last cursor that may be shown, if a question is open.
     pub limit: Option<usize>,
     /// The cursor of the moment.
@@ -91,8 +94,8 @@ pub enum Effect {
     GiveBack(Box<OpenLesson>),
     /// Make the run of a step, or its levels.
     MakeRun(Box<Recipe>),
-    /// Show a run up to a cursor. It is not verified, as a verdict would answer questions.
-    ShowRun(Arc<Recording>, usize),
+    /// Show a run, in a field of radii or not, up to a cursor. It is not verified, as a verdict would answer questions.
+    ShowRun(Arc<Recording>, Option<Box<LessonField>>, usize),
     /// Show the moment of a step.
     ShowStep(Box<StepView>),
     /// Set the camera of the canvas.

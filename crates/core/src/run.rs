@@ -201,7 +201,8 @@ impl Run {
 
     /// Returns the finished run of darts that became samples in this order, throw by throw, with its locality. It has
     /// no pattern and no blocks.
-    pub(crate) fn of_darts(
+    #[must_use]
+    pub fn of_darts(
         parameters: Parameters,
         locality: &Arc<Locality>,
         points: Vec<Point>,

@@ -18,6 +18,7 @@
 //! ```
 
 mod anchor;
+mod arrivals;
 mod computed;
 mod context;
 mod debugger;

@@ -13,6 +13,7 @@ use std::sync::Arc;
 
 use tilescope_core::{Observer, Pattern, SampleError};
 use tilescope_debugger::Recording;
+use tilescope_sets::VaryingError;
 
 use self::asked::ask;
 use self::claims::{broken_claims, mean, test_claims};
@@ -62,15 +63,15 @@ impl Runs {
         &mut self,
         run: &StepRun,
         observer: &mut dyn Observer,
-    ) -> Result<Arc<Recording>, SampleError> {
+    ) -> Result<Arc<Recording>, VaryingError> {
         // Parameters hold floats, which have no hash: their text is the key.
         let name = format!("{run:?}");
         if let Some(recording) = self.recordings.get(&name) {
             return Ok(Arc::clone(recording));
         }
 
-        // Levels have a nested pattern, which is made with them.
-        if run.levels.is_some() {
+        // Levels have a nested pattern, which is made with them, and a field has none.
+        if run.levels.is_some() || run.radius.is_some() {
             let recording = run.make(observer)?;
             self.recordings.insert(name, Arc::clone(&recording));
             return Ok(recording);
@@ -187,14 +188,14 @@ fn runs_asked(lesson: &Lesson, seeds: usize) -> Vec<(Option<u64>, usize, Purpose
 ///
 /// # Errors
 ///
-/// Those of the sampler, and a cancelled check.
+/// Those of [`StepRun::make`], and a cancelled check.
 pub fn check(
     lesson: &Lesson,
     seeds: usize,
     runs: &mut Runs,
     observer: &mut dyn Observer,
     go_on: &mut dyn FnMut(f64) -> bool,
-) -> Result<Checked, SampleError> {
+) -> Result<Checked, VaryingError> {
     let lesson = Arc::new(lesson.clone());
     let mut checked = Checked::default();
     let mut scores: [Vec<f64>; 3] = Default::default();
@@ -206,9 +207,8 @@ pub fn check(
     for (done, &(seed, index, purpose)) in asked.iter().enumerate() {
         if !go_on(done as f64 / asked.len() as f64) {
             // The error names a stage of a run; before a run that is its first.
-            return Err(SampleError::Cancelled {
-                stage: tilescope_core::Stage::Pattern,
-            });
+            let stage = tilescope_core::Stage::Pattern;
+            return Err(SampleError::Cancelled { stage }.into());
         }
 
         // Only steps with the same seed share runs. To keep the runs of all seeds would fill the memory.

@@ -1,6 +1,8 @@
 //! The functions that expressions of lessons may call, besides the names and functions of the debugger. Lengths and
 //! positions are in r; events are numbered from 1. Begin with [`register`]; `names.rs` says what each function gives.
 
+mod local;
+
 use std::collections::HashMap;
 use std::hash::Hash;
 use std::sync::atomic::{AtomicI64, AtomicUsize, Ordering};
@@ -732,6 +734,8 @@ fn register_samples(engine: &mut Engine, now: &Arc<Now>) {
         "seam_of": |now, s: i64| now.seam_of(s);
         "conflicts_of": |now, s: i64| now.conflicts_with(s).len() as i64;
         "conflict": |now, s: i64, k: i64| now.conflict(s, k);
+        "radius_of": |now, s: i64| now.point(s).map_or(f64::NAN, |at| now.radius_at(at));
+        "refuses": |now, s: i64, x: f64, y: f64| now.refuses(id(s), now.lattice([x, y]));
     }
 }
 
@@ -768,6 +772,12 @@ fn register_sets(engine: &mut Engine, now: &Arc<Now>) {
         "seam": |now, x: f64, y: f64| now.seam(DVec2::new(x, y)).1;
         "on_seam": |now, x: f64, y: f64| place(now.seam(DVec2::new(x, y)).0.into());
         "within": |now, x: f64, y: f64, d: f64| now.within(x, y, d);
+
+        "radius_at": |now, x: f64, y: f64| now.radius_at([x, y]);
+        "cell_side": |now, x: f64, y: f64| now.cell_side([x, y]);
+        "refusers": |now, x: f64, y: f64| now.refusers([x, y]);
+        "packed": |now, low: f64, high: f64| now.packed(low, high);
+        "open_places": |now| now.open_places();
 
         "block_size": |now, b: i64| now.block_size(b);
         // `None` leaves the parameters as they are.

@@ -42,6 +42,7 @@
 
 mod answer;
 mod check;
+mod coinless;
 mod control;
 mod draft;
 mod draws;

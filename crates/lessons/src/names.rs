@@ -38,6 +38,13 @@ density_far(d): how many samples of the result per r² lie farther than d from t
 rank(s): the rank of a sample of nested levels, from 0 to below 1
 below(t): how many samples of nested levels have ranks below t
 ranked(x, y, low, high): the valid sample nearest to a place, of those with ranks from low to below high, or ()
+radius_at(x, y): the radius at a place of a field of radii; 1 where every radius is r
+radius_of(s): the radius at the place of a sample
+refuses(s, x, y): whether a sample refuses a dart at a place: whether the two are near each other
+refusers(x, y): how many valid samples refuse a dart at a place
+cell_side(x, y): the side of the cell in which darts around a place begin to fall
+packed(low, high): the valid samples times their radius squared, divided by the area, of places whose radius is from low to below high
+open_places(): how many of 128 x 128 places all over the domain are near no valid sample
 position(s): the place of a sample, [x, y]
 within(x, y, d): how many valid samples are closer than d to a place
 seam_of(s): how far a sample is from the nearest edge of a block

@@ -89,7 +89,7 @@ mod tests {
             "{:?} {:?} {:?} {:?} {:?} {:?} {:?} {:?} {:?} {:?}",
             (&step.title, &step.text, &step.after, &step.notes),
             (scene.parameters, &scene.moment, &scene.condition),
-            (scene.levels, &scene.density),
+            (scene.levels, &scene.density, &scene.radius, scene.has_coin),
             (&scene.layers, &scene.camera),
             gate.map(|gate| (&gate.name, &gate.ask, gate.kind_name, &gate.wrong)),
             gate.map(|gate| (&gate.hint, &gate.mark, gate.circle, gate.strip)),

@@ -4,6 +4,7 @@
 use std::fmt::Write as _;
 
 use tilescope_core::{MAX_LEVELS, MAXIMAL_DENSITY, NestedRequest, Parameter, WithinLevel};
+use tilescope_sets::Expression;
 use unicode_segmentation::UnicodeSegmentation;
 
 use crate::error::{LessonError, nearest};
@@ -22,7 +23,9 @@ pub const MAX_STEPS: usize = 40;
 
 const DIRECTIVES: [&str; 3] = ["run", "gate", "note"];
 const FRONT_MATTER: [&str; 4] = ["title", "objective", "minutes", "form"];
-const OF_RUN: [&str; 7] = [
+const OF_RUN: [&str; 9] = [
+    "radius-expression",
+    "coin",
     "levels",
     "order-within",
     "density",
@@ -37,6 +40,8 @@ const CLAIMS: [&str; 2] = ["claim", "claim-mean"];
 const MINUTES: [f64; 2] = [1.0, 120.0];
 /// The minutes of a lesson that does not say how many it takes: those of most lessons.
 const USUAL_MINUTES: f64 = 10.0;
+/// The parts of a side at whose ends a field is looked at before it is made. Chosen, not measured.
+const FIELD_LOOKS: u32 = 64;
 /// How many r a camera may show: fewer than 2 are no whole disk, and 1,000 are more than the sides of a square with
 /// [`MAX_SAMPLES`], about 170 r.
 const CAMERA_RADII: [f64; 2] = [2.0, 1_000.0];
@@ -260,6 +265,8 @@ impl<'a> Reader<'a> {
             scene: scene.unwrap_or(SceneSpec {
                 parameters: first(),
                 levels: None,
+                radius: None,
+                has_coin: true,
                 density: None,
                 moment: Moment::End,
                 condition: None,
@@ -376,6 +383,7 @@ fn run(scene: &mut SceneSpec, fields: &Fields) -> Result<(), LessonError> {
     }
 
     levels(scene, fields)?;
+    field_of_radii(scene, fields)?;
 
     if let Some(field) = fields.get("moment") {
         scene.moment = Moment::read(&field.value, field.line)?;
@@ -466,6 +474,67 @@ fn levels(scene: &mut SceneSpec, fields: &Fields) -> Result<(), LessonError> {
         .levels
         .map_or(Ok(()), |request| request.check(&scene.parameters));
     checked.map_err(|error| LessonError::new(fields.line, error.to_string()))
+}
+
+/// Changes the field of radii of a scene by the fields of its `run` directive.
+fn field_of_radii(scene: &mut SceneSpec, fields: &Fields) -> Result<(), LessonError> {
+    if let Some(field) = fields.get("radius-expression") {
+        scene.radius = match field.value.as_str() {
+            "none" => None,
+            text => {
+                let read = Expression::parse(text);
+                Some(read.map_err(|error| field.wrong(error.to_string()))?)
+            }
+        };
+        // What the coin is left out of is the field for which that was said.
+        scene.has_coin = true;
+    }
+
+    if let Some(field) = fields.get("coin") {
+        if scene.radius.is_none() {
+            return Err(field.wrong("\"coin\" needs \"radius-expression: ...\""));
+        }
+        scene.has_coin = field.yes_or_no()?;
+    }
+
+    // The parameters may have changed, also where the field stays as the step before set it.
+    match &scene.radius {
+        Some(radius) => {
+            check_field(scene, radius).map_err(|message| LessonError::new(fields.line, message))
+        }
+        None => Ok(()),
+    }
+}
+
+/// Refuses a field in which r is no unit of length, and one that cannot be made as far as a short look shows.
+fn check_field(scene: &SceneSpec, radius: &Expression) -> Result<(), String> {
+    if scene.levels.is_some() {
+        return Err("nested levels have one radius: \"levels: none\" goes with a field".to_owned());
+    }
+
+    // Nodes of a field are a thousandth of the longer side apart, and the unit of its lattice is a power of two of that. If the side
+    // is a power of two, and the least radius at least 1 and below 2, the lattice's r is 1, the unit of the expression.
+    let [width, height] = [scene.parameters.width, scene.parameters.height];
+    let longer = width.max(height);
+    let is_of_r = scene.parameters.radius.to_bits() == 1.0_f64.to_bits();
+    if !is_of_r || longer.log2().fract() != 0.0 {
+        return Err(format!(
+            "a field is measured in r: \"radius: 1\", and a longer side that is a power of two, such as 32 or 64, not {longer}"
+        ));
+    }
+    let along =
+        |side: f64| (0..=FIELD_LOOKS).map(move |at| side * f64::from(at) / f64::from(FIELD_LOOKS));
+    let values = along(height).flat_map(|y| along(width).map(move |x| radius.at(x, y)));
+    let least = values.fold(f64::INFINITY, f64::min);
+    if !(1.0..2.0).contains(&least) {
+        return Err(format!(
+            "the least radius of the field is {least}; it must be at least 1, which is r, and below 2"
+        ));
+    }
+
+    let recipe = scene.run(None).recipe();
+    let looked = recipe.map_or(Ok(0.0), |recipe| recipe.glance());
+    looked.map(|_| ()).map_err(|error| error.to_string())
 }
 
 /// Returns the claims of a run, in the order of the file.

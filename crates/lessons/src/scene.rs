@@ -7,6 +7,7 @@ use rhai::{Dynamic, Scope};
 use tilescope_core::Stage;
 use tilescope_debugger::{Evaluator, Recording, State};
 
+use crate::coinless::without_coin;
 use crate::error::LessonError;
 use crate::functions::{self, Now, number_of, place_of};
 use crate::prose;
@@ -48,6 +49,20 @@ impl Scene {
         let mut scene = Self::at(recording, 0);
         if let Some(density) = &spec.density {
             scene = Self::at(&scene.painted(density)?, 0);
+        }
+        if let Some(locality) = &recording.run().locality {
+            // The reader has looked at few places of the field; here its whole lattice is known.
+            let r = recording.domain().radius();
+            if (r - 1.0).abs() > 1e-6 {
+                let message = format!(
+                    "r is {r} in this field: its radius is below 1 or above 2 between the places looked at"
+                );
+                return Err(LessonError::new(spec.line, message));
+            }
+            if !spec.has_coin {
+                let parameters = &recording.run().parameters;
+                scene = Self::at(&Arc::new(without_coin(locality, parameters)), 0);
+            }
         }
 
         for cursor in spec.moment.cursors(&Arc::clone(scene.recording())) {

@@ -2,13 +2,14 @@
 //! the moment in a recording.
 
 use tilescope_core::{NestedRequest, Parameters};
+use tilescope_sets::Expression;
 
 use crate::moment::Moment;
 use crate::step_run::StepRun;
 use crate::text::Text;
 
 /// The names of the layers of the canvas, as lessons name them.
-pub const LAYERS: [&str; 16] = [
+pub const LAYERS: [&str; 17] = [
     "pattern",
     "blocks",
     "kd-tree",
@@ -25,6 +26,7 @@ pub const LAYERS: [&str; 16] = [
     "voronoi",
     "circumcircles",
     "covered-circles",
+    "field",
 ];
 
 /// The run, the moment and the view of a step.
@@ -34,6 +36,10 @@ pub struct SceneSpec {
     pub parameters: Parameters,
     /// The levels, if nested ones are shown and not a run with its stages.
     pub levels: Option<NestedRequest>,
+    /// The radius as a function of x and y, if it depends on the place.
+    pub radius: Option<Expression>,
+    /// Whether a coin thins the darts of a field, as it must: lessons also show what is made without it.
+    pub has_coin: bool,
     /// The density at a place x, y below which ranks are kept, if only some samples of the levels are.
     pub density: Option<Text>,
     /// The moment of the run that is shown.
@@ -60,6 +66,7 @@ impl SceneSpec {
                 ..self.parameters
             },
             levels: self.levels,
+            radius: self.radius.clone(),
         }
     }
 }

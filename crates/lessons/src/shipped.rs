@@ -53,6 +53,7 @@ pub fn lessons() -> Vec<Shipped> {
         "parallel",
         "gluing",
         "ranks",
+        "radii",
     ]
 }
 

@@ -1,41 +1,119 @@
-//! The run of a step: recorded stage by stage, or nested levels, whose samples arrive in the order of their ranks. Begin with
-//! [`StepRun`].
+//! The run of a step: recorded stage by stage, or dart by dart in a field of radii, or nested levels, whose samples arrive in the order
+//! of their ranks. Begin with [`StepRun`].
 
 use std::sync::Arc;
 
-use tilescope_core::{NestedRequest, Observer, Parameters, Pattern, SampleError, TilingMethod};
+use tilescope_core::{
+    Locality, NestedRequest, Observer, Parameters, Pattern, Point, R, SampleError, TilingMethod,
+};
 use tilescope_debugger::{DEFAULT_BUDGET, RecordedLevels, Recording};
+use tilescope_sets::{Expression, Ground, RadiusSource, VaryingError, VaryingRecipe};
 
 /// What the run of a step is made from.
-#[derive(Clone, Copy, Debug, PartialEq)]
+#[derive(Clone, Debug, PartialEq)]
 pub struct StepRun {
     /// Its parameters.
     pub parameters: Parameters,
     /// The levels, if the step shows nested ones.
     pub levels: Option<NestedRequest>,
+    /// The radius as a function of x and y, if it depends on the place.
+    pub radius: Option<Expression>,
 }
+
+/// The places of a row and of a column at which two fields are compared. Chosen, not measured: a lesson has few fields, and those
+/// of different steps differ in most places.
+const COMPARED: i32 = 32;
 
 impl StepRun {
     /// Returns whether a recording is that of this run, and not a painted one.
     #[must_use]
     pub fn is_of(&self, recording: &Recording) -> bool {
+        if let Some(radius) = &self.radius {
+            return self.is_in_field(radius, recording);
+        }
         let recorded = recording.levels();
         let is_whole = recorded.is_none_or(|levels| !levels.is_painted);
         let levels = recorded.map(|levels| levels.request);
         is_whole && levels == self.levels && recording.run().parameters == self.parameters
     }
 
+    /// Returns whether a recording is that of this run in a field, by its seed and domain and by the radii at some places.
+    fn is_in_field(&self, radius: &Expression, recording: &Recording) -> bool {
+        let run = recording.run();
+        let Some(locality) = run.locality.as_deref() else {
+            return false;
+        };
+        // The other parameters have no meaning in a field.
+        let asked = |of: &Parameters| {
+            (
+                of.seed,
+                of.width.to_bits(),
+                of.height.to_bits(),
+                of.boundary,
+            )
+        };
+        if asked(&run.parameters) != asked(&self.parameters) {
+            return false;
+        }
+
+        let size = [run.domain.width(), run.domain.height()];
+        let places = (0..COMPARED * COMPARED).map(|place| [place % COMPARED, place / COMPARED]);
+        let mut places = places.map(|at| [0, 1].map(|axis| size[axis] / COMPARED * at[axis]));
+        places.all(|[x, y]| {
+            let unit = f64::from(R);
+            let wanted = radius.at(f64::from(x) / unit, f64::from(y) / unit) * unit;
+            // Radii are rounded down at nodes and between them, by less than two units.
+            (wanted - f64::from(locality.radius_at(Point::new(x, y)))).abs() < 2.0
+        })
+    }
+
+    /// Returns the recipe of the set in the field, if the radius depends on the place.
+    #[must_use]
+    pub fn recipe(&self) -> Option<VaryingRecipe> {
+        let expression = self.radius.clone()?;
+        let Parameters {
+            width,
+            height,
+            boundary,
+            seed,
+            ..
+        } = self.parameters;
+        Some(VaryingRecipe {
+            radius: RadiusSource::Expression {
+                expression,
+                scale: 1.0,
+            },
+            shape: None,
+            size: [Some(width), Some(height)],
+            origin: None,
+            boundary,
+            seed,
+            count: None,
+        })
+    }
+
     /// Makes the run and records it. Its pattern is made for it.
     ///
     /// # Errors
     ///
-    /// Those of the sampler.
-    pub fn make(&self, observer: &mut dyn Observer) -> Result<Arc<Recording>, SampleError> {
+    /// Those of the sampler, and of a field of radii.
+    pub fn make(&self, observer: &mut dyn Observer) -> Result<Arc<Recording>, VaryingError> {
         if let Some(request) = &self.levels {
-            return record_levels(&self.parameters, request, observer).map(Arc::new);
+            return Ok(Arc::new(record_levels(
+                &self.parameters,
+                request,
+                observer,
+            )?));
+        }
+        if let Some(recipe) = self.recipe() {
+            let Ground { field, shape, .. } = recipe.ground()?;
+            let locality = Arc::new(Locality { field, shape });
+            let made =
+                Recording::with_locality(&locality, &self.parameters, DEFAULT_BUDGET, observer);
+            return Ok(Arc::new(made?));
         }
         let pattern = Pattern::of_spec(&self.parameters.pattern, observer)?;
-        record(&self.parameters, &pattern, observer)
+        Ok(record(&self.parameters, &pattern, observer)?)
     }
 }
 

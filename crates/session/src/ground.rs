@@ -182,6 +182,8 @@ pub struct MadeGround {
     pub radii: [f64; 2],
     /// What the stipple became, if it is one.
     pub stipple: Option<MadeStipple>,
+    /// Whether the samples are those of the request. A lesson also shows what a wrong process makes of it.
+    pub is_as_asked: bool,
 }
 
 impl MadeGround {

@@ -170,11 +170,14 @@ impl Session {
         }
     }
 
-    /// Returns whether it was made from a recipe, not from a layout or a file.
+    /// Returns whether it was made from a recipe, not from a layout, a file, or a wrong process of a lesson.
     #[must_use]
     pub fn has_recipe(&self) -> bool {
         let is_made = |nested: &NestedLevels| nested.asked.is_some();
-        self.combination.is_none() && self.nested.as_ref().is_none_or(is_made)
+        let is_as_asked = |ground: &MadeGround| ground.is_as_asked;
+        let is_of_recipe = self.nested.as_ref().is_none_or(is_made)
+            && self.ground.as_ref().is_none_or(is_as_asked);
+        self.combination.is_none() && is_of_recipe
     }
 
     /// Returns what the stipple became, if it is one.

@@ -208,11 +208,8 @@ fn stated_stipple(
 }
 
 /// Returns the session with the request that it was made from and the extremes of its radii.
-pub(crate) fn with_ground(
-    mut session: Session,
-    recipe: &Recipe,
-    request: &GroundRequest,
-) -> Session {
+#[must_use]
+pub fn with_ground(mut session: Session, recipe: &Recipe, request: &GroundRequest) -> Session {
     let run = session.run();
     // Radii of the field are in units of the lattice, and are shown in the unit of the domain.
     let unit = run.domain.radius() / f64::from(tilescope_core::R);
@@ -228,6 +225,7 @@ pub(crate) fn with_ground(
         asked: (recipe.parameters, request.clone()),
         radii,
         stipple: None,
+        is_as_asked: true,
     });
     session
 }

@@ -16,12 +16,12 @@ use tilescope_lessons::{
 };
 use tilescope_session::language::Language;
 use tilescope_session::layers::{Layer, Layers};
-use tilescope_session::recipe::Recipe;
 use tilescope_session::selection::Selection;
 use tilescope_session::session::Session;
 use tilescope_session::words::sentence;
 
 use crate::graded::FULL_MARKS;
+use crate::lesson_field::LessonField;
 use crate::lesson_picture::layers_named;
 use crate::lessons::{GivenAnswer, LessonCommand, LessonSource, Lessons, OpenLesson, WantedLesson};
 use crate::room::{CanvasView, Classroom, Context, Effect, NewFile, StepView};
@@ -523,10 +523,8 @@ impl Classroom {
             self.arrive_at_step(&run, context);
         } else {
             open.run = None;
-            context.ask(Effect::MakeRun(Box::new(Recipe {
-                nested: wanted.levels,
-                ..Recipe::from(wanted.parameters)
-            })));
+            let recipe = LessonField::recipe_of(&wanted);
+            context.ask(Effect::MakeRun(Box::new(recipe)));
         }
     }
 
@@ -576,7 +574,8 @@ impl Classroom {
                 let missing = || LessonError::new(line, "the run has no such moment");
                 open.fault = Some(arrived.err().unwrap_or_else(missing));
                 // A step without its moment shows the start of its run.
-                context.ask(Effect::ShowRun(Arc::clone(run), 0));
+                let field = open.field().map(Box::new);
+                context.ask(Effect::ShowRun(Arc::clone(run), field, 0));
             }
         }
     }
@@ -591,8 +590,10 @@ impl Classroom {
             return;
         };
 
+        let field = open.shown_field();
         context.ask(Effect::ShowStep(Box::new(StepView {
             run,
+            field,
             limit: open.learner.limit(),
             cursor,
             layers: open.layers().map(|names| layers_named(&names)),

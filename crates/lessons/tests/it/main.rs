@@ -1,6 +1,7 @@
 //! Integration tests of `tilescope-lessons`.
 
 mod faults;
+mod fields;
 mod guide;
 mod inventory;
 mod levels;

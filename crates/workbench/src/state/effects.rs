@@ -326,9 +326,10 @@ impl State {
                 self.start_sampling(Which::First, *recipe, EngineChoice::Cpu);
             }
 
-            E::ShowRun(recording, cursor) => self.with(|state, context| {
+            E::ShowRun(recording, field, cursor) => self.with(|state, context| {
                 let run = &mut state.runs.first;
-                (state.time).show_recording(&recording, Some(cursor), run, context);
+                let field = field.as_deref();
+                (state.time).show_recording((&recording, field), Some(cursor), run, context);
             }),
             E::ShowStep(view) => {
                 self.appearance.chosen_layers = view.layers;
@@ -485,10 +486,16 @@ impl State {
             // A window that had no run before the lesson keeps the run of the lesson's step, and shows it whole.
             (None, Some(lesson)) => {
                 if let Some(recording) = &lesson.run {
+                    let field = lesson.field();
                     self.with(|state, context| {
                         let run = &mut state.runs.first;
                         let no_limit = None;
-                        state.time.show_recording(recording, no_limit, run, context);
+                        state.time.show_recording(
+                            (recording, field.as_ref()),
+                            no_limit,
+                            run,
+                            context,
+                        );
                         run.verify(context);
                     });
                 }

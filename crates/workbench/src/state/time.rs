@@ -5,10 +5,10 @@ use std::cell::Cell;
 use std::ops::Range;
 use std::sync::Arc;
 
+use tilescope_classroom::lesson_field::LessonField;
 use tilescope_classroom::room::StepView;
 use tilescope_debugger::{Direction, Recording, Step, Stop};
 use tilescope_session::selection::Selection;
-use tilescope_session::session::Session;
 
 use super::RunView;
 use super::effects::Context;
@@ -105,10 +105,10 @@ impl Time {
         }
     }
 
-    /// Shows a recorded run, whole or up to a cursor, without verifying it.
+    /// Shows a recorded run, in a field of radii or not, whole or up to a cursor, without verifying it.
     pub(super) fn show_recording(
         &mut self,
-        recording: &Arc<Recording>,
+        (recording, field): (&Arc<Recording>, Option<&LessonField>),
         limit: Option<usize>,
         run: &mut RunView,
         context: &mut Context,
@@ -118,14 +118,15 @@ impl Time {
             Some(cursor) => Arc::new(recording.until(cursor)),
             None => Arc::clone(recording),
         };
-        let session = Session::from_recording(shown, context.next_generation());
+        let session = LessonField::session(field, shown, context.next_generation());
         self.rest(run.is_same_run(&session));
         run.show_unverified(session, context);
     }
 
     /// Shows the moment of a lesson's step: up to it if a question is open, otherwise in the whole run.
     pub(super) fn show_step(&mut self, view: &StepView, run: &mut RunView, context: &mut Context) {
-        self.show_recording(&view.run, view.limit, run, context);
+        let recording = (&view.run, view.field.as_ref());
+        self.show_recording(recording, view.limit, run, context);
         let before = run.stage;
         run.jump(view.cursor);
         run.moved(before);

@@ -1,0 +1,51 @@
+//! What becomes of a set in a field of radii if its darts have a wrong clock: the comparison of a lesson. Begin with
+//! [`without_coin`].
+
+use std::sync::Arc;
+
+use tilescope_core::{Key, Locality, Parameters, Point, SampleGrid, Stream};
+use tilescope_debugger::Recording;
+
+/// The darts that fall into each of the largest cells in the mean. With so many, 97 samples in 100 are there of those that all
+/// darts would make.
+const DARTS_A_CELL: f64 = 64.0;
+
+/// Returns the recording of the samples that darts make which no coin thins: all cells throw equally often, whatever the radius is
+/// inside them, so that time is the same in a whole octave of radii and jumps between two. A dart becomes a sample unless it is near an
+/// earlier one, as in the right process.
+pub(crate) fn without_coin(locality: &Arc<Locality>, parameters: &Parameters) -> Recording {
+    let domain = locality.field.domain();
+    let [width, height] = [domain.width(), domain.height()].map(f64::from);
+    let least_side = f64::from(1 << locality.field.extremes()[0].ilog2());
+
+    // Darts fall everywhere as densely as in the smallest cells. Of those in larger cells a share stays, such that each cell has as
+    // many as any other.
+    let count = DARTS_A_CELL * width * height / (least_side * least_side);
+    let key = Key::from_seed(parameters.seed);
+
+    let mut samples: Vec<Point> = Vec::new();
+    let mut grid = SampleGrid::with_capacity(*domain, 0);
+    for dart in 0..count as u32 {
+        let [across, up] = key.draw(Stream::Dart, dart).map(share);
+        let at = Point::new((across * width) as i32, (up * height) as i32);
+        let side = f64::from(locality.base_side(at));
+        let drawn = share(key.draw(Stream::Thin, dart)[0]);
+        if drawn >= (least_side / side).powi(2) {
+            continue;
+        }
+
+        let is_refused = grid.any_near(at, locality.sight(at), |near| {
+            locality.is_near(at, samples[near.id as usize])
+        });
+        if !is_refused {
+            grid.insert(samples.len() as u32, at);
+            samples.push(at);
+        }
+    }
+    Recording::of_arrivals(locality, parameters, samples)
+}
+
+/// Returns a number from 0 to below 1 that is drawn from a word.
+fn share(word: u32) -> f64 {
+    f64::from(word) / 4_294_967_296.0
+}
