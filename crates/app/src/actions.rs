@@ -35,7 +35,7 @@ use tilescope_workbench::finder::Finder;
 use tilescope_workbench::help::HelpPage;
 use tilescope_workbench::layout::Panel;
 use tilescope_workbench::scenes::{SceneCommand, SceneList};
-use tilescope_workbench::state::{RunView, State, Time};
+use tilescope_workbench::state::{NO_PLANE, RunView, State, Time};
 
 /// A menu of the menu bar.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
@@ -569,9 +569,7 @@ fn layers(list: &mut List, state: &State) {
         .marked(state.appearance().chosen_layers.is_none());
     list.group();
 
-    let shown = state
-        .appearance()
-        .layers(state.runs().first.current_stage());
+    let shown = state.runs().first.layers(state.appearance());
     let kind = state.runs().first.kind();
     // While a lesson's question is open, layers that would show its answer are hidden.
     let hidden = state
@@ -590,6 +588,9 @@ fn layers(list: &mut List, state: &State) {
             }
             SessionKind::Varying => Some(
                 "This layer shows parts of a tiling, or circles of one radius, which a set in a field or a shape does not have.",
+            ),
+            SessionKind::Solid => Some(
+                "This layer shows parts of a tiling or of a plane, which a set in space does not have.",
             ),
             // In these sessions a layer of another kind can be switched on, and shows nothing.
             SessionKind::Run | SessionKind::Exact | SessionKind::Combination => None,
@@ -615,6 +616,9 @@ fn colours(list: &mut List, state: &State) {
             SessionKind::Nested => "Samples of nested levels have neither block nor origin.",
             SessionKind::Varying => {
                 "Samples in a field or a shape have neither block nor level; all were thrown as darts."
+            }
+            SessionKind::Solid => {
+                "Samples in space have neither block nor level; all were thrown as darts."
             }
             // These sessions show all colourings except that of levels.
             SessionKind::Run | SessionKind::Exact | SessionKind::Combination => {
@@ -709,6 +713,17 @@ fn camera(list: &mut List, state: &State) {
     for (name, key, factor) in [("Zoom in", Key::Plus, 1.25), ("Zoom out", Key::Minus, 0.8)] {
         let action = list.add(name, view_of_a(ViewCommand::Zoom(middle, factor)));
         action.on_key(key).refused(no_session(state));
+    }
+
+    list.group();
+    // A press moves the plane by two steps, a tenth of r.
+    for (name, key, steps) in [
+        ("Move the plane up", Key::K, 2),
+        ("Move the plane down", Key::J, -2),
+    ] {
+        let action = list.add(name, view_of_a(ViewCommand::StepPlane(steps)));
+        let no_plane = state.runs().first.plane().is_none().then_some(NO_PLANE);
+        action.on_key(key).refused(no_plane);
     }
 }
 

@@ -7,6 +7,7 @@ use tilescope_analysis::tessellation::{Edge, GapRegion};
 use tilescope_core::{Origin, Stage, Standing};
 use tilescope_drawing::palette::Palette;
 use tilescope_session::layers::Layer;
+use tilescope_session::solid::Cut;
 use tilescope_session::units::radii;
 use tilescope_session::words::grouped;
 use tilescope_ui::language::Worded;
@@ -115,6 +116,12 @@ pub(crate) fn sample(subject: &Subject<'_>, id: u32) -> [String; 2] {
         return [text.clone(), text];
     }
 
+    // In a plane through a set in space it matters how the plane cuts the sample's ball.
+    if let Some(cut) = shown.cut(id) {
+        let text = format!("Sample {number}: {}", cut_text(cut));
+        return [text.clone(), text];
+    }
+
     let stands = match shown.standing(id) {
         Standing::Absent => "not there yet".to_owned(),
         Standing::Tiled => "not decided yet".to_owned(),
@@ -161,6 +168,15 @@ pub(crate) fn sample(subject: &Subject<'_>, id: u32) -> [String; 2] {
     ]
 }
 
+/// Describes how a plane cuts the ball of a sample.
+fn cut_text(cut: Cut) -> String {
+    let radius = format!("its disk has radius {:.2} r", cut.radius);
+    match cut.side() {
+        Some(side) => format!("{:.2} r {side} the plane, {radius}", cut.above.abs()),
+        None => format!("in the plane, {radius}"),
+    }
+}
+
 /// Describes how much of a sample's circle other disks cover, if the sample has a disk.
 fn exposed(subject: &Subject<'_>, id: u32) -> Option<String> {
     let shown = &subject.shown;
@@ -176,10 +192,10 @@ fn exposed(subject: &Subject<'_>, id: u32) -> Option<String> {
 }
 
 /// Returns whether uncovered places of the moment count as gaps: not before elimination, and neither the disks of a
-/// prefix of nested levels nor those of a set in a field have the radius r.
+/// prefix of nested levels nor those of a set in a field or in space have the radius r.
 pub(crate) fn has_gaps(subject: &Subject<'_>) -> bool {
     let shown = &subject.shown;
-    let is_of_radius_r = shown.session.ground.is_none() && shown.prefix.is_none();
+    let is_of_radius_r = !shown.session.has_own_disks() && shown.prefix.is_none();
     is_of_radius_r && shown.stage >= Stage::Eliminate
 }
 

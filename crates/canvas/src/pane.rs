@@ -204,6 +204,8 @@ fn coverage(frame: &PixelGrid, shown: &ShownMoment<'_>) -> Coverage {
     session.index.visit_around(low, high, 1.0, beyond, |seen| {
         if shown.covers(seen.id) {
             let before = !inserted_now.contains(&seen.id);
+            // The plane of a set in space cuts a smaller disk out of most balls.
+            let radius = radius * shown.disk_of(seen.id);
             coverage.cover(frame.pixel_from_domain(seen.position), radius, before);
         }
     });

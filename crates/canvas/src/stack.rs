@@ -103,7 +103,7 @@ impl<K: PartialEq> Stack<'_, K> {
             match (part, self.resident) {
                 // A crowd's disks are drawn by the GPU alone, and by it only if all have one radius.
                 (Part::Disks, None) => {}
-                (Part::Disks, Some(_)) if self.scene.session.ground.is_some() => {}
+                (Part::Disks, Some(_)) if self.scene.session.has_own_disks() => {}
                 (Part::Samples, None) => {
                     if let Some(points) = points.take().filter(|_| self.scene.has(Layer::Samples)) {
                         points();
@@ -126,7 +126,7 @@ impl<K: PartialEq> Stack<'_, K> {
         // The GPU draws disks and samples itself, without shapes.
         match (part, self.resident) {
             // The GPU's disks have one radius.
-            (Part::Disks, Some(resident)) if scene.session.ground.is_none() => {
+            (Part::Disks, Some(resident)) if !scene.session.has_own_disks() => {
                 return resident.disks(painter, scene);
             }
             (Part::Samples, Some(resident)) => return resident.symbols(painter, scene),

@@ -116,6 +116,7 @@ pub fn picture(open: &OpenLesson, style: PictureStyle, strokes: &[PenStroke]) ->
         caption: String::new(),
         legend: None,
         analysis: false,
+        plane: None,
     };
 
     let moment = Moment::at(&session, cursor);

@@ -17,7 +17,7 @@ pub struct Ages {
     tiled: Result<u32, u32>,
     /// The number of iterations that inserted samples.
     pub iterations: u32,
-    /// The number of samples where ids alone give the order: nested levels, and a set in a field or a shape.
+    /// The number of samples where ids alone give the order: nested levels, and sets that are made by darts.
     ordered: Option<usize>,
 }
 
@@ -36,13 +36,13 @@ impl Ages {
             } else {
                 Err(run.blocks.leaves.len() as u32)
             },
-            // In a field or a shape these would be the throws of darts, whose samples have their age by `ordered`.
-            iterations: if session.ground.is_some() {
+            // In a field, a shape or space these would be the throws of darts, whose samples have their age by `ordered`.
+            iterations: if session.has_own_disks() {
                 0
             } else {
                 session.summary.inserted.len() as u32
             },
-            ordered: (session.nested.is_some() || session.ground.is_some())
+            ordered: (session.nested.is_some() || session.has_own_disks())
                 .then_some(session.summary.count),
         }
     }

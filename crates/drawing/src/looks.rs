@@ -8,6 +8,7 @@ use ecolor::Color32;
 use tilescope_core::{Origin, Stage, Standing};
 use tilescope_session::layers::{Colouring, Layer, Layers};
 use tilescope_session::nested::NestedLevels;
+use tilescope_session::solid::Cut;
 
 use crate::age::Ages;
 use crate::brushed;
@@ -23,6 +24,8 @@ pub struct LooksKey {
     layers: Layers,
     colouring: Colouring,
     palette: Palette,
+    /// The plane through a set in space.
+    plane: Option<i32>,
     /// The serial number of the causes shown.
     causes: Option<u64>,
 }
@@ -38,6 +41,7 @@ impl LooksKey {
             layers: subject.layers,
             colouring: subject.colouring,
             palette: *palette,
+            plane: subject.shown.plane,
             causes: subject.causes.map(|found| found.serial),
         }
     }
@@ -94,6 +98,15 @@ impl Swatches {
 #[must_use]
 pub fn level_age(level: usize, levels: &NestedLevels) -> f32 {
     level as f32 / (levels.claims.len() - 1).max(1) as f32
+}
+
+/// Returns the look of a sample in a plane that cuts its ball: the farther from the plane, the paler and the smaller. These
+/// shares were chosen, not measured.
+fn cut_look(symbol: Symbol, color: Color32, cut: Cut) -> SampleLook {
+    let far = cut.above.abs() as f32;
+    SampleLook::new(symbol, color.gamma_multiply(1.0 - 0.75 * far))
+        .with_disk(true)
+        .with_size(1.0 - 0.5 * far)
 }
 
 /// How samples look at a moment.
@@ -168,6 +181,9 @@ impl<'a> Looks<'a> {
                     Origin::Tiled { .. } => (Layer::Samples, Symbol::Dot),
                 };
                 let drawn = if has(layer) { symbol } else { Symbol::None };
+                if let Some(cut) = self.subject.shown.cut(id) {
+                    return cut_look(drawn, self.color(id), cut);
+                }
                 SampleLook::new(drawn, self.color(id))
                     .with_disk(true)
                     // The outline keeps a diamond apart from the dots around it.

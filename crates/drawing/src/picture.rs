@@ -15,11 +15,12 @@ use serde::{Deserialize, Serialize};
 use tilescope_core::Stage;
 use tilescope_debugger::{DEFAULT_BUDGET, Debugger};
 use tilescope_figures::{Anchor, Font, Group, Pixels, Scene, Shape, Text, fitted, text_width};
-use tilescope_session::layers::{Colouring, Layer, Layers};
+use tilescope_session::layers::{Colouring, Layer, Layers, SessionKind};
 use tilescope_session::moment::{Moment, ShownMoment};
 use tilescope_session::selection::Selection;
 use tilescope_session::sentence::{happened, stage_sentence};
 use tilescope_session::session::Session;
+use tilescope_session::solid::MadeSolid;
 use tilescope_session::units;
 use tilescope_session::words::{counted, grouped};
 
@@ -66,6 +67,10 @@ pub struct PictureView {
     pub legend: Option<Legend>,
     /// Whether there is room for the analysis of the moment beside it, which [`Beside`] draws.
     pub analysis: bool,
+    /// Where the plane through a set in space lies along the third axis, in lattice units; `None` for its middle, and for
+    /// planar sets.
+    #[serde(default)]
+    pub plane: Option<i32>,
 }
 
 impl PictureView {
@@ -100,14 +105,15 @@ impl PictureView {
             caption: String::new(),
             legend: None,
             analysis: false,
+            plane: None,
         }
     }
 
-    /// Returns the layers that are shown at a stage.
+    /// Returns the layers that are shown at a stage of a kind of session.
     #[must_use]
-    pub fn layers(&self, stage: Stage) -> Layers {
+    pub fn layers(&self, kind: SessionKind, stage: Stage) -> Layers {
         self.chosen_layers
-            .unwrap_or_else(|| Layers::of_stage(stage))
+            .unwrap_or_else(|| Layers::of_stage_in(kind, stage))
     }
 
     /// Returns the size in pixels of a picture with `scale` pixels for a point, including margins, caption and analysis.
@@ -252,12 +258,15 @@ fn shown<'a>(
     session: &'a Session,
     debugger: Option<&'a Debugger>,
     moment: &Moment,
+    view: &PictureView,
 ) -> ShownMoment<'a> {
+    let middle = session.solid.as_ref().map(MadeSolid::middle);
     ShownMoment {
         session,
         debugger,
         stage: moment.stage,
         prefix: moment.prefix(session),
+        plane: middle.map(|middle| view.plane.unwrap_or(middle)),
     }
 }
 
@@ -265,7 +274,7 @@ fn shown<'a>(
 #[must_use]
 pub fn thumbnail(session: &Session, MomentView { moment, view }: &MomentView) -> Scene {
     let debugger = debugger_at(session, moment);
-    let shown = shown(session, debugger.as_ref(), moment);
+    let shown = shown(session, debugger.as_ref(), moment, view);
     let [width, height] = view.size;
     let mut scene = Scene::new(width, height, color(view.outside()));
     let frame = Rect::from_min_size(pos2(0.0, 0.0), vec2(width as f32, height as f32));
@@ -283,7 +292,7 @@ fn drawn(
     has_pattern: bool,
 ) -> Scene {
     let debugger = debugger_at(session, moment);
-    let now = shown(session, debugger.as_ref(), moment);
+    let now = shown(session, debugger.as_ref(), moment, view);
 
     // On the screen the picture lies on a panel. For print the paper is as white as the domain.
     let palette = view.palette();
@@ -342,8 +351,8 @@ fn heading(scene: &mut Scene, shown: &ShownMoment<'_>, view: &PictureView) {
 
 /// Returns the moment in a sentence: the result, a whole stage, or the last event.
 fn moment_sentence(shown: &ShownMoment<'_>) -> String {
-    // Of nested levels a number of samples is shown, not a stage.
-    if shown.prefix.is_some() {
+    // Of nested levels a number of samples is shown, and of a set in space a plane, not a stage.
+    if shown.prefix.is_some() || shown.plane.is_some() {
         return happened(Some(shown));
     }
 

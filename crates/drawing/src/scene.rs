@@ -7,6 +7,7 @@ use tilescope_core::{Point, Rect as LatticeRect, Stage};
 use tilescope_session::layers::Layer;
 use tilescope_session::moment::ShownMoment;
 use tilescope_session::session::Session;
+use tilescope_session::solid::MadeSolid;
 use tilescope_session::units::position;
 
 use crate::made::Made;
@@ -112,7 +113,10 @@ impl<'a> Scene<'a> {
         // which they are farther apart. `spacing` also counts how much larger than r the usual radius of a field is,
         // which hides none.
         let of_prefix = self.shown.spacing() / self.session.usual_radius();
-        (all as f64 / of_prefix.powi(2)) as usize
+        // Of a set in space the plane shows the samples at most r above or below it.
+        let solid = self.session.solid.as_ref();
+        let of_plane = solid.map_or(1.0, MadeSolid::share_cut);
+        (all as f64 * of_plane / of_prefix.powi(2)) as usize
     }
 
     /// Returns whether a layer is on.

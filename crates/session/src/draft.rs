@@ -64,6 +64,8 @@ pub struct Draft {
     pub within: WithinLevel,
     /// The field and the shape, if the radius depends on the place or the domain is a shape.
     pub ground: GroundDraft,
+    /// The third side as typed, which makes the set one in space; empty for a planar set.
+    pub depth: String,
     /// The values; a number is that of the last valid text.
     pub parameters: Parameters,
 }
@@ -86,8 +88,28 @@ impl Draft {
             exactly: String::new(),
             within: WithinLevel::default(),
             ground: GroundDraft::default(),
+            depth: String::new(),
             parameters,
         }
+    }
+
+    /// Returns the draft with this third side, if there is one.
+    #[must_use]
+    pub fn with_depth(self, depth: Option<f64>) -> Self {
+        let depth = depth.map_or_else(String::new, |depth| depth.to_string());
+        Self { depth, ..self }
+    }
+
+    /// Returns whether a third side is typed, whatever it is: then the set is one in space.
+    #[must_use]
+    pub fn is_in_space(&self) -> bool {
+        !self.depth.trim().is_empty()
+    }
+
+    /// Returns the third side, if one is typed that is a number.
+    #[must_use]
+    pub fn depth_asked(&self) -> Option<f64> {
+        typed::number(&self.depth).filter(|_| self.is_in_space())
     }
 
     /// Returns the draft with these nested levels, if any.
@@ -279,6 +301,10 @@ impl Draft {
     /// Returns the expected number of samples of a run; `None` if a text cannot be read or the parameters are refused.
     #[must_use]
     pub fn expected_samples(&self) -> Option<f64> {
+        if self.is_in_space() {
+            let depth = self.depth_asked()?;
+            return crate::solid::expected_samples(&self.parameters, depth).ok();
+        }
         if self.ground.is_asked() {
             return self.ground_samples();
         }
@@ -302,7 +328,8 @@ impl Draft {
         // events.
         let has_prefixes = self.levels.is_some() || self.ground.by == RadiusBy::Stipple;
         let has_steps = self.parameters.variant == Variant::AsPrinted || has_prefixes;
-        samples.is_some() && !has_steps
+        // The steps of sets in space are not kept, however small they are.
+        self.is_in_space() || samples.is_some() && !has_steps
     }
 
     /// Returns a sentence on the memory that a run needs, if that is a lot: `None` for runs that any computer can make.

@@ -18,6 +18,8 @@ pub enum SessionKind {
     Nested,
     /// A set whose radius depends on the place, or whose domain is a shape.
     Varying,
+    /// A set of balls in space, seen in a plane.
+    Solid,
 }
 
 impl SessionKind {
@@ -132,10 +134,14 @@ impl Layer {
     }
 
     /// Returns whether a kind of session has this layer: seams belong to combinations, the tree to runs; nested levels have
-    /// samples alone, and sets of varying radius those whose geometry depends on no radius, and their darts.
+    /// samples alone, sets of varying radius those whose geometry depends on no radius, and their darts, and planes through sets
+    /// in space the balls that they cut.
     #[must_use]
     pub const fn is_of(self, kind: SessionKind) -> bool {
         match (self, kind) {
+            (Self::Samples | Self::Disks | Self::Gaps, SessionKind::Solid) => true,
+            // A plane through space has neither blocks nor triangles of its own.
+            (_, SessionKind::Solid) => false,
             (Self::Samples | Self::Disks | Self::Delaunay | Self::Voronoi, _) => true,
             (_, SessionKind::Nested) => false,
             (Self::Field, _) => matches!(kind, SessionKind::Varying),
@@ -179,6 +185,11 @@ impl Layer {
             (Self::Candidates, SessionKind::Exact) => return "dart that will arrive",
             (Self::Inserted, SessionKind::Exact) => return "sample that the pattern lacks",
             (Self::Disks, SessionKind::Varying) => return "disk of the sample's own radius",
+            (Self::Disks, SessionKind::Solid) => return "cut of a ball of radius r",
+            (Self::Samples, SessionKind::Solid) => {
+                return "sample within r of the plane: the paler, the farther";
+            }
+            (Self::Gaps, SessionKind::Solid) => return "gap: in no ball",
             (Self::Eliminated, SessionKind::Varying) => return "dart that became no sample",
 
             // All other layers mean the same in every session.
@@ -273,6 +284,20 @@ impl Layers {
             _ => {}
         }
         layers
+    }
+
+    /// Returns the layers that explain a stage of a kind of session: in a plane through a set in space the disks, too.
+    #[must_use]
+    pub fn of_stage_in(kind: SessionKind, stage: Stage) -> Self {
+        let layers = Self::of_stage(stage);
+        match kind {
+            SessionKind::Solid => Self(layers.0 | 1 << Layer::Disks as u32),
+            SessionKind::Run
+            | SessionKind::Exact
+            | SessionKind::Combination
+            | SessionKind::Nested
+            | SessionKind::Varying => layers,
+        }
     }
 
     /// Returns the layers of any stage.
@@ -380,7 +405,7 @@ impl Colouring {
                 Self::Block
             }
             // All samples are inserted, and what tells them apart is when.
-            (_, SessionKind::Varying) => Self::Age,
+            (_, SessionKind::Varying | SessionKind::Solid) => Self::Age,
             _ => self,
         }
     }

@@ -41,6 +41,7 @@ pub mod sampling;
 pub mod selection;
 pub mod sentence;
 pub mod session;
+pub mod solid;
 pub mod stipple;
 pub mod stippling;
 pub mod task;

@@ -8,6 +8,7 @@ use tilescope_core::{Fate, Origin, Point, Stage, Standing};
 use tilescope_debugger::{Context, Debugger, Event, Status};
 
 use crate::session::Session;
+use crate::solid::Cut;
 use crate::task::SessionRef;
 
 /// A moment of a session.
@@ -160,6 +161,8 @@ pub struct ShownMoment<'a> {
     pub stage: Stage,
     /// Of nested levels or of a stipple, how many samples are shown.
     pub prefix: Option<usize>,
+    /// Of a set in space, where the plane that is shown lies along the third axis, in lattice units.
+    pub plane: Option<i32>,
 }
 
 impl<'a> ShownMoment<'a> {
@@ -174,16 +177,35 @@ impl<'a> ShownMoment<'a> {
         }
     }
 
-    /// Returns the status of a sample.
+    /// Returns the status of a sample. Of a set in space, one that the plane does not cut is absent: it is not in the
+    /// picture.
     #[must_use]
     pub fn standing(&self, id: u32) -> Standing {
+        if self.plane.is_some() && self.cut(id).is_none() {
+            return Standing::Absent;
+        }
         self.moment().standing(self.session, id)
     }
 
-    /// Returns whether a sample covers its disk: it exists and is not eliminated.
+    /// Returns whether a sample covers its disk: it exists, is not eliminated, and is cut by the plane, if one is shown.
     #[must_use]
     pub fn covers(&self, id: u32) -> bool {
-        self.moment().covers(self.session, id)
+        matches!(self.standing(id), Standing::Tiled | Standing::Valid)
+    }
+
+    /// Returns how the plane cuts the ball of a sample, if it does; `None` for sets that are not in space.
+    #[must_use]
+    pub fn cut(&self, id: u32) -> Option<Cut> {
+        self.session.solid.as_ref()?.cut(id, self.plane?)
+    }
+
+    /// Returns the radius of the disk of a sample, in r: its own, or that of the disk in which the plane cuts its ball.
+    #[must_use]
+    pub fn disk_of(&self, id: u32) -> f64 {
+        match self.cut(id) {
+            Some(cut) => cut.radius,
+            None => self.session.radius_of(id),
+        }
     }
 
     /// Returns the number of events that have happened, or of nested levels and of a stipple the number of samples;

@@ -47,6 +47,8 @@ pub struct Recipe {
     pub nested: Option<NestedRequest>,
     /// The field and the shape, if the radius depends on the place or the domain is a shape.
     pub ground: Option<Box<GroundRequest>>,
+    /// The third side in user units, if a set in space is wanted.
+    pub depth: Option<f64>,
 }
 
 impl From<Parameters> for Recipe {
@@ -56,6 +58,7 @@ impl From<Parameters> for Recipe {
             own: None,
             nested: None,
             ground: None,
+            depth: None,
         }
     }
 }

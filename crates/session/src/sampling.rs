@@ -12,6 +12,7 @@ use crate::jobs::Monitor;
 use crate::nesting;
 use crate::recipe::Recipe;
 use crate::session::{Failure, MakeError, Reporter, Session, keeps_everything};
+use crate::solid;
 use crate::stippling;
 use crate::task::{self, SessionRef, Task};
 use crate::varying;
@@ -34,6 +35,9 @@ impl Task for SampleTask {
 
     fn run(self, monitor: &Monitor) -> Made {
         let Self { recipe, generation } = &self;
+        if let Some(depth) = recipe.depth {
+            return solid::sample(recipe, depth, *generation, monitor);
+        }
         if let Some(request) = &recipe.ground {
             return match &request.stipple {
                 Some(stipple) => stippling::sample(recipe, request, stipple, *generation, monitor),

@@ -42,6 +42,10 @@ pub fn happened(shown: Option<&ShownMoment<'_>>) -> String {
         return stipple_sentence(shown.session, stipple, count);
     }
 
+    if let Some((solid, plane)) = shown.session.solid.as_ref().zip(shown.plane) {
+        return solid.plane_sentence(plane);
+    }
+
     match (shown.debugger, shown.cursor().checked_sub(1)) {
         // Before the first event, and where a stage ends, the stage as a whole says more than one event.
         (Some(debugger), Some(last)) if !shown.ends_stage() => {

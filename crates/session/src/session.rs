@@ -26,6 +26,7 @@ use crate::layers::{Layer, Layers, SessionKind};
 use crate::limits::MAX_STAGED;
 use crate::nested::NestedLevels;
 use crate::recipe::{OwnPattern, Recipe};
+use crate::solid::MadeSolid;
 use crate::stipple::MadeStipple;
 use crate::units;
 pub use report::{MakeError, Reporter};
@@ -78,6 +79,8 @@ pub struct Session {
     pub nested: Option<NestedLevels>,
     /// What it was made on, if its radius depends on the place or its domain is a shape.
     pub ground: Option<MadeGround>,
+    /// What its samples have besides their places in the plane, if it is a set in space.
+    pub solid: Option<MadeSolid>,
     /// Why the GPU run failed, if the CPU had to make the session instead; taken when the user is notified.
     #[serde(skip)]
     pub failure: Option<Failure>,
@@ -153,6 +156,12 @@ impl Session {
     /// Returns the recipe it was made from, if [`Self::has_recipe`].
     #[must_use]
     pub fn recipe(&self) -> Recipe {
+        if let Some(solid) = &self.solid {
+            return Recipe {
+                depth: Some(solid.depth()),
+                ..Recipe::from(solid.asked)
+            };
+        }
         if let Some(ground) = &self.ground {
             let (parameters, request) = &ground.asked;
             return Recipe {
@@ -167,6 +176,7 @@ impl Session {
             own: self.own.clone(),
             nested: asked.map(|(_, request)| request),
             ground: None,
+            depth: None,
         }
     }
 
@@ -202,12 +212,28 @@ impl Session {
         self
     }
 
+    /// Returns the session of projections as that of a set in space: the end is its only stage.
+    #[must_use]
+    pub(crate) fn in_space(mut self, solid: MadeSolid) -> Self {
+        self.stages = vec![Stage::Finish];
+        self.solid = Some(solid);
+        self
+    }
+
+    /// Returns whether the disks of its samples differ in radius: where radii depend on the place, and where a plane cuts
+    /// balls.
+    #[must_use]
+    pub const fn has_own_disks(&self) -> bool {
+        self.ground.is_some() || self.solid.is_some()
+    }
+
     /// Returns its kind, which decides the layers and their names.
     #[must_use]
     pub fn kind(&self) -> SessionKind {
         match (&self.combination, &self.nested) {
             (Some(_), _) => SessionKind::Combination,
             (None, Some(_)) => SessionKind::Nested,
+            (None, None) if self.solid.is_some() => SessionKind::Solid,
             (None, None) if self.ground.is_some() => SessionKind::Varying,
             (None, None) if self.is_exact() => SessionKind::Exact,
             (None, None) => SessionKind::Run,
@@ -223,7 +249,9 @@ impl Session {
             None => layers,
         };
         match self.kind() {
-            kind @ (SessionKind::Nested | SessionKind::Varying) => layers.of_kind(kind),
+            kind @ (SessionKind::Nested | SessionKind::Varying | SessionKind::Solid) => {
+                layers.of_kind(kind)
+            }
             SessionKind::Run | SessionKind::Exact | SessionKind::Combination => layers,
         }
     }
@@ -270,7 +298,10 @@ impl Session {
     /// Returns the digest of the result's positions in user units, as in certificates. Computed at the first call.
     #[must_use]
     pub fn positions_digest(&self) -> &str {
-        let digest = || tilescope_formats::positions_digest(&self.run().positions());
+        let digest = || match &self.solid {
+            Some(solid) => tilescope_formats::solid_digest(&solid.positions(self.run())),
+            None => tilescope_formats::positions_digest(&self.run().positions()),
+        };
         self.positions_digest.get_or_init(digest)
     }
 
@@ -445,6 +476,7 @@ impl Session {
             combination: None,
             nested: None,
             ground: None,
+            solid: None,
             failure: None,
             digest: OnceLock::new(),
             positions_digest: OnceLock::new(),

@@ -4,7 +4,8 @@
 use glam::DVec2;
 
 use tilescope_analysis::{
-    Conflict, Gap, JudgeChoice, PrefixClaim, Region, Report, VerifyError, VerifyOptions, verify,
+    Conflict, Gap, JudgeChoice, PrefixClaim, Region, Report, SolidGap, VerifyError, VerifyOptions,
+    verify,
 };
 
 use tilescope_sets::region;
@@ -46,6 +47,16 @@ pub struct Verdict {
     pub closest: Option<Conflict>,
     /// The largest empty circle, if known.
     pub largest: Option<Gap>,
+    /// Of a set in space, what the report has no room for. The density of the report is then that of space.
+    #[serde(default)]
+    pub space: Option<SpaceWitness>,
+}
+
+/// What the verdict on a set in space names besides its report.
+#[derive(Clone, Copy, Debug, PartialEq, serde::Serialize, serde::Deserialize)]
+pub struct SpaceWitness {
+    /// An uncovered place with its distance to the nearest sample, in user units, if there is one.
+    pub gap: Option<SolidGap>,
 }
 
 /// A witness in the plane, to be marked on the canvas and flown to by the camera.
@@ -113,6 +124,7 @@ impl Verdict {
             stipple: None,
             closest,
             largest,
+            space: None,
         })
     }
 
@@ -141,6 +153,7 @@ impl Verdict {
             stipple: None,
             closest: report.worst_conflicts.first().copied(),
             largest: report.worst_gaps.first().copied(),
+            space: None,
             report,
         })
     }
@@ -222,6 +235,9 @@ impl Task for VerifyTask {
     fn run(self, monitor: &Monitor) -> Self::Outcome {
         let session = &self.session;
         let run = session.run();
+        if let Some(made) = &session.solid {
+            return crate::solid::verdict(session, made, monitor);
+        }
         if let Some(made) = &session.ground {
             let mut points = run.positions();
             let all = points.len();

@@ -1,7 +1,7 @@
 //! The appearance of moments: layers, colouring, look, and whether the camera may fly.
 
 use tilescope_core::Stage;
-use tilescope_session::layers::{Colouring, Layers};
+use tilescope_session::layers::{Colouring, Layers, SessionKind};
 use tilescope_session::look::Look;
 
 use crate::command::AppearanceCommand;
@@ -29,20 +29,25 @@ pub struct Appearance {
 }
 
 impl Appearance {
-    /// Returns the layers that are shown at a stage; without a session, those of the last stage.
+    /// Returns the layers that are shown at a stage of a run; without a session, those of the last stage.
     #[must_use]
     pub fn layers(&self, stage: Option<Stage>) -> Layers {
-        let of_stage = || Layers::of_stage(stage.unwrap_or(Stage::Finish));
+        self.layers_of(SessionKind::Run, stage)
+    }
+
+    /// Returns the layers that are shown at a stage of a kind of session; without a session, those of the last stage of a run.
+    #[must_use]
+    pub fn layers_of(&self, kind: SessionKind, stage: Option<Stage>) -> Layers {
+        let of_stage = || Layers::of_stage_in(kind, stage.unwrap_or(Stage::Finish));
         self.chosen_layers.unwrap_or_else(of_stage)
     }
 
-    /// Applies a command while `stage` is shown.
-    pub(crate) fn apply(&mut self, command: AppearanceCommand, stage: Option<Stage>) {
+    /// Applies a command while `layers` are shown.
+    pub(crate) fn apply(&mut self, command: AppearanceCommand, mut layers: Layers) {
         match command {
             AppearanceCommand::ToggleLayer(layer) => {
                 // After the first switch no layer follows the stage any more. If the other layers still followed it, a
                 // user could not predict which layers the next stage shows.
-                let mut layers = self.layers(stage);
                 layers.toggle(layer);
                 self.chosen_layers = Some(layers);
             }
@@ -116,11 +121,11 @@ mod tests {
             AppearanceCommand::Look(Look::Light),
             AppearanceCommand::ToggleProjector,
         ] {
-            appearance.apply(command, None);
+            appearance.apply(command, Layers::default());
         }
         assert_eq!(appearance.look, Look::Projector);
-        appearance.apply(AppearanceCommand::Look(Look::Projector), None);
-        appearance.apply(AppearanceCommand::ToggleProjector, None);
+        appearance.apply(AppearanceCommand::Look(Look::Projector), Layers::default());
+        appearance.apply(AppearanceCommand::ToggleProjector, Layers::default());
         assert_eq!(appearance.look, Look::Light);
     }
 
@@ -129,7 +134,7 @@ mod tests {
         let mut appearance = Appearance::default();
         appearance.prefer_reduced_motion(true);
         assert!(appearance.reduced_motion && appearance.motion_chosen().is_none());
-        appearance.apply(AppearanceCommand::ToggleReducedMotion, None);
+        appearance.apply(AppearanceCommand::ToggleReducedMotion, Layers::default());
         appearance.prefer_reduced_motion(true);
         assert!(!appearance.reduced_motion);
         assert_eq!(appearance.motion_chosen(), Some(false));

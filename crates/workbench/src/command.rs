@@ -124,6 +124,8 @@ pub enum FormCommand {
     Reset,
     /// Returns from a pattern of a file to the pattern that the parameters describe.
     GeneratedPattern,
+    /// Types the third side, which makes the set one in space; nothing for a planar set.
+    Depth(String),
     /// Types the radius as a function of x and y.
     Expression(String),
     /// Types the radius of white, of an image.
@@ -243,6 +245,10 @@ pub enum ViewCommand {
     Pick(Selection),
     /// Opens the panel with the details of the selection.
     Inspect,
+    /// Moves the plane through a set in space to a place of the third axis, in the unit of the domain.
+    Plane(f64),
+    /// Moves the plane by this many steps of r / 20.
+    StepPlane(i32),
 }
 
 /// One of the runs that are shown.

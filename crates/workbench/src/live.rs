@@ -211,8 +211,14 @@ impl Live {
 /// Why moments of sets in a field or a shape are not measured.
 pub const ONE_RADIUS: &str = "The measures compare distances with one radius in a rectangle, which a set in a field or a shape does not have; its verdict is by subdivision, with the radius at each place.";
 
+/// Why planes through sets in space are not measured.
+pub const IN_SPACE: &str = "The measures of this panel are those of planar sets, and this set is in space: `tilescope analyze` measures its spectrum and its pairs. Its verdict is by cubes and by circles.";
+
 /// Returns why a run has no measures that move with it.
 pub(crate) fn refusal(session: &Session) -> Option<String> {
+    if session.solid.is_some() {
+        return Some(IN_SPACE.to_owned());
+    }
     if session.ground.is_some() {
         return Some(ONE_RADIUS.to_owned());
     }

@@ -182,6 +182,7 @@ const fn form(command: &FormCommand) -> Rules {
         | FormCommand::Preset(_)
         | FormCommand::Reset
         | FormCommand::GeneratedPattern
+        | FormCommand::Depth(_)
         | FormCommand::Expression(_)
         | FormCommand::White(_)
         | FormCommand::Stipple(..)
@@ -367,6 +368,8 @@ const fn view(which: Which, command: &ViewCommand) -> Rules {
         ViewCommand::Pick(Selection::Sample(id)) => rules.naming(Numbered::Sample(*id)),
         // Frames have no panels.
         ViewCommand::Inspect => NOT_IN_FRAME,
+
+        ViewCommand::Plane(_) | ViewCommand::StepPlane(_) => rules,
 
         // An event, a verdict or a selection belongs to one run alone, so that a linked camera stays where it is.
         ViewCommand::GoToCurrent

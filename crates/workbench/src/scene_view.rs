@@ -57,6 +57,11 @@ pub(crate) fn view_of_scene(
         caption: scene.caption.clone(),
         legend: None,
         analysis: false,
+        plane: session
+            .solid
+            .as_ref()
+            .zip(saved.plane)
+            .map(|(solid, place)| solid.plane_at(place)),
     };
 
     Some(MomentView {

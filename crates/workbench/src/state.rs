@@ -23,7 +23,7 @@ pub use gpu::GpuState;
 pub use link::not_copied;
 pub use page::PageStart;
 pub use parts::{FileState, Messages, Past, Runs};
-pub use run_view::{EventQuery, FoundEvents, Hits, MAX_FOUND, MAX_HITS, RunView};
+pub use run_view::{EventQuery, FoundEvents, Hits, MAX_FOUND, MAX_HITS, NO_PLANE, RunView};
 pub use scenes::Scenes;
 pub use time::Time;
 use undo::{HistoryStep, Memento};
@@ -271,8 +271,8 @@ impl State {
             Command::DismissNotice => self.messages.notice = None,
             Command::OpenFolder(folder) => self.files.folder_to_open = Some(folder),
             Command::Appearance(command) => {
-                let stage = self.runs.first.current_stage();
-                self.appearance.apply(command, stage);
+                let layers = self.runs.first.layers(&self.appearance);
+                self.appearance.apply(command, layers);
                 // A camera in flight must jump if the command reduced motion.
                 self.runs.end_flights(&self.appearance);
             }

@@ -28,6 +28,8 @@ pub const AUTOMATIC: &str = "automatic";
 pub struct SavedView {
     /// The camera; `None` fits the whole domain into any window.
     pub camera: Option<Camera>,
+    /// Where the plane through a set in space lies along the third axis, in user units; `None` for its middle.
+    pub plane: Option<f64>,
     /// How moments are drawn.
     pub appearance: Appearance,
     /// Where the panels stand.
@@ -46,6 +48,7 @@ impl Default for SavedView {
     fn default() -> Self {
         Self {
             camera: None,
+            plane: None,
             appearance: Appearance::default(),
             layout: Layout::default(),
             selection: Selection::Nothing,
@@ -70,6 +73,9 @@ impl SavedView {
             put("camera", json!(camera));
         }
         put("fitted", json!(self.camera.is_none()));
+        if let Some(plane) = self.plane {
+            put("plane", json!(plane));
+        }
 
         let names = |layers: Layers| json!(layers.iter().map(Layer::name).collect::<Vec<_>>());
         let layers = appearance.chosen_layers.map(names);
@@ -121,6 +127,10 @@ impl SavedView {
             Some(true) => view.camera = None,
             _ => view.camera = camera.or(view.camera),
         }
+
+        // A plane beyond the box is moved to its end where the view is applied.
+        let plane = parts.take("plane", |place: f64| place.is_finite().then_some(place));
+        view.plane = plane.or(view.plane);
 
         parts.set(&mut view.appearance.chosen_layers, "layers", layers);
         parts.set(&mut view.appearance.colouring, "colouring", Some);

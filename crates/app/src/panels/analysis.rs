@@ -28,7 +28,7 @@ use tilescope_workbench::analysis::reference_file::ReferenceFile;
 use tilescope_workbench::analysis::{Analysis, AnalysisCommand, name_of};
 use tilescope_workbench::command::{Command, Which};
 use tilescope_workbench::files::{FileCommand, Purpose};
-use tilescope_workbench::live::{Live, ONE_RADIUS};
+use tilescope_workbench::live::{IN_SPACE, Live, ONE_RADIUS};
 use tilescope_workbench::state::{RunView, State};
 
 /// Minimum width of the panel for two columns of charts, in screen points.
@@ -160,6 +160,10 @@ pub fn show(ui: &mut Ui, context: &AnalysisContext<'_>, commands: &mut Vec<Comma
         return;
     };
 
+    if shown.session.solid.is_some() {
+        lines(ui, RichText::new(IN_SPACE).color(palette.muted)).known_as("analysis.status");
+        return;
+    }
     // All measures of the panel compare distances with one radius.
     if shown.session.ground.is_some() {
         lines(ui, RichText::new(ONE_RADIUS).color(palette.muted)).known_as("analysis.status");

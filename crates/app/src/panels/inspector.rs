@@ -9,6 +9,7 @@ use tilescope_core::{Fate, Origin, Standing};
 use tilescope_debugger::{Debugger, Recording, why};
 use tilescope_drawing::palette::Palette;
 use tilescope_session::moment::ShownMoment;
+use tilescope_session::units::radii;
 use tilescope_session::words::{counted, event_number, grouped, significant};
 use tilescope_ui::widgets::{Known, heading, row};
 
@@ -40,7 +41,7 @@ pub fn show(ui: &mut Ui, context: &PanelContext<'_>, commands: &mut Vec<Command>
         match (id, context.run.place, context.run.shown()) {
             (Some(id), _, Some(shown)) => sample(ui, context, &shown, id, commands),
             (None, Some(at), Some(shown)) => {
-                place(ui, &shown, at, palette);
+                place(ui, &shown, at, palette, commands);
                 gap(ui, context, &shown, at);
             }
             _ => {
@@ -145,8 +146,17 @@ fn coordinates(ui: &mut Ui, shown: &ShownMoment<'_>, at: DVec2, palette: &Palett
 }
 
 /// Shows a place: its coordinates, and the nearest sample that covers its disk.
-fn place(ui: &mut Ui, shown: &ShownMoment<'_>, at: DVec2, palette: &Palette) {
+fn place(
+    ui: &mut Ui,
+    shown: &ShownMoment<'_>,
+    at: DVec2,
+    palette: &Palette,
+    commands: &mut Vec<Command>,
+) {
     coordinates(ui, shown, at, palette);
+    if shown.plane.is_some() {
+        return place_in_plane(ui, shown, at, palette, commands);
+    }
     let mut nearest: Option<(f64, u32)> = None;
     let mut is_covered = false;
     // A sample's distance is shown up to 3.5 r away, so that a gap's width can be read. Where radii differ, samples cover
@@ -173,6 +183,39 @@ fn place(ui: &mut Ui, shown: &ShownMoment<'_>, at: DVec2, palette: &Palette) {
             row(ui, "Covered", covered, palette);
         }
         None => row(ui, "Covered", "no: nothing is near", palette),
+    }
+}
+
+/// Shows which samples cover a place of the plane through a set in space: the earliest of them is why no dart became a sample
+/// there.
+fn place_in_plane(
+    ui: &mut Ui,
+    shown: &ShownMoment<'_>,
+    at: DVec2,
+    palette: &Palette,
+    commands: &mut Vec<Command>,
+) {
+    let mut covering: Vec<(u32, String)> = Vec::new();
+    shown.session.index.visit(at, at, 1.0, |seen| {
+        let distance = seen.position.distance(at);
+        // The plane cuts a ball in a disk: the ball covers the places in it.
+        if let Some(cut) = shown.cut(seen.id).filter(|cut| distance <= cut.radius) {
+            covering.push((seen.id, cut.seen_from(distance)));
+        }
+    });
+
+    // Ids are in the order of arrival.
+    covering.sort_unstable();
+    match covering.split_first() {
+        Some(((first, seen), others)) => {
+            row(ui, "Covered first by", &grouped(*first as usize), palette);
+            row(ui, "It is", seen, palette);
+            let ids: Vec<u32> = others.iter().map(|&(id, _)| id).collect();
+            if !ids.is_empty() {
+                self::others(ui, "And by", &ids, palette, commands);
+            }
+        }
+        None => row(ui, "Covered", "no: a gap", palette),
     }
 }
 
@@ -212,6 +255,20 @@ fn sample(
         if let Some(rank) = rank.filter(|_| !context.is_veiled) {
             row(ui, "Rank", &format!("{rank:.6}"), palette);
         }
+        return;
+    }
+
+    // A sample in space lies somewhere along the third axis, too, and was made by a dart.
+    if let Some(solid) = &session.solid {
+        let z = solid.height(id);
+        row(ui, "z", &format!("{:.4} r", radii(z)), palette);
+        let in_files = significant(solid.users_from_plane(z));
+        row(ui, "z in files", &in_files, palette);
+        let cut = match shown.cut(id) {
+            Some(cut) => format!("radius {:.4} r", cut.radius),
+            None => "none: over r away".to_owned(),
+        };
+        row(ui, "Cut by the plane", &cut, palette);
         return;
     }
 

@@ -21,7 +21,7 @@ pub fn show(ui: &mut Ui, context: &PanelContext<'_>, commands: &mut Vec<Command>
     let row = ui.horizontal_wrapped(|ui| {
         ui.spacing_mut().item_spacing = vec2(5.0, 6.0);
         let appearance = context.appearance;
-        let shown = appearance.layers(context.run.current_stage());
+        let shown = context.run.layers(appearance);
         let is_automatic = appearance.chosen_layers.is_none();
         // A layer's chip shows its swatch. "Automatic" is no layer and has none.
         let automatic = ui
@@ -63,7 +63,7 @@ pub fn show(ui: &mut Ui, context: &PanelContext<'_>, commands: &mut Vec<Command>
 /// Returns whether the empty circles are asked for where there are none to draw: at the end of a maximal run.
 fn has_no_circles(context: &PanelContext<'_>) -> bool {
     let run = context.run;
-    let layers = context.appearance.layers(run.current_stage());
+    let layers = run.layers(context.appearance);
     let is_maximal = run.verdict().is_some_and(Verdict::maximal);
     layers.has(Layer::Circumcircles) && run.is_at_end() && is_maximal
 }

@@ -42,7 +42,7 @@ pub fn show(
 
     ui.add_space(2.0);
     ui.spacing_mut().item_spacing.y = 1.0;
-    let shown = context.appearance.layers(context.run.current_stage());
+    let shown = context.run.layers(context.appearance);
     // The layers of nets are rarely on: listed always, they would make the list longer than the panel.
     let is_listed =
         |layer: &Layer| layer.is_of(kind) && (!Layer::NETS.contains(layer) || shown.has(*layer));

@@ -4,11 +4,11 @@
 use egui::text::LayoutJob;
 use egui::{
     Align, Button, Color32, ComboBox, Context, DragValue, FontId, Layout, RichText, Role, Sense,
-    TextStyle, Ui, Vec2, WidgetInfo, vec2,
+    Slider, TextStyle, Ui, Vec2, WidgetInfo, vec2,
 };
 use tilescope_session::glossary;
 use tilescope_session::sentence::happened;
-use tilescope_session::words::{capital, grouped};
+use tilescope_session::words::{capital, grouped, significant};
 use tilescope_ui::language::Worded;
 use tilescope_ui::theme::{FINGER, is_for_fingers};
 use tilescope_ui::widgets::{Icon, Kebab, Known, icon_button};
@@ -21,7 +21,7 @@ use crate::ENABLED;
 use crate::actions::time_refusals;
 use tilescope_workbench::arrangement::Arrangement;
 use tilescope_workbench::clock::{Clock, SPEEDS, WHOLE_RUNS_SECS};
-use tilescope_workbench::command::{Command, TimeCommand};
+use tilescope_workbench::command::{Command, TimeCommand, ViewCommand, Which};
 
 /// Minimum width for counts beside the sentence.
 const WIDE: f32 = 760.0;
@@ -205,6 +205,7 @@ pub fn show(ui: &mut Ui, context: &TimeContext<'_>, commands: &mut Vec<Command>)
         clock(ui, context, 72.0, commands);
         speed(ui, context, commands);
         prefix(ui, context, commands);
+        plane(ui, context, commands);
         ui.add_space(14.0);
         track::show(ui, context, commands)
     });
@@ -548,6 +549,36 @@ fn prefix(ui: &mut Ui, context: &TimeContext<'_>, commands: &mut Vec<Command>) {
     }
     response.on_hover_text(ui.words(glossary::PREFIX.meaning));
 }
+
+/// Shows the slider of the plane through a set in space; planar sets have none.
+fn plane(ui: &mut Ui, context: &TimeContext<'_>, commands: &mut Vec<Command>) {
+    let Some((depth, mut place)) = context.run.plane_place() else {
+        return;
+    };
+    // As wide as a slider needs on which a ball of a usual box is a few points.
+    let width = PLANE.min(ui.available_width() - PLANE_NUMBER);
+    if width < PLANE / 3.0 {
+        return;
+    }
+
+    ui.spacing_mut().slider_width = width;
+    let slider = Slider::new(&mut place, 0.0..=depth)
+        .prefix("z ")
+        .smart_aim(false)
+        .custom_formatter(|place, _| significant(place));
+    let response = ui.add(slider).accessible_name(ui.words("Plane"));
+    response.known_as("plane");
+    if response.changed() {
+        commands.push(Command::View(Which::First, ViewCommand::Plane(place)));
+    }
+    response.on_hover_text(ui.words(
+        "Where the plane that is shown lies along the third axis. J and K move it by a tenth of r.",
+    ));
+}
+
+/// Width of the slider of the plane, and of the number beside it.
+const PLANE: f32 = 160.0;
+const PLANE_NUMBER: f32 = 70.0;
 
 /// Shows the choice of the clock's tick.
 fn clock(ui: &mut Ui, context: &TimeContext<'_>, width: f32, commands: &mut Vec<Command>) {

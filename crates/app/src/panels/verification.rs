@@ -292,11 +292,17 @@ fn numbers(ui: &mut Ui, context: &PanelContext<'_>, unit: f64) {
     let relative = number(report.map(|report| report.relative_radius), 4, "");
     let count = report.map_or_else(|| "\u{2013}".to_owned(), |report| grouped(report.count));
 
+    let is_in_space = verdict.is_some_and(|verdict| verdict.space.is_some());
+    let density_name = if is_in_space {
+        "Density N r\u{b3}/V"
+    } else {
+        "Density N r\u{b2}/A"
+    };
     // A number's meaning stands in its tooltip, as the catalogue has it.
     for (name, meaning, value) in [
         ("Smallest distance", meaning("min_distance_r"), &least),
         ("Covering radius", meaning("covering_radius_r"), &cover),
-        ("Density N r\u{b2}/A", meaning("density"), &density),
+        (density_name, meaning("density"), &density),
         ("Relative radius", meaning("relative_radius"), &relative),
         (
             if context.run.prefix().is_some() {

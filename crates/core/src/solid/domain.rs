@@ -1,5 +1,7 @@
 //! The box that balls lie in, on the lattice, with its exact relation to user space.
 
+use serde::{Deserialize, Serialize};
+
 use crate::error::ParameterError;
 use crate::lattice::{Boundary, R, side_units};
 
@@ -18,7 +20,7 @@ pub const MAX_VOLUME_RADII: f64 = 1_073_741_824.0;
 /// A periodic box holds the points `0 <= x < side` on each axis; a bounded one is closed and also holds `x == side`. A
 /// unit is never shorter than `radius / R` on any axis, so two samples more than `R` units apart are farther apart than
 /// the user's radius.
-#[derive(Clone, Copy, Debug, PartialEq)]
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 pub struct SolidDomain {
     sides: Place,
     boundary: Boundary,

@@ -44,7 +44,7 @@ pub fn pattern(scene: &Scene<'_>, surface: &mut impl Surface) {
 /// Draws the disks of the samples that have one at this moment, and of their copies around a periodic domain.
 pub fn disks(scene: &Scene<'_>, looks: &Looks<'_>, surface: &mut impl Surface) {
     let index = &scene.session.index;
-    if scene.session.ground.is_some() {
+    if scene.session.has_own_disks() {
         return local_disks(scene, looks, surface);
     }
     let radius = scene.shown.disk_radius();
@@ -60,7 +60,7 @@ pub fn disks(scene: &Scene<'_>, looks: &Looks<'_>, surface: &mut impl Surface) {
 /// The strength of the fill and of the ring of a disk of its own radius.
 const LOCAL_DISK: [f32; 2] = [0.10, 0.65];
 
-/// Draws the disks of samples whose radius depends on the place. A texture would be needed for each radius, so that they are
+/// Draws the disks of samples whose radius depends on the place, or on how a plane cuts their balls. A texture would be needed for each radius, so that they are
 /// circles.
 fn local_disks(scene: &Scene<'_>, looks: &Looks<'_>, surface: &mut impl Surface) {
     let reach = scene.session.largest_radius();
@@ -70,7 +70,7 @@ fn local_disks(scene: &Scene<'_>, looks: &Looks<'_>, surface: &mut impl Surface)
         let look = looks.of(seen.id);
         // A sample that has not arrived yet has no disk.
         if look.disk {
-            let radius = scene.session.radius_of(seen.id) as f32 * scene.scale();
+            let radius = scene.shown.disk_of(seen.id) as f32 * scene.scale();
             let [fill, ring] = LOCAL_DISK.map(|strength| look.color.gamma_multiply(strength));
             let at = scene.at(seen.position);
             surface.circle(at, radius, Some(fill), Some(Stroke::new(0.9, ring)));

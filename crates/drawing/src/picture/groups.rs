@@ -26,7 +26,9 @@ pub(super) fn groups(
     causes: Option<&BrushedCause>,
     frame: Rect,
 ) -> Vec<Group> {
-    let layers = shown.session.drawable(view.layers(shown.stage));
+    let layers = shown
+        .session
+        .drawable(view.layers(shown.session.kind(), shown.stage));
     let shows_gaps = layers.has(Layer::Gaps) && view.camera.scale >= MIN_DISK_SCALE;
     let needs_geometry = shows_gaps || layers.has(Layer::CoveredCircles) || layers.has_net();
     // A triangulation takes longer than the drawing, so that it is made only for layers that need it. Before tiling there is
@@ -93,7 +95,9 @@ fn subject<'a>(
     Subject {
         shown,
         camera: view.camera,
-        layers: shown.session.drawable(view.layers(shown.stage)),
+        layers: shown
+            .session
+            .drawable(view.layers(shown.session.kind(), shown.stage)),
         colouring: view.colouring,
         hovered: None,
         selected,
@@ -160,7 +164,8 @@ fn gaps(scene: &Scene<'_>, area: Rect, ground: Color32) -> [Group; 2] {
     let beyond = drawn_around(scene.session) + reach;
     index.visit_around(scene.low, scene.high, reach, beyond, |seen| {
         if scene.shown.covers(seen.id) {
-            let radius = f64::from(scene.scale());
+            // The plane of a set in space cuts a smaller disk out of most balls.
+            let radius = f64::from(scene.scale()) * scene.shown.disk_of(seen.id);
             disks.push(Shape::circle(at(scene.at(seen.position)), radius, style));
         }
     });

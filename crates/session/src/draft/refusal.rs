@@ -1,6 +1,6 @@
 //! Why a draft cannot be run: texts that cannot be read, and errors of the core, each with the field that is at fault.
 
-use tilescope_core::{Parameter, ParameterError, Parameters, Variant};
+use tilescope_core::{Parameter, ParameterError, Parameters, SampleError, Variant};
 
 use super::{Draft, RadiusBy, StippleNumber, numbers};
 use crate::limits::{MAX_ON_A_PAGE, MAX_STAGED};
@@ -21,6 +21,8 @@ pub enum FormPart {
     White,
     /// A number of a stipple.
     Stipple(StippleNumber),
+    /// The third side of a set in space.
+    Depth,
     /// Choices that exclude each other.
     Choices,
 }
@@ -36,6 +38,7 @@ impl FormPart {
             Self::Expression => Some("Formula".to_owned()),
             Self::White => Some("Of white".to_owned()),
             Self::Stipple(number) => Some(number.name().to_owned()),
+            Self::Depth => Some("Depth".to_owned()),
             Self::Choices => None,
         }
     }
@@ -74,6 +77,13 @@ impl Draft {
         let used = |field: &Parameter| self.uses(*field);
         let mut refusals: Vec<DraftRefusal> =
             numbers().filter(used).filter_map(unreadable).collect();
+        if self.is_in_space() {
+            refusals.extend(self.solid_refusal().filter(|_| refusals.is_empty()));
+            let part = FormPart::Field(Parameter::Radius);
+            let too_many = too_many(part, self.expected_samples(), MAX_ON_A_PAGE);
+            refusals.extend(too_many.filter(|_| cfg!(target_arch = "wasm32")));
+            return refusals;
+        }
         if self.ground.is_asked() {
             refusals.extend(self.ground_refusal().filter(|_| refusals.is_empty()));
             // Where the form shows no radius, another field decides how many samples there are.
@@ -116,15 +126,46 @@ impl Draft {
         refusals
     }
 
+    /// Returns why the set in space that is asked for cannot be made.
+    fn solid_refusal(&self) -> Option<DraftRefusal> {
+        let refused = |part, reason: String| Some(DraftRefusal { part, reason });
+        let Some(depth) = self.depth_asked() else {
+            let text = self.depth.trim();
+            let reason = format!("\"{text}\" is not a number; without one the set is planar.");
+            return refused(FormPart::Depth, reason);
+        };
+
+        // Balls have one radius and fill a box, and their darts have no levels.
+        if self.levels.is_some() || self.ground.is_asked() {
+            let what = "A set in space has one radius in a box: choose a constant radius, no shape and no nested levels, or leave the depth empty.";
+            return refused(FormPart::Depth, what.to_owned());
+        }
+
+        let error = crate::solid::expected_samples(&self.parameters, depth).err()?;
+        let SampleError::Parameters(of_parameters) = &error else {
+            return refused(FormPart::Depth, sentence(&error.to_string()));
+        };
+        let part = match of_parameters {
+            ParameterError::Side { name: "depth", .. }
+            | ParameterError::SideTooShort { name: "depth", .. }
+            | ParameterError::SideTooLong { name: "depth", .. } => FormPart::Depth,
+            ParameterError::Volume { .. } => FormPart::Field(Parameter::Radius),
+            other => part_of(other, &self.parameters),
+        };
+        refused(part, sentence(&error.to_string()))
+    }
+
     /// Returns whether the next run uses a parameter: in a field or a shape there is no tiling, and a formula and the dots of a
     /// stipple give the radius themselves.
     #[must_use]
     pub fn uses(&self, parameter: Parameter) -> bool {
         let has_number = !matches!(self.ground.by, RadiusBy::Expression | RadiusBy::Stipple);
+        // A set in space is made by darts, too.
+        let is_tiled = !self.ground.is_asked() && !self.is_in_space();
         match parameter {
             Parameter::Width | Parameter::Height | Parameter::Boundary | Parameter::Seed => true,
             Parameter::Radius => has_number,
-            _ => !self.ground.is_asked(),
+            _ => is_tiled,
         }
     }
 

@@ -12,7 +12,7 @@ pub fn method(session: &Session) -> &str {
     match (&session.combination, &session.nested) {
         (Some(_), _) => "combined",
         (None, Some(nested)) => &nested.method,
-        (None, None) if session.ground.is_some() => "reference",
+        (None, None) if session.has_own_disks() => "reference",
         (None, None) if session.is_exact() => "exact",
         (None, None) => "kdrt",
     }
@@ -35,6 +35,24 @@ pub(crate) fn parameter_map(session: &Session) -> Stated {
     }
 
     let run = session.run();
+    if let Some(solid) = &session.solid {
+        let asked = &solid.asked;
+        let [width, height, depth] = solid.domain.size();
+        let stated = json!({
+            "width": width,
+            "height": height,
+            "depth": depth,
+            "radius": asked.radius,
+            "boundary": asked.boundary,
+            "seed": asked.seed,
+        });
+        return stated
+            .as_object()
+            .cloned()
+            .unwrap_or_default()
+            .into_iter()
+            .collect();
+    }
     if session.is_exact() {
         // The facts of exact tiling leave out the parameters that it refuses, and say how often it uses each sample of
         // its pattern.

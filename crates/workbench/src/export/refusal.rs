@@ -32,6 +32,14 @@ pub enum ExportRefusal {
     /// Animations need events, and a stipple has none.
     #[error("A stipple has no events, so that there is no time to animate.")]
     Stipple,
+    /// The files of the window have planar sets.
+    #[error(
+        "This set is in space, and the window exports planar sets; `tilescope sample --size WxHxD` writes it, and the picture shows the plane."
+    )]
+    Solid,
+    /// Animations need events, and a set in space has none.
+    #[error("A set in space has no events, so that there is no time to animate.")]
+    SolidTime,
     /// No sample covers its disk.
     #[error("No sample covers its disk at this moment.")]
     NoSamples,

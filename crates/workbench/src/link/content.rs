@@ -34,6 +34,8 @@ pub struct LinkContent {
     pub nested: Option<NestedRequest>,
     /// The field and the shape, if the radius depends on the place or the domain is a shape.
     pub ground: Option<GroundRequest>,
+    /// The third side in user units, if a set in space is shown.
+    pub depth: Option<f64>,
     /// The layout of the combination, if one is shown instead of a run.
     pub combination: Option<Combination>,
     /// The moment that is shown.
@@ -61,6 +63,7 @@ impl LinkContent {
             own: None,
             nested: self.nested,
             ground: self.ground.clone().map(Box::new),
+            depth: self.depth,
         }
     }
 }

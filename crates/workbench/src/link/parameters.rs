@@ -10,6 +10,7 @@ use tilescope_core::{
     PatternSpec, TilingMethod, Variant,
 };
 use tilescope_debugger::method_refusal;
+use tilescope_session::solid::expected_samples;
 use tilescope_session::words::{grouped, quoted};
 
 use super::text::{exact, finite};
@@ -188,10 +189,14 @@ fn fit(p: &mut Parameters, run: &str, warnings: &mut LinkWarnings) {
 }
 
 /// Returns the parameters that a link to a run cannot reproduce, because they exceed the limits of links.
-pub(crate) fn excess(p: &Parameters) -> Vec<String> {
-    let domain = p.validate_sequential();
+pub(crate) fn excess(p: &Parameters, depth: Option<f64>) -> Vec<String> {
     // Parameters that are not valid make no samples, and so exceed no limit.
-    let samples = domain.map_or(0.0, |domain| domain.area_radii() * MAXIMAL_DENSITY);
+    let samples = match depth {
+        Some(depth) => expected_samples(p, depth).unwrap_or(0.0),
+        None => {
+            (p.validate_sequential()).map_or(0.0, |domain| domain.area_radii() * MAXIMAL_DENSITY)
+        }
+    };
 
     let mut excess = Vec::new();
     if samples > MAX_SAMPLES {
@@ -200,7 +205,8 @@ pub(crate) fn excess(p: &Parameters) -> Vec<String> {
             "the radius, as a link asks for at most {most} samples"
         ));
     }
-    if p.pattern.side > MAX_PATTERN_SIDE {
+    // A set in space has no pattern.
+    if p.pattern.side > MAX_PATTERN_SIDE && depth.is_none() {
         let most = MAX_PATTERN_SIDE;
         excess.push(format!(
             "the pattern's side, as a link asks for at most {most} r"

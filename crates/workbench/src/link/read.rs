@@ -32,7 +32,7 @@ use crate::layout;
 use crate::view::{speed, whole_run};
 
 /// The keys of a link besides the parameters of its runs.
-const OTHERS: &str = "v levels exactly order-within radius-expression shape origin combine at rank stage camera layers colouring look curve select clock speed whole-run loop b break watch mark \
+const OTHERS: &str = "v levels exactly order-within radius-expression shape origin depth combine at rank stage camera plane layers colouring look curve select clock speed whole-run loop b break watch mark \
      mark-view layout lesson step practice language";
 
 /// The keys of texts that people write, in which every character counts.
@@ -189,6 +189,7 @@ impl LinkReader {
             let texts = |key: &str| self.pairs.get(key).map(|text| tidy(text));
             content.parameters =
                 parameters::read(texts, &Parameters::default(), "", &mut self.warnings);
+            content.depth = self.depth(&content.parameters);
             content.nested = self.nested(&content.parameters);
             content.ground = self.ground(&content.parameters);
             // A set in a field or a shape has no levels: they are removed from the content, with a warning if there
@@ -198,6 +199,12 @@ impl LinkReader {
                     "The link's nested levels were left out: they have one radius in a rectangle.";
                 self.warnings.add(text.to_owned());
             }
+        }
+
+        if content.depth.is_some() && (content.nested.is_some() || content.ground.is_some()) {
+            (content.nested, content.ground) = (None, None);
+            let text = "The link's nested levels, field or shape were left out: a set in space has one radius in a box.";
+            self.warnings.add(text.to_owned());
         }
 
         let at = self.take("at", |text| text.parse().ok());
@@ -212,6 +219,23 @@ impl LinkReader {
             (None, None, Some(stage)) => NamedMoment::Stage(stage),
             (None, None, None) => NamedMoment::End,
         };
+    }
+
+    /// Returns the third side, if the link has one with which a box can be filled.
+    fn depth(&mut self, parameters: &Parameters) -> Option<f64> {
+        let depth = self.take("depth", finite)?;
+        let why = match tilescope_session::solid::expected_samples(parameters, depth) {
+            Ok(samples) if samples <= MAX_SAMPLES => return Some(depth),
+            Ok(samples) => format!(
+                "the box has about {} samples, and a link may ask for {}",
+                grouped(samples as usize),
+                grouped(MAX_SAMPLES as usize)
+            ),
+            Err(error) => error.to_string(),
+        };
+        self.warnings
+            .add(format!("The link's depth was left out: {why}."));
+        None
     }
 
     /// Returns the nested levels, if the link has some that can be made with `parameters`.
@@ -313,6 +337,9 @@ impl LinkReader {
             let [x, y, scale] = numbers(text)?;
             Camera::checked(DVec2::new(x, y), scale)
         });
+
+        // Planes lie across the third axis alone.
+        content.view.plane = self.take("plane", |text| finite(text.strip_prefix("z:")?));
 
         if let Some(layers) = self.take("layers", |text| Some(text.to_owned())) {
             let (layers, unknown) = read_layers(&layers);

@@ -114,6 +114,9 @@ impl Writer {
         if let Some(ground) = &content.ground {
             self.ground(ground);
         }
+        if let Some(depth) = content.depth {
+            self.put("depth", exact(depth));
+        }
         match &content.moment {
             // A link without a moment shows the end.
             NamedMoment::End => {}
@@ -184,6 +187,10 @@ impl Writer {
         if let Some(Camera { center, scale }) = content.view.camera {
             let numbers = [center[0], center[1], scale].map(rounded);
             self.put("camera", numbers.join(","));
+        }
+
+        if let Some(place) = content.view.plane {
+            self.put("plane", format!("z:{}", rounded(place)));
         }
 
         if let Some(layers) = content.view.appearance.chosen_layers {

@@ -78,6 +78,10 @@ impl Runs {
                 let text = "A set in a field or a shape has no variants like those of a run; the parameters as typed can be compared.";
                 return Some(text.to_owned());
             }
+            SessionKind::Solid => {
+                let text = "A set in space has no variants like those of a run; the parameters as typed can be compared.";
+                return Some(text.to_owned());
+            }
             SessionKind::Nested => {
                 let text = "Nested levels have no variants like those of a run; the parameters as typed can be compared.";
                 return Some(text.to_owned());
@@ -157,9 +161,10 @@ impl Runs {
             _ => Recipe {
                 parameters: preset.parameters(&session.run().parameters, &form.draft.parameters),
                 own: session.own.clone(),
-                // Nested levels, fields and shapes were refused above.
+                // Nested levels, fields, shapes and sets in space were refused above.
                 nested: None,
                 ground: None,
+                depth: None,
             },
         };
 
@@ -181,8 +186,8 @@ impl Runs {
     ) {
         let (side, _) = self.second.get_or_insert_default();
         // A link can name the run only by its parameters.
-        let can_be_linked =
-            recipe.own.is_none() && recipe.nested.is_none() && recipe.ground.is_none();
+        let is_planar_run = recipe.nested.is_none() && recipe.depth.is_none();
+        let can_be_linked = is_planar_run && recipe.own.is_none() && recipe.ground.is_none();
         side.asked = can_be_linked.then_some(recipe.parameters);
         context.ask(Effect::Sample(Which::Second, Box::new(recipe), engine));
     }
@@ -245,7 +250,8 @@ impl Runs {
             context.ask(Effect::Form(Box::new(Form {
                 draft: Draft::from_parameters(recipe.parameters)
                     .with_nesting(recipe.nested)
-                    .with_ground(recipe.ground.as_deref()),
+                    .with_ground(recipe.ground.as_deref())
+                    .with_depth(recipe.depth),
                 own_pattern: session.own.clone(),
                 // The effect does not take this switch: whether runs start at once stays as it is.
                 live: false,

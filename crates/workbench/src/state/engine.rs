@@ -31,8 +31,8 @@ impl Runs {
         context: &mut Context,
     ) {
         let generation = context.next_generation();
-        // Nested levels, and sets in a field or a shape, are made on the CPU.
-        let is_tiled = recipe.nested.is_none() && recipe.ground.is_none();
+        // Nested levels, and sets in a field, a shape or space, are made on the CPU.
+        let is_tiled = recipe.nested.is_none() && recipe.ground.is_none() && recipe.depth.is_none();
         let job = match gpu.filter(|_| is_tiled) {
             Some(gpu) => Job::start_future(&context.wake, move |monitor| async move {
                 tilescope_session::sampling::on_gpu(gpu, &recipe, generation, &monitor).await

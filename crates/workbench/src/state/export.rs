@@ -355,6 +355,10 @@ impl ExportSource<'_> {
         };
         // An animation shows events. The sets that never have any come first, as their refusals say why.
         match kind {
+            ExportKind::Result | ExportKind::Samples if session.solid.is_some() => {
+                Some(ExportRefusal::Solid)
+            }
+            ExportKind::Animation if session.solid.is_some() => Some(ExportRefusal::SolidTime),
             ExportKind::Animation if session.combination.is_some() => {
                 Some(ExportRefusal::Combination)
             }
@@ -395,7 +399,7 @@ impl ExportSource<'_> {
         let layers = match self.appearance.chosen_layers {
             Some(layers) => layers,
             None if kind == ExportKind::Animation => Layers::of_any_stage(),
-            None => Layers::of_stage(stage),
+            None => Layers::of_stage_in(self.run.kind(), stage),
         };
         Legend {
             layers,
@@ -434,6 +438,7 @@ impl ExportSource<'_> {
             // `checked_view` sets legend and analysis.
             legend: None,
             analysis: false,
+            plane: self.run.plane(),
         })
     }
 
@@ -494,7 +499,7 @@ fn checked_scenes(
         view.print = form.print;
         view.analysis = form.analysis;
         // The legend of a scene has the layers that this scene shows.
-        let layers = view.layers(moment.stage);
+        let layers = view.layers(session.kind(), moment.stage);
         view.legend = form.legend.then(|| Legend {
             layers,
             ..source.legend(form.kind, moment.stage)

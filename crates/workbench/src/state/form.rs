@@ -33,10 +33,14 @@ impl Form {
         let ground = self.draft.ground_request();
         Recipe {
             parameters: self.draft.parameters,
-            // In a field or a shape there is no tiling, and so no pattern.
-            own: self.own_pattern.clone().filter(|_| ground.is_none()),
+            // In a field, a shape or space there is no tiling, and so no pattern.
+            own: self
+                .own_pattern
+                .clone()
+                .filter(|_| ground.is_none() && !self.draft.is_in_space()),
             nested: self.draft.nesting(),
             ground: ground.map(Box::new),
+            depth: self.draft.depth_asked(),
         }
     }
 
@@ -68,7 +72,8 @@ impl Form {
                 SessionKind::Run
                 | SessionKind::Exact
                 | SessionKind::Nested
-                | SessionKind::Varying => "Nested levels of a file are",
+                | SessionKind::Varying
+                | SessionKind::Solid => "Nested levels of a file are",
             };
             return Some(format!("{what} shown, not a run of these parameters."));
         }
@@ -97,7 +102,11 @@ impl Form {
         if shape(&ground) != shape(&of_made) {
             names.push("shape");
         }
-        if ground.is_none() && self.own_pattern != session.own {
+        if self.draft.depth_asked() != made.depth {
+            names.push("depth");
+        }
+        let is_tiled = ground.is_none() && !self.draft.is_in_space();
+        if is_tiled && self.own_pattern != session.own {
             names.push("pattern file");
         }
         if gpu.differs(run, &self.draft) {
@@ -127,6 +136,8 @@ impl Form {
 
             FormCommand::Choose(choice) => self.draft.choose(choice),
             FormCommand::GeneratedPattern => self.own_pattern = None,
+
+            FormCommand::Depth(text) => self.draft.depth = text,
 
             // The field gives the radius at each place, and the shape says where samples are.
             FormCommand::Expression(text) => self.draft.ground.expression = text,

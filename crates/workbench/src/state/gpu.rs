@@ -188,7 +188,7 @@ impl GpuState {
         };
         let is_tiling = matches!(session.kind(), SessionKind::Run | SessionKind::Exact);
         let has_choice = is_tiling && session.has_recipe();
-        if !has_choice || draft.levels.is_some() || draft.ground.is_asked() {
+        if !has_choice || draft.levels.is_some() || draft.ground.is_asked() || draft.is_in_space() {
             return false;
         }
         let next = self.for_run(&draft.parameters, self.engine);
@@ -207,7 +207,7 @@ impl GpuState {
                 "This is a combination of sets, made on the CPU; the passes are those of a run.";
             return Some(text.to_owned());
         }
-        if session.ground.is_some() {
+        if session.has_own_disks() {
             let text = "This set was made by darts on the CPU; the passes are those of a run.";
             return Some(text.to_owned());
         }

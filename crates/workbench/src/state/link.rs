@@ -163,6 +163,7 @@ impl<'a> LinkSource<'a> {
         content.parameters = self.form.draft.parameters;
         content.nested = self.form.draft.nesting();
         content.ground = self.form.draft.ground_request();
+        content.depth = self.form.draft.depth_asked();
 
         let Some(session) = &self.runs.first.session else {
             return;
@@ -173,6 +174,7 @@ impl<'a> LinkSource<'a> {
                 let recipe = link::normal(session.recipe());
                 content.parameters = recipe.parameters;
                 content.nested = recipe.nested.filter(link::allows);
+                content.depth = recipe.depth;
                 // An image stays on the visitor's machine, and a long polygon would make no link.
                 let made = recipe.ground.as_deref().cloned();
                 content.ground = made.filter(link::carries);
@@ -183,7 +185,7 @@ impl<'a> LinkSource<'a> {
                     // The moment is one of the set that is left out.
                     content.moment = NamedMoment::End;
                 }
-                left_out.extend(link::excess(&recipe.parameters));
+                left_out.extend(link::excess(&recipe.parameters, recipe.depth));
                 if session.nested.is_some() && content.nested.is_none() {
                     let why = match recipe.nested {
                         Some(_) => "have too many samples for a link",
@@ -204,7 +206,7 @@ impl<'a> LinkSource<'a> {
                 // The typed parameters are not those of the combination. The default ones stand for them, and those of run B are given by
                 // their differences from the default ones.
                 (content.parameters, content.nested) = (Parameters::default(), None);
-                content.ground = None;
+                (content.ground, content.depth) = (None, None);
                 content.combination = Some(combination.layout.clone());
             }
         }
@@ -241,7 +243,7 @@ impl<'a> LinkSource<'a> {
         let second = made.or(side.asked.filter(|_| side.session.is_none()));
         if second.is_none() {
             left_out.push(
-                "run B, which takes part of a file, is a combination, has nested levels or lies in a field or a shape"
+                "run B, which takes part of a file, is a combination, has nested levels or lies in a field, a shape or space"
                     .to_owned(),
             );
         }

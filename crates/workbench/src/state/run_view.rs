@@ -10,7 +10,7 @@ use tilescope_core::{Parameters, Stage};
 use tilescope_debugger::{Debugger, OutlineRows, Stops};
 use tilescope_session::geometry::Geometry;
 use tilescope_session::jobs::Job;
-use tilescope_session::layers::SessionKind;
+use tilescope_session::layers::{Layers, SessionKind};
 use tilescope_session::moment::{Moment, ShownMoment};
 use tilescope_session::selection::Selection;
 use tilescope_session::session::{MakeError, Session};
@@ -29,13 +29,16 @@ mod camera;
 mod debug;
 mod hits;
 mod passes;
+mod plane;
 mod prefix;
 mod time;
 mod transition;
 mod work;
 
 pub use debug::{EventQuery, FindEventsTask, FoundEvents, MAX_FOUND};
+
 pub use hits::{CountHitsTask, Hits, MAX_HITS};
+pub use plane::NO_PLANE;
 pub(super) use time::next_line;
 pub(crate) use time::none_there;
 pub(super) use transition::TRANSITION_SECS;
@@ -107,6 +110,8 @@ pub struct RunView {
     transition: transition::Transition,
     /// The prefix that is shown, of nested levels.
     prefix: prefix::Prefix,
+    /// The plane that is shown, of a set in space.
+    plane: plane::Plane,
 }
 
 impl Default for RunView {
@@ -146,6 +151,7 @@ impl Default for RunView {
             before_pattern: None,
             transition: transition::Transition::default(),
             prefix: prefix::Prefix::default(),
+            plane: plane::Plane::default(),
         }
     }
 }
@@ -171,6 +177,7 @@ impl RunView {
             debugger: self.debugger.as_ref(),
             stage: *session.stages.get(self.stage)?,
             prefix: self.prefix(),
+            plane: self.plane(),
         })
     }
 
@@ -208,6 +215,12 @@ impl RunView {
         self.session.as_ref()?.stages.get(self.stage).copied()
     }
 
+    /// Returns the layers that are shown of it.
+    #[must_use]
+    pub fn layers(&self, appearance: &Appearance) -> Layers {
+        appearance.layers_of(self.kind(), self.current_stage())
+    }
+
     /// Returns the verdict, once there is one.
     #[must_use]
     pub fn verdict(&self) -> Option<&Verdict> {
@@ -227,10 +240,7 @@ impl RunView {
         Some(Subject {
             shown: self.shown()?,
             camera: self.camera,
-            layers: self
-                .session
-                .as_ref()?
-                .drawable(appearance.layers(self.current_stage())),
+            layers: self.session.as_ref()?.drawable(self.layers(appearance)),
             colouring: appearance.colouring,
             hovered: self.hovered,
             selected: self.selected,

@@ -53,6 +53,8 @@ enum Typed {
     White,
     /// A number of a stipple.
     Stipple(StippleNumber),
+    /// The third side of a set in space.
+    Depth,
     CurveHeight,
 }
 
@@ -67,6 +69,7 @@ const fn typed_in(command: &Command) -> Option<Typed> {
         Command::Form(FormCommand::Exactly(_)) => Typed::Exactly,
         Command::Form(FormCommand::Expression(_)) => Typed::Expression,
         Command::Form(FormCommand::White(_)) => Typed::White,
+        Command::Form(FormCommand::Depth(_)) => Typed::Depth,
         Command::Form(FormCommand::Stipple(number, _)) => Typed::Stipple(*number),
         Command::Debug(DebugCommand::Condition(index, _)) => Typed::Condition(*index),
         Command::Debug(DebugCommand::EditWatch(index, _)) => Typed::Watch(*index),

@@ -32,6 +32,7 @@ impl SavedView {
         let links = second.map(|(_, comparison)| comparison.links());
         Self {
             camera: (!fitted).then_some(camera),
+            plane: first.moved_plane(),
             appearance: state.appearance.clone(),
             layout: state.past.layout_to_store(&state.window).clone(),
             selection: first.selection(),
@@ -59,6 +60,13 @@ impl SavedView {
         // A view without a camera is fitted into the canvas. Until there is one, the camera stays as it is.
         let without_canvas = self.camera.unwrap_or(run.camera);
         run.take_camera(self.camera, without_canvas);
+        if let Some(place) = self.plane {
+            if run.plane().is_some() {
+                run.show_plane(place, context);
+            } else {
+                dropped.push("plane");
+            }
+        }
 
         // The passes of the GPU are not saved, so that a clock of passes is not applied.
         let clock = self.playback.clock_of_events();

@@ -326,7 +326,9 @@ impl State {
         match &saved {
             SavedContent::Run(saved) => {
                 let ground = session.ground.as_ref().map(|made| &made.asked.1);
-                self.form.draft = Draft::from_parameters(saved.parameters).with_ground(ground);
+                self.form.draft = Draft::from_parameters(saved.parameters)
+                    .with_ground(ground)
+                    .with_depth(session.recipe().depth);
                 self.form.own_pattern.clone_from(&session.own);
             }
             // Opening a layout can be undone. After a session is opened, the steps are dropped below.
@@ -423,7 +425,8 @@ impl State {
             let draft = Draft::from_parameters(content.parameters);
             self.form.draft = draft
                 .with_nesting(content.nested)
-                .with_ground(content.ground.as_ref());
+                .with_ground(content.ground.as_ref())
+                .with_depth(content.depth);
             Made::Run(content.recipe())
         };
 
@@ -510,7 +513,7 @@ fn asked_of(state: &State, which: Which, dt_secs: f32) -> Asked {
     // Layers follow the stage of the run itself, as its canvas does. Without this run nothing is measured of it, so that any will do.
     let run = state.runs.get(which).unwrap_or(&state.runs.first);
     Asked {
-        layers: state.appearance.layers(run.current_stage()),
+        layers: run.layers(&state.appearance),
         is_analysed: state.window.shows(Panel::Analysis),
         steps: frame_steps(dt_secs) / runs,
         curve: state.appearance.curve.number.filter(|_| is_first),

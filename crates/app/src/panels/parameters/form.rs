@@ -35,14 +35,14 @@ pub(super) fn show(ui: &mut Ui, context: &FormContext<'_>, commands: &mut Vec<Co
     fields.group(ui, "Domain", ParameterGroup::Domain);
     fields.shape(ui);
 
-    // A set in a field or a shape is not tiled: of the parameters below only the seed has a meaning.
-    if context.form.draft.ground.is_asked() {
+    // A set in a field, a shape or space is not tiled: of the parameters below only the seed has a meaning.
+    if context.form.draft.ground.is_asked() || context.form.draft.is_in_space() {
         fields.number(ui, Parameter::Seed);
         let text = "Darts of the reference sampler make this set, without tiling.";
         ui.label(RichText::new(text).color(context.palette.muted))
             .known_as("no-tiling");
         fields.error(ui, FormPart::Choices, "refusal-0");
-        // Nested levels and a field exclude each other: the choice of levels stays, so that they can be taken back.
+        // Nested levels and darts exclude each other: the choice of levels stays, so that they can be taken back.
         if context.form.draft.levels.is_some() {
             fields.nested(ui);
         }
@@ -72,7 +72,7 @@ impl Fields<'_> {
             match parameter {
                 // Width and height share a line, which is shown at the width.
                 Parameter::Width => self.pair(ui, "Size", [Parameter::Width, Parameter::Height]),
-                Parameter::Height => {}
+                Parameter::Height => self.depth(ui),
                 Parameter::Radius => self.radius(ui),
                 _ => self.number(ui, parameter),
             }
@@ -105,6 +105,10 @@ impl Fields<'_> {
         );
 
         match ground.by {
+            // The number of samples of a set in space goes with another power of the radius.
+            RadiusBy::Constant if self.context.form.draft.is_in_space() => {
+                self.number(ui, Parameter::Radius);
+            }
             RadiusBy::Constant => {
                 self.number(ui, Parameter::Radius);
                 return self.samples(ui);
@@ -126,6 +130,14 @@ impl Fields<'_> {
             }
         }
         self.expected(ui);
+    }
+
+    /// Shows the third side, which makes a set one in space.
+    fn depth(&mut self, ui: &mut Ui) {
+        let mut text = self.context.form.draft.depth.clone();
+        let meaning = "The third side of a box: the set is one of balls in space, seen in a plane. Empty: the set is planar.";
+        let part = (FormPart::Depth, "depth");
+        self.free_text(ui, ("Depth", meaning), &mut text, part, FormCommand::Depth);
     }
 
     /// Shows the radius as a function of x and y.

@@ -61,6 +61,7 @@ impl RunView {
             ViewCommand::FlyToBlock(place) => self.fly_to_block(place, context),
             ViewCommand::FlyToWitness(witness) => self.fly_to_witness(witness, context),
             ViewCommand::GoToSample(id) => {
+                self.bring_plane(id);
                 self.pick(Selection::Sample(id), context);
                 if let Some(session) = &self.session {
                     let center = session.position(id);
@@ -79,6 +80,8 @@ impl RunView {
                 self.forget_unseen();
             }
             ViewCommand::Inspect => context.ask(Effect::Inspect),
+            ViewCommand::Plane(place) => self.show_plane(place, context),
+            ViewCommand::StepPlane(steps) => self.step_plane(steps, context),
         }
     }
 
@@ -415,6 +418,10 @@ impl RunView {
             None => self.show_stage(session.stages.len() - 1),
         }
 
+        // A pair of a set in space is seen in a plane through one of the two.
+        if let WitnessShape::Pair([id, _], _) = witness_mark.shape {
+            self.bring_plane(id);
+        }
         // The mark comes after the jump, which may remove the one that is there.
         self.witness_mark = Some(witness_mark);
         // A view of 9 radii shows the witness with the samples around it. Chosen, not measured.

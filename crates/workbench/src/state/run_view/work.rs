@@ -49,6 +49,10 @@ impl RunView {
                 && old.run().domain.height() == session.run().domain.height()
         });
 
+        let box_of = |session: &Session| session.solid.as_ref().map(|solid| solid.domain);
+        let is_same_box = self.session.as_deref().and_then(box_of) == box_of(session);
+        self.reset_plane(is_same_box);
+
         let selection = match (self.selected, self.place) {
             // An id is that of a sample of one run, but a place is also one of another run on the same domain.
             (Some(id), _) if self.is_same_run(session) => Selection::Sample(id),
@@ -168,12 +172,13 @@ impl RunView {
             let layers = session.drawable(asked.layers).drawn_at(shown.stage);
             // The panel of the analysis shows all measures; a part of the frequencies will do while all would take too many steps.
             // Measures at rest need one radius, too.
-            let is_analysed = asked.is_analysed && session.ground.is_none();
+            let is_analysed = asked.is_analysed && !session.has_own_disks();
             let wanted = Wanted {
                 spectrum: is_analysed,
                 thinned: is_analysed,
                 pairs: is_analysed,
-                cover: is_analysed || layers.has_gaps(),
+                // The gaps of a plane are looked for pixel by pixel: its disks have no radius in common.
+                cover: is_analysed || layers.has_gaps() && session.solid.is_none(),
             };
             live.follow(session, &shown, wanted, asked.steps, &context.wake);
             if is_analysed {
@@ -182,7 +187,7 @@ impl RunView {
             if let Some(cover) = live.cover(&shown).filter(|_| layers.has_gaps()) {
                 geometry.take_borders(&shown, cover);
             }
-            if layers.wants_geometry() {
+            if layers.wants_geometry() && session.solid.is_none() {
                 geometry.want(session, &shown, layers.has_net(), &context.wake);
             }
         }

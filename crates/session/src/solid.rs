@@ -1,0 +1,335 @@
+//! Sets of balls in space, seen in a plane across the third axis. Their session has a run whose samples are the
+//! projections to x and y, in the order of arrival, and here what the projection lacks. Begin with [`MadeSolid`].
+
+use std::cmp::Ordering;
+
+use serde::{Deserialize, Serialize};
+use tilescope_analysis::{
+    Boundary as JudgedBoundary, Region, Report, SolidRegion, SolidVerdict, VerifyOptions,
+    measure_solid, verify_solid,
+};
+use tilescope_core::{
+    Boundary, Domain, Parameters, Point, R, Run, SampleError, SolidDomain, solid_sample_parallel,
+};
+
+use crate::jobs::Monitor;
+use crate::recipe::Recipe;
+use crate::session::{MakeError, Reporter, Session};
+use crate::units;
+use crate::verification::{SpaceWitness, Verdict};
+use crate::words::{counted, grouped, significant};
+
+/// About how many samples a large set in space has to a cubed radius: the density at which random packings of spheres jam.
+const SOLID_DENSITY: f64 = 0.733_636;
+
+/// How a set in space was made, and what its projection lacks.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct MadeSolid {
+    /// The parameters that were asked for; of them the box, the radius, the boundary and the seed are used.
+    pub asked: Parameters,
+    /// The box.
+    pub domain: SolidDomain,
+    /// Where each sample lies along the third axis, in lattice units.
+    heights: Vec<i32>,
+    /// The same numbers in ascending order.
+    sorted: Vec<i32>,
+}
+
+/// The disk in which a plane cuts the ball of a sample. Lengths are in r.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Cut {
+    /// The radius of the disk: 1 where the plane goes through the sample, 0 where it only touches the ball.
+    pub radius: f64,
+    /// How far the sample lies above the plane; below it, less than 0.
+    pub above: f64,
+}
+
+impl Cut {
+    /// Returns on which side of the plane the sample lies; `None` if it lies in it.
+    #[must_use]
+    pub fn side(self) -> Option<&'static str> {
+        match self.above.total_cmp(&0.0) {
+            Ordering::Less => Some("below"),
+            Ordering::Equal => None,
+            Ordering::Greater => Some("above"),
+        }
+    }
+
+    /// Returns "0.71 r away, 0.40 r below" of a sample whose projection is so many r away from a place of the plane.
+    #[must_use]
+    pub fn seen_from(self, planar: f64) -> String {
+        let away = format!("{:.2} r away", planar.hypot(self.above));
+        match self.side() {
+            Some(side) => format!("{away}, {:.2} r {side}", self.above.abs()),
+            None => away,
+        }
+    }
+}
+
+impl MadeSolid {
+    /// Returns the third side, in user units.
+    #[must_use]
+    pub const fn depth(&self) -> f64 {
+        self.domain.size()[2]
+    }
+
+    /// Returns the third side, in lattice units of its axis.
+    const fn side(&self) -> i32 {
+        self.domain.sides()[2]
+    }
+
+    /// Returns where a sample lies along the third axis, in lattice units.
+    #[must_use]
+    pub fn height(&self, id: u32) -> i32 {
+        self.heights[id as usize]
+    }
+
+    /// Returns where a plane lies along the third axis, in user units.
+    #[must_use]
+    pub fn users_from_plane(&self, plane: i32) -> f64 {
+        f64::from(plane) * self.depth() / f64::from(self.side())
+    }
+
+    /// Returns the plane that is nearest to a place of the third axis, which is in user units: inside the box.
+    #[must_use]
+    pub fn plane_at(&self, place: f64) -> i32 {
+        let units = place / self.depth() * f64::from(self.side());
+        // A number that is not finite becomes 0 or an end.
+        (units.round() as i32).clamp(0, self.side())
+    }
+
+    /// Returns the plane that lies this many lattice units above another one: around a periodic box, and in a bounded one
+    /// at most at its end.
+    #[must_use]
+    pub fn plane_beyond(&self, plane: i32, by: i32) -> i32 {
+        let to = plane.saturating_add(by);
+        match self.asked.boundary {
+            Boundary::Periodic => to.rem_euclid(self.side()),
+            Boundary::Bounded => to.clamp(0, self.side()),
+        }
+    }
+
+    /// Returns the plane in the middle of the box.
+    #[must_use]
+    pub const fn middle(&self) -> i32 {
+        self.side() / 2
+    }
+
+    /// Returns how a plane cuts the ball of a sample; `None` if it does not meet it.
+    #[must_use]
+    pub fn cut(&self, id: u32, plane: i32) -> Option<Cut> {
+        let straight = self.heights[id as usize] - plane;
+        // Around the torus the nearest image counts. A side is longer than two radii, so that no other meets the plane.
+        let offset = match self.asked.boundary {
+            Boundary::Periodic if straight > self.side() / 2 => straight - self.side(),
+            Boundary::Periodic if straight < -self.side() / 2 => straight + self.side(),
+            Boundary::Periodic | Boundary::Bounded => straight,
+        };
+
+        (offset.abs() <= R).then(|| {
+            let above = units::radii(offset);
+            // By Pythagoras.
+            let radius = (1.0 - above * above).max(0.0).sqrt();
+            Cut { radius, above }
+        })
+    }
+
+    /// Returns how many samples a plane cuts, by bisection.
+    #[must_use]
+    pub fn count_cut(&self, plane: i32) -> usize {
+        let between = |from: i32, to: i32| {
+            let end = self.sorted.partition_point(|&height| height <= to);
+            end - self.sorted.partition_point(|&height| height < from)
+        };
+        // The plane and its images: a sample is cut by one of them at most.
+        let shifts: &[i32] = match self.asked.boundary {
+            Boundary::Periodic => &[-1, 0, 1],
+            Boundary::Bounded => &[0],
+        };
+        let images = shifts.iter().map(|shift| plane + shift * self.side());
+        images.map(|at| between(at - R, at + R)).sum()
+    }
+
+    /// Returns about which share of the samples a plane cuts: those in the layer of two radii around it.
+    #[must_use]
+    pub fn share_cut(&self) -> f64 {
+        (2.0 / units::radii(self.side())).min(1.0)
+    }
+
+    /// Returns the positions of the samples of its run in user units.
+    #[must_use]
+    pub fn positions(&self, run: &Run) -> Vec<[f64; 3]> {
+        let planar = run.samples.points.iter();
+        let places = planar.zip(&self.heights);
+        let places: Vec<[i32; 3]> = places.map(|(at, &z)| [at.x, at.y, z]).collect();
+        // The positions are those of the command line and of certificates, bit for bit.
+        self.domain.users_from_lattice(&places)
+    }
+
+    /// Returns the region in which its judges look.
+    #[must_use]
+    pub const fn region(&self) -> SolidRegion {
+        let [width, height, depth] = self.domain.size();
+        SolidRegion {
+            width,
+            height,
+            depth,
+            boundary: match self.asked.boundary {
+                Boundary::Periodic => JudgedBoundary::Periodic,
+                Boundary::Bounded => JudgedBoundary::Bounded,
+            },
+        }
+    }
+
+    /// Returns what a plane shows of the set, in a sentence.
+    #[must_use]
+    pub fn plane_sentence(&self, plane: i32) -> String {
+        let place = significant(self.users_from_plane(plane));
+        let (cut, all) = (self.count_cut(plane), self.heights.len());
+        format!(
+            "The plane z = {place} cuts {} of {} of radius r in a box of {}: a disk is the cut of a ball, and a dot the place of its sample, the paler the farther from the plane.",
+            grouped(cut),
+            counted(all, "ball", "balls"),
+            self.box_text(),
+        )
+    }
+
+    /// Returns "10 x 10 x 10".
+    #[must_use]
+    pub fn box_text(&self) -> String {
+        let sides = self.domain.size().map(significant);
+        sides.join(" \u{d7} ")
+    }
+}
+
+/// Returns the box of these parameters with a third side.
+fn box_of(parameters: &Parameters, depth: f64) -> Result<SolidDomain, SampleError> {
+    let Parameters {
+        width,
+        height,
+        radius,
+        boundary,
+        ..
+    } = *parameters;
+    Ok(SolidDomain::from_size(
+        [width, height, depth],
+        radius,
+        boundary,
+    )?)
+}
+
+/// Returns about how many samples a box has.
+///
+/// # Errors
+///
+/// [`SampleError`] as [`SolidDomain::from_size`], and where a side of the plane is shorter than the window can show.
+pub fn expected_samples(parameters: &Parameters, depth: f64) -> Result<f64, SampleError> {
+    planar_domain(parameters)?;
+    Ok(box_of(parameters, depth)?.volume_radii() * SOLID_DENSITY)
+}
+
+/// Returns the domain of the projections. It has the lattice of the box, and asks for longer sides: the window draws each
+/// sample with one image on each side.
+fn planar_domain(parameters: &Parameters) -> Result<Domain, SampleError> {
+    let size = [parameters.width, parameters.height];
+    Ok(Domain::from_size(
+        size,
+        parameters.radius,
+        parameters.boundary,
+    )?)
+}
+
+/// Makes the set in space that a recipe asks for, of this depth, without events.
+///
+/// Fails as [`expected_samples`], where there is not enough memory, and when `monitor` is cancelled.
+pub fn sample(
+    recipe: &Recipe,
+    depth: f64,
+    generation: u64,
+    monitor: &Monitor,
+) -> Result<Session, MakeError> {
+    let asked = recipe.parameters;
+    let planar = planar_domain(&asked)?;
+    let domain = box_of(&asked, depth)?;
+    let observer = &mut Reporter { monitor };
+    // The samples are those of one thread, bit for bit.
+    let places = solid_sample_parallel(domain, asked.seed, observer)?;
+
+    let points = places.iter().map(|&[x, y, _]| Point::new(x, y)).collect();
+    let heights: Vec<i32> = places.iter().map(|&[.., z]| z).collect();
+    let mut sorted = heights.clone();
+    sorted.sort_unstable();
+    let solid = MadeSolid {
+        asked,
+        domain,
+        heights,
+        sorted,
+    };
+    let run = Run::of_points(asked, planar, points);
+    let session = observer.prepare(|| Session::from_run(run, generation));
+    Ok(session?.in_space(solid))
+}
+
+/// A valid set is judged once more with a radius that is larger than its smallest distance by this share, so that its closest
+/// pair is named.
+const HAIR: f64 = 1e-9;
+
+/// Judges the set by cubes and by circles, and measures its covering radius. The report has lengths as those of planar
+/// sets, and as density that of space.
+///
+/// Fails when the verifier refuses the set or `monitor` is cancelled.
+pub fn verdict(session: &Session, solid: &MadeSolid, monitor: &Monitor) -> Result<Verdict, String> {
+    let points = solid.positions(session.run());
+    let (region, radius) = (solid.region(), session.run().domain.radius());
+    let control = |progress| monitor.follow(progress);
+    let options = VerifyOptions {
+        // Along a short side a unit is longer than elsewhere; the box's own bound counts it.
+        covering_tolerance: solid.domain.covering_bound() / radius - 1.0,
+        ..VerifyOptions::default()
+    };
+    let is_prefix = false;
+    let found = measure_solid(&points, region, radius, is_prefix, &options, &control)
+        .map_err(|error| error.to_string())?;
+
+    let mut closest = found.report.worst_conflicts.first().copied();
+    let least = found.report.min_distance;
+    if closest.is_none() && least.is_finite() {
+        // With a radius just above the smallest distance the closest pair is a conflict, which the judge names.
+        let sharper = verify_solid(&points, region, least * (1.0 + HAIR), &options, &control)
+            .map_err(|error| error.to_string())?;
+        closest = sharper.worst_conflicts.first().copied();
+    }
+
+    let gap = found.report.first_gaps.first().copied();
+    Ok(Verdict {
+        report: planar_report(found, [region.width, region.height]),
+        claim: None,
+        stipple: None,
+        closest,
+        largest: None,
+        space: Some(SpaceWitness { gap }),
+    })
+}
+
+/// Returns the report on a set in space in the form of those on planar sets.
+fn planar_report(found: SolidVerdict, size: [f64; 2]) -> Report {
+    let relative_radius = found.relative_radius();
+    let report = found.report;
+    Report {
+        region: Region::new(size, report.region.is_periodic()),
+        judges: report.judges,
+        count: report.count,
+        radius: report.radius,
+        covering_tolerance: report.covering_tolerance,
+        conflicts: report.conflicts,
+        worst_conflicts: report.worst_conflicts,
+        gaps: report.gaps,
+        // Places of space are no places of a plane: they are in `SpaceWitness`.
+        worst_gaps: Vec::new(),
+        min_distance: report.min_distance,
+        covering_radius: found.covering_radius,
+        covering_factor: None,
+        density: report.density,
+        relative_radius,
+    }
+}

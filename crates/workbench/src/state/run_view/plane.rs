@@ -1,0 +1,83 @@
+//! The plane through a set in space: where it lies, and moving it.
+
+use tilescope_core::R;
+
+use super::RunView;
+use crate::state::effects::Context;
+
+/// How far a step moves the plane, in lattice units: a twentieth of r, so that no ball is passed in one step.
+pub const STEP: i32 = R / 20;
+
+/// Why there is no plane to move.
+pub const NO_PLANE: &str =
+    "This set is planar: a depth in the form makes a set in space, which a plane goes through.";
+
+/// The plane that was chosen.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub struct Plane {
+    /// Where it lies along the third axis, in lattice units; `None` for the middle of the box.
+    at: Option<i32>,
+}
+
+impl RunView {
+    /// Returns where the plane through a set in space lies along the third axis, in lattice units; `None` for planar sets.
+    #[must_use]
+    pub fn plane(&self) -> Option<i32> {
+        let solid = self.session.as_ref()?.solid.as_ref()?;
+        Some(self.plane.at.unwrap_or_else(|| solid.middle()))
+    }
+
+    /// Returns the third side and where the plane lies along it, in user units; `None` for planar sets.
+    #[must_use]
+    pub fn plane_place(&self) -> Option<(f64, f64)> {
+        let solid = self.session.as_ref()?.solid.as_ref()?;
+        Some((solid.depth(), solid.users_from_plane(self.plane()?)))
+    }
+
+    /// Returns where the plane lies, in user units, if it was moved.
+    #[must_use]
+    pub fn moved_plane(&self) -> Option<f64> {
+        self.plane.at?;
+        self.plane_place().map(|(_, place)| place)
+    }
+
+    /// Moves the plane to a place of the third axis, in user units; beyond the box, to its end.
+    pub(in crate::state) fn show_plane(&mut self, place: f64, context: &mut Context) {
+        let session = self.session.as_ref();
+        match session.and_then(|session| session.solid.as_ref()) {
+            Some(solid) => self.put_plane(solid.plane_at(place)),
+            None => context.tell_error(NO_PLANE.to_owned()),
+        }
+    }
+
+    /// Moves the plane by this many steps.
+    pub(in crate::state) fn step_plane(&mut self, steps: i32, context: &mut Context) {
+        let session = self.session.as_ref();
+        let solid = session.and_then(|session| session.solid.as_ref());
+        match solid.zip(self.plane()) {
+            Some((solid, at)) => self.put_plane(solid.plane_beyond(at, steps.saturating_mul(STEP))),
+            None => context.tell_error(NO_PLANE.to_owned()),
+        }
+    }
+
+    /// Moves the plane through a sample, if the set is in space.
+    pub(in crate::state) fn bring_plane(&mut self, id: u32) {
+        let session = self.session.as_ref();
+        if let Some(solid) = session.and_then(|session| session.solid.as_ref()) {
+            self.put_plane(solid.height(id));
+        }
+    }
+
+    fn put_plane(&mut self, at: i32) {
+        self.plane.at = Some(at);
+        // A sample under the pointer may have left the plane.
+        self.forget_unseen();
+    }
+
+    /// Keeps the plane for a set of the same box, and puts that of another box in its middle.
+    pub(in crate::state) fn reset_plane(&mut self, is_same_box: bool) {
+        if !is_same_box {
+            self.plane = Plane::default();
+        }
+    }
+}
