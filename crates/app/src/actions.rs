@@ -207,6 +207,9 @@ pub const NO_EVENTS_OF_LEVELS: &str =
 pub const NO_EVENTS_OF_DOTS: &str =
     "A stipple has no events; the timeline shows how many of its dots there are.";
 
+/// Why a set in space has no events.
+pub const NO_EVENTS_OF_SPACE: &str = "A set in space keeps its result alone: a plane goes through it, and there are no events to step through.";
+
 /// Returns why the first run has no events, if it has none.
 fn no_events(state: &State) -> Option<&'static str> {
     match &state.runs().first {
@@ -217,6 +220,7 @@ fn no_events(state: &State) -> Option<&'static str> {
         }
         run if run.shows_stipple() => Some(NO_EVENTS_OF_DOTS),
         run if run.prefix().is_some() => Some(NO_EVENTS_OF_LEVELS),
+        run if run.plane().is_some() => Some(NO_EVENTS_OF_SPACE),
         _ => Some(NO_EVENTS.as_str()),
     }
 }

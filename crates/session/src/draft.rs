@@ -328,8 +328,8 @@ impl Draft {
         // events.
         let has_prefixes = self.levels.is_some() || self.ground.by == RadiusBy::Stipple;
         let has_steps = self.parameters.variant == Variant::AsPrinted || has_prefixes;
-        // The steps of sets in space are not kept, however small they are.
-        self.is_in_space() || samples.is_some() && !has_steps
+        // No size of a set in space has steps, which the form says in other words.
+        samples.is_some() && !has_steps && !self.is_in_space()
     }
 
     /// Returns a sentence on the memory that a run needs, if that is a lot: `None` for runs that any computer can make.

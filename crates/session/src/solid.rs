@@ -197,7 +197,7 @@ impl MadeSolid {
     /// Returns "10 x 10 x 10".
     #[must_use]
     pub fn box_text(&self) -> String {
-        let sides = self.domain.size().map(significant);
+        let sides = self.domain.size().map(|side| side.to_string());
         sides.join(" \u{d7} ")
     }
 }

@@ -14,7 +14,7 @@ use tilescope_ui::language::Worded;
 use tilescope_ui::widgets::{Known, name_group};
 
 use super::context::PanelContext;
-use crate::actions::{NO_EVENTS_OF_DOTS, NO_EVENTS_OF_LEVELS};
+use crate::actions::{NO_EVENTS_OF_DOTS, NO_EVENTS_OF_LEVELS, NO_EVENTS_OF_SPACE};
 use tilescope_workbench::layout::Panel;
 
 /// Shows the content of a panel, which scrolls independently of other panels of the same tab.
@@ -120,6 +120,7 @@ pub fn no_events(ui: &mut Ui, context: &PanelContext<'_>) {
         }
         Some(session) if session.nested.is_some() => NO_EVENTS_OF_LEVELS.to_owned(),
         Some(session) if session.stipple().is_some() => NO_EVENTS_OF_DOTS.to_owned(),
+        Some(session) if session.solid.is_some() => NO_EVENTS_OF_SPACE.to_owned(),
         // Of the sessions that keep their stages, those above and those of the GPU have no events.
         Some(session) if session.has_stages() => {
             "The GPU's run differs from the CPU's, so that it has no events.".to_owned()

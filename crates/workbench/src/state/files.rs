@@ -590,7 +590,9 @@ impl RunView {
         let files = "This combination has sets from files, which a saved session would not contain; keep its layout instead.";
         let image = "A run from an image is not saved as a session, which would not contain the image; an export of the set names it.";
         let levels = "Nested levels are not saved as a session: a link to them, or an export of the set, gives them again.";
+        let solid = "A set in space is not saved as a session: a link to it gives it again.";
         match &session.combination {
+            None if session.solid.is_some() => Some(solid),
             None if session.nested.is_some() => Some(levels),
             None if has_image(session) => Some(image),
             Some(combination) => (combination.files > 0).then_some(files),

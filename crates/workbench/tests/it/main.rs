@@ -20,4 +20,5 @@ mod nested;
 mod parts;
 mod runs;
 mod script;
+mod space;
 mod stipple;

@@ -38,7 +38,11 @@ pub(super) fn show(ui: &mut Ui, context: &FormContext<'_>, commands: &mut Vec<Co
     // A set in a field, a shape or space is not tiled: of the parameters below only the seed has a meaning.
     if context.form.draft.ground.is_asked() || context.form.draft.is_in_space() {
         fields.number(ui, Parameter::Seed);
-        let text = "Darts of the reference sampler make this set, without tiling.";
+        let text = if context.form.draft.is_in_space() {
+            "Darts of the reference sampler make this set of balls, which a plane shows. Its steps are not kept."
+        } else {
+            "Darts of the reference sampler make this set, without tiling."
+        };
         ui.label(RichText::new(text).color(context.palette.muted))
             .known_as("no-tiling");
         fields.error(ui, FormPart::Choices, "refusal-0");

@@ -1,0 +1,227 @@
+//! Sets in space: made, seen in a plane, verified, linked, undone and refused.
+
+use std::sync::Arc;
+
+use tilescope_core::{Boundary, Parameter, R, SolidDomain, Standing, Unobserved, solid_sample};
+use tilescope_session::layers::{Layer, SessionKind};
+use tilescope_session::session::Session;
+use tilescope_session::solid::MadeSolid;
+use tilescope_session::verification::Witness;
+use tilescope_workbench::command::{FormCommand, ViewCommand, Which};
+use tilescope_workbench::draft::{Choice, FormPart};
+use tilescope_workbench::export::ExportKind;
+use tilescope_workbench::state::ExportSource;
+use tilescope_workbench::{Command, State, link};
+
+use crate::exporting::notice_text;
+
+/// The sides and the radius of the set: 12 x 11 x 10 r, some 970 balls.
+const BOX: [(Parameter, &str); 3] = [
+    (Parameter::Width, "6"),
+    (Parameter::Height, "5.5"),
+    (Parameter::Radius, "0.5"),
+];
+const DEPTH: &str = "5";
+
+fn form(state: &mut State, command: FormCommand) {
+    state.apply(Command::Form(command));
+}
+
+fn view(state: &mut State, command: ViewCommand) {
+    state.apply(Command::View(Which::First, command));
+}
+
+/// A window with a set in a box.
+fn made() -> State {
+    let mut state = State::new(Arc::new(|| {}));
+    state.settle();
+    for (parameter, text) in BOX {
+        form(&mut state, FormCommand::Type(parameter, text.to_owned()));
+    }
+    form(&mut state, FormCommand::Depth(DEPTH.to_owned()));
+    state.apply(Command::Run);
+    state.settle();
+    state
+}
+
+fn session(state: &State) -> &Arc<Session> {
+    state.runs().first.session.as_ref().expect("a session")
+}
+
+fn solid(state: &State) -> &MadeSolid {
+    session(state).solid.as_ref().expect("a set in space")
+}
+
+#[test]
+fn a_depth_makes_the_set_of_the_command_and_its_verdict() {
+    let state = made();
+    let shown = session(&state);
+    assert_eq!(shown.kind(), SessionKind::Solid);
+    let domain = SolidDomain::from_size([6.0, 5.5, 5.0], 0.5, Boundary::Periodic).expect("a box");
+    let places = solid_sample(domain, 1, &mut Unobserved).expect("a set");
+    assert_eq!(
+        solid(&state).positions(shown.run()),
+        domain.users_from_lattice(&places)
+    );
+
+    let verdict = state.runs().first.verdict().expect("a verdict");
+    assert!(verdict.valid() && verdict.space.is_some_and(|space| space.gap.is_none()));
+    let density = verdict.report.density;
+    assert!((0.70..0.77).contains(&density), "{density}");
+    assert_eq!(state.form().remark(&state.runs().first, state.gpu()), None);
+
+    // A sample less is seen: the verdict is no constant.
+    let mut less = solid(&state).positions(shown.run());
+    less.remove(3);
+    let options = tilescope_analysis::VerifyOptions::default();
+    let go_on = |_| std::ops::ControlFlow::Continue(());
+    let found =
+        tilescope_analysis::verify_solid(&less, solid(&state).region(), 0.5, &options, &go_on);
+    assert!(!found.expect("a report").maximal());
+}
+
+#[test]
+fn the_plane_shows_exactly_the_balls_that_it_cuts() {
+    let mut state = made();
+    for place in [0.0, 0.2, 2.5, 4.9] {
+        view(&mut state, ViewCommand::Plane(place));
+        let shown = state.runs().first.shown().expect("a moment");
+        let plane = shown.plane.expect("a plane");
+        let (run, box_of) = (shown.session.run(), solid(&state));
+        let side = f64::from(box_of.domain.sides()[2]);
+        let mut cut_count = 0;
+        for id in 0..run.samples.len() as u32 {
+            // Around the torus, by the formula of a circle.
+            let straight = f64::from(box_of.height(id) - plane);
+            let offset = straight - (straight / side).round() * side;
+            let is_cut = offset.abs() <= f64::from(R);
+            assert_eq!(
+                shown.standing(id) == Standing::Valid,
+                is_cut,
+                "{place}: {id}"
+            );
+            assert_eq!(shown.covers(id), is_cut);
+            if let Some(cut) = shown.cut(id) {
+                let r = f64::from(R);
+                assert!((cut.radius.powi(2) * r * r + offset * offset - r * r).abs() < 1.0);
+                cut_count += 1;
+            }
+        }
+        assert_eq!(box_of.count_cut(plane), cut_count, "{place}");
+        assert!((150..240).contains(&cut_count), "{cut_count}");
+    }
+
+    // Steps go around a periodic box, and a place beyond it is its end.
+    view(&mut state, ViewCommand::Plane(0.0));
+    view(&mut state, ViewCommand::StepPlane(-2));
+    let (_, place) = state.runs().first.plane_place().expect("a plane");
+    assert!((4.94..4.96).contains(&place), "{place}");
+    view(&mut state, ViewCommand::Plane(1e300));
+    assert_eq!(state.runs().first.plane_place(), Some((5.0, 5.0)));
+
+    // Disks are shown without being switched on, and can be switched off.
+    let run = &state.runs().first;
+    assert!(run.layers(state.appearance()).has(Layer::Disks));
+}
+
+#[test]
+fn a_sample_and_a_closest_pair_bring_the_plane() {
+    let mut state = made();
+    view(&mut state, ViewCommand::GoToSample(7));
+    let shown = state.runs().first.shown().expect("a moment");
+    assert_eq!(shown.cut(7).expect("a cut").side(), None);
+    view(&mut state, ViewCommand::FlyToWitness(Witness::ClosestPair));
+    let shown = state.runs().first.shown().expect("a moment");
+    let pair = state.runs().first.verdict().expect("a verdict").closest;
+    let pair = pair.expect("the closest pair");
+    assert!(pair.distance >= 0.5 && pair.distance < 0.51);
+    assert!(shown.cut(pair.first as u32).is_some());
+}
+
+#[test]
+fn links_carry_the_depth_and_the_plane() {
+    let mut state = made();
+    view(&mut state, ViewCommand::Plane(1.25));
+    let fragment = state.link().fragment;
+    assert!(fragment.contains("&depth=5"), "{fragment}");
+    assert!(fragment.contains("&plane=z:1.25"), "{fragment}");
+
+    let mut other = State::new(Arc::new(|| {}));
+    other.settle();
+    other.open_link(&fragment);
+    other.settle();
+    assert_eq!(other.link().fragment, fragment);
+    assert_eq!(
+        session(&other).positions_digest(),
+        session(&state).positions_digest()
+    );
+    assert_eq!(other.form().draft.depth, "5");
+
+    // What cannot be made is left out, and said.
+    for (text, part) in [
+        ("depth=-1", "depth was left out"),
+        ("depth=x", "depth \"x\" is invalid"),
+        ("depth=1e9", "depth was left out"),
+        (
+            "depth=1&levels=3",
+            "nested levels, field or shape were left out",
+        ),
+        ("plane=x:3", "plane \"x:3\" is invalid"),
+    ] {
+        let (content, warnings) = link::read(text);
+        assert!(
+            warnings.text().contains(part),
+            "{text}: {}",
+            warnings.text()
+        );
+        assert!(content.nested.is_none());
+    }
+}
+
+#[test]
+fn an_undo_brings_the_planar_run_back_and_a_redo_the_box() {
+    let mut state = made();
+    state.apply(Command::Undo);
+    state.settle();
+    assert_eq!(session(&state).kind(), SessionKind::Run);
+    assert_eq!(state.form().draft.depth, "");
+    state.apply(Command::Redo);
+    state.settle();
+    assert_eq!(session(&state).kind(), SessionKind::Solid);
+    assert_eq!(state.form().draft.depth, DEPTH);
+}
+
+#[test]
+fn what_has_no_meaning_in_space_says_so() {
+    let mut state = made();
+    for (text, part) in [
+        ("deep", "not a number"),
+        ("0.1", "at least 4 r"),
+        ("-2", "depth is -2"),
+    ] {
+        form(&mut state, FormCommand::Depth(text.to_owned()));
+        let refusals = state.form().draft.refusals();
+        assert_eq!(refusals.len(), 1, "{text}");
+        assert_eq!(refusals[0].part, FormPart::Depth);
+        assert!(refusals[0].reason.contains(part), "{}", refusals[0].reason);
+    }
+    form(&mut state, FormCommand::Depth(DEPTH.to_owned()));
+    form(&mut state, FormCommand::Choose(Choice::Levels(Some(3))));
+    let refusals = state.form().draft.refusals();
+    assert!(refusals[0].reason.contains("one radius in a box"));
+
+    // Planar sets have no plane, and say how they get one.
+    let mut planar = State::new(Arc::new(|| {}));
+    planar.settle();
+    view(&mut planar, ViewCommand::StepPlane(1));
+    assert!(notice_text(&planar).contains("a depth in the form"));
+    assert_eq!(planar.runs().first.plane(), None);
+
+    let refusal = ExportSource::of(&state).kind_refusal(ExportKind::Animation);
+    assert!(
+        refusal
+            .expect("a refusal")
+            .to_string()
+            .contains("no events")
+    );
+}
