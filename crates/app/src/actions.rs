@@ -208,7 +208,7 @@ pub const NO_EVENTS_OF_DOTS: &str =
     "A stipple has no events; the timeline shows how many of its dots there are.";
 
 /// Why a set in space has no events.
-pub const NO_EVENTS_OF_SPACE: &str = "A set in space keeps its result alone: a plane goes through it, and there are no events to step through.";
+pub const NO_EVENTS_OF_SPACE: &str = "A set in space of more than 50,000 samples keeps its result alone: a plane goes through it, and there are no events to step through.";
 
 /// Returns why the first run has no events, if it has none.
 fn no_events(state: &State) -> Option<&'static str> {
@@ -729,6 +729,12 @@ fn camera(list: &mut List, state: &State) {
         let no_plane = state.runs().first.plane().is_none().then_some(NO_PLANE);
         action.on_key(key).refused(no_plane);
     }
+    let follows = state.runs().first.follows_events();
+    let pin = view_of_a(ViewCommand::PinPlane(follows == Some(true)));
+    let no_events = "The plane follows the events of a recorded set in space, and there are none.";
+    list.add("Let the plane follow the events", pin)
+        .refused(follows.is_none().then_some(no_events))
+        .marked(follows == Some(true));
 }
 
 /// Returns why time cannot go forwards, and why it cannot go backwards, if so.

@@ -179,18 +179,22 @@ pub enum RunEvent {
     Dart {
         /// The place where it lands.
         point: Point,
+        /// Where it lands along the third axis, in units; 0 in the plane.
+        z: i32,
         /// Whether it was sorted by rank, to be examined again in that order.
         ranked: bool,
         /// The result of the examination.
         verdict: Verdict,
     },
-    /// An active cell is cut in four.
+    /// An active cell is cut in four, or an active cube in eight.
     Cut {
         /// The lowest point of the cell.
         cell: Point,
+        /// The lowest place of the cube along the third axis, in units; 0 in the plane.
+        z: i32,
         /// The side of the cell, in units.
         side: i32,
-        /// How many quarters are not covered.
+        /// How many quarters or octants are not covered.
         kept: u32,
     },
     /// An iteration of detection and insertion ends.

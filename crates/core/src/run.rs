@@ -209,6 +209,20 @@ impl Run {
         iterations: Vec<Iteration>,
     ) -> Self {
         let domain = *locality.field.domain();
+        Self {
+            locality: Some(Arc::clone(locality)),
+            ..Self::of_throws(parameters, domain, points, iterations)
+        }
+    }
+
+    /// Returns the finished run of darts that became samples in this order, throw by throw, in a rectangle. It has no pattern
+    /// and no blocks.
+    pub(crate) fn of_throws(
+        parameters: Parameters,
+        domain: Domain,
+        points: Vec<Point>,
+        iterations: Vec<Iteration>,
+    ) -> Self {
         let mut origins = Vec::with_capacity(points.len());
         // The samples of a throw follow those of the throws before it.
         for (number, iteration) in (1..).zip(&iterations) {
@@ -221,7 +235,7 @@ impl Run {
 
         let fates = vec![Fate::Kept; points.len()];
         Self {
-            // The order of arrival, not the canonical one: a field's sets have no other.
+            // The order of arrival, not the canonical one: sets of darts have no other.
             result: (0..points.len() as u32).collect(),
             samples: Samples {
                 points,
@@ -231,7 +245,6 @@ impl Run {
             iterations,
             // The samples and the iterations are there to be counted.
             counted: None,
-            locality: Some(Arc::clone(locality)),
             ..Self::of_points(parameters, domain, Vec::new())
         }
     }

@@ -18,6 +18,7 @@ mod darts;
 mod domain;
 mod frame;
 mod process;
+mod recorded;
 mod rounds;
 
 use crate::error::SampleError;
@@ -29,6 +30,7 @@ use process::{Schedule, SolidProcess};
 
 pub use count::{SolidRequest, SolidSample};
 pub use domain::{MAX_VOLUME_RADII, MIN_SIDE_RADII_SOLID, SolidDomain};
+pub use recorded::{SolidRun, solid_recorded};
 
 /// A lattice point of space: x, y and z in units.
 type Place = [i32; 3];

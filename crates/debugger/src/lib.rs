@@ -39,6 +39,7 @@ mod ranks;
 mod recording;
 mod sentence;
 mod session;
+mod space;
 mod state;
 mod tally;
 mod tape;

@@ -204,5 +204,9 @@ fn violates(recording: &Recording, index: usize, event: &Event) -> bool {
     // The search finds samples without a decision, too, which may still be eliminated.
     let stays =
         |&id: &u32| id != sample && recording.status(id, index + 1) == crate::life::Status::Kept;
-    recording.ever_covering(point).iter().any(stays)
+    let covering = match recording.heights() {
+        Some(heights) => recording.ever_covering_in_space(point, heights[sample as usize]),
+        None => recording.ever_covering(point),
+    };
+    covering.iter().any(stays)
 }

@@ -17,6 +17,7 @@ use crate::index::{BySample, Classes, Direction};
 use crate::kind::EventKind;
 use crate::life::{Life, Status, UNBORN, note_change};
 use crate::ranks::RecordedLevels;
+use crate::space::Heights;
 use crate::tally::Density;
 use crate::tape::Tape;
 
@@ -85,6 +86,8 @@ pub struct Recording {
     pub(crate) lives: Vec<Life>,
     contexts: Vec<Context>,
     grid: SampleGrid,
+    /// Of a run in space, how high its samples lie.
+    pub(crate) heights: Option<Heights>,
     /// The events that made each split, block and clip.
     pub(crate) splits: Vec<u32>,
     pub(crate) leaves: Vec<u32>,
@@ -172,6 +175,7 @@ impl Recording {
             // One before each stride, the last of which may be incomplete.
             contexts: Vec::with_capacity(tape.len() / STRIDE + 1),
             grid,
+            heights: None,
             splits: Vec::new(),
             leaves: Vec::new(),
             clips: Vec::new(),
@@ -236,6 +240,7 @@ impl Recording {
                         point,
                         ranked: false,
                         verdict: Verdict::Accepted,
+                        ..
                     },
                 ) => self.expected.push(ExpectedDart {
                     point,

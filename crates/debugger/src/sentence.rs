@@ -4,6 +4,7 @@ mod exact;
 mod gaps;
 mod local;
 mod short;
+mod space;
 
 use tilescope_core::stages::blocks::Axis;
 use tilescope_core::{Fate, Insertion, Origin, Point, R, Rect, Run, RunEvent, Stage, Variant};
@@ -101,6 +102,10 @@ impl Words<'_> {
         if let Some(text) = self.local(run_event, index) {
             return text;
         }
+        // In space places have three coordinates.
+        if let Some(text) = self.space(run_event, index) {
+            return text;
+        }
 
         match run_event {
             RunEvent::Begin(stage) => self.begin(stage),
@@ -115,8 +120,11 @@ impl Words<'_> {
                 point,
                 ranked,
                 verdict,
+                ..
             } => self.dart(point, ranked, verdict),
-            RunEvent::Cut { cell, side, kept } => gaps::cut(cell, side, kept),
+            RunEvent::Cut {
+                cell, side, kept, ..
+            } => gaps::cut(cell, side, kept),
 
             // The other kinds are divided among functions, each of which passes on the kinds that are not its own: `change`,
             // then `tree`, `round` and `search`.

@@ -86,6 +86,10 @@ pub fn history_of_sample(recording: &Recording, sample: u32) -> Vec<usize> {
 #[must_use]
 pub fn history_of_point(recording: &Recording, point: Point) -> Vec<usize> {
     let mut events = Vec::new();
+    // A place of a projection stands for a line through space, of which no event is about all.
+    if recording.is_in_space() {
+        return Vec::new();
+    }
 
     // The samples whose disks have the point decide whether it is covered: all that happened to them belongs here.
     for sample in recording.ever_covering(point) {
@@ -140,6 +144,7 @@ pub fn history_of_point(recording: &Recording, point: Point) -> Vec<usize> {
 fn cause_of_dart(recording: &Recording, dart: RunEvent, index: usize) -> Option<u32> {
     let RunEvent::Dart {
         point,
+        z,
         verdict,
         ranked,
     } = dart
@@ -153,6 +158,9 @@ fn cause_of_dart(recording: &Recording, dart: RunEvent, index: usize) -> Option<
         // Where the radius depends on the place, the sample is not recorded: it follows from the rule.
         Verdict::Covered { .. } if recording.run().locality.is_some() => {
             kept(recording.covering(point, index)?)
+        }
+        Verdict::Covered { .. } if recording.is_in_space() => {
+            kept(recording.covering_in_space(point, z, index)?)
         }
         // In exact tiling an earlier event announced each dart that arrives (`ranked`): its wake, or its throw. A throw
         // itself hits an open place because an event has laid that bare.

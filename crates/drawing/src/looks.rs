@@ -182,6 +182,12 @@ impl<'a> Looks<'a> {
                 };
                 let drawn = if has(layer) { symbol } else { Symbol::None };
                 if let Some(cut) = self.subject.shown.cut(id) {
+                    // All samples of a set in space were darts, so that their symbol need not say so.
+                    let drawn = if has(Layer::Samples) {
+                        Symbol::Dot
+                    } else {
+                        Symbol::None
+                    };
                     return cut_look(drawn, self.color(id), cut);
                 }
                 SampleLook::new(drawn, self.color(id))

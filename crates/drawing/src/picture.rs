@@ -67,8 +67,8 @@ pub struct PictureView {
     pub legend: Option<Legend>,
     /// Whether there is room for the analysis of the moment beside it, which [`Beside`] draws.
     pub analysis: bool,
-    /// Where the plane through a set in space lies along the third axis, in lattice units; `None` for its middle, and for
-    /// planar sets.
+    /// Where the plane through a set in space lies along the third axis, in lattice units; `None` if it follows the
+    /// events, and for planar sets.
     #[serde(default)]
     pub plane: Option<i32>,
 }
@@ -266,7 +266,11 @@ fn shown<'a>(
         debugger,
         stage: moment.stage,
         prefix: moment.prefix(session),
-        plane: middle.map(|middle| view.plane.unwrap_or(middle)),
+        plane: middle.map(|middle| {
+            // A view without a plane follows the events.
+            let of_event = || session.event_height(moment.cursor?);
+            view.plane.or_else(of_event).unwrap_or(middle)
+        }),
     }
 }
 

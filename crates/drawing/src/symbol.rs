@@ -111,7 +111,12 @@ pub(crate) fn rect(width: f32, height: f32) -> [Vec2; 4] {
 pub fn symbol(layer: Layer, kind: SessionKind, palette: &Palette) -> Vec<SymbolShape> {
     match layer {
         // Active cells stand in the place of detectors.
-        Layer::Detectors if matches!(kind, SessionKind::Exact | SessionKind::Varying) => {
+        Layer::Detectors
+            if matches!(
+                kind,
+                SessionKind::Exact | SessionKind::Varying | SessionKind::Solid
+            ) =>
+        {
             let (corners, color) = (rect(10.0, 10.0), palette.detector);
             vec![
                 filled(corners, color.gamma_multiply(0.3)),

@@ -318,7 +318,7 @@ impl Draft {
     /// Returns whether so large a run keeps its result without its steps.
     #[must_use]
     pub fn keeps_result_only(&self) -> bool {
-        let most = if self.ground.is_asked() {
+        let most = if self.ground.is_asked() || self.is_in_space() {
             MAX_RECORDED
         } else {
             MAX_STAGED
@@ -328,8 +328,7 @@ impl Draft {
         // events.
         let has_prefixes = self.levels.is_some() || self.ground.by == RadiusBy::Stipple;
         let has_steps = self.parameters.variant == Variant::AsPrinted || has_prefixes;
-        // No size of a set in space has steps, which the form says in other words.
-        samples.is_some() && !has_steps && !self.is_in_space()
+        samples.is_some() && !has_steps
     }
 
     /// Returns a sentence on the memory that a run needs, if that is a lot: `None` for runs that any computer can make.

@@ -139,9 +139,11 @@ impl Layer {
     #[must_use]
     pub const fn is_of(self, kind: SessionKind) -> bool {
         match (self, kind) {
-            (Self::Samples | Self::Disks | Self::Gaps, SessionKind::Solid) => true,
             // A plane through space has neither blocks nor triangles of its own.
-            (_, SessionKind::Solid) => false,
+            (_, SessionKind::Solid) => matches!(
+                self,
+                Self::Samples | Self::Disks | Self::Gaps | Self::Detectors | Self::Eliminated
+            ),
             (Self::Samples | Self::Disks | Self::Delaunay | Self::Voronoi, _) => true,
             (_, SessionKind::Nested) => false,
             (Self::Field, _) => matches!(kind, SessionKind::Varying),
@@ -165,7 +167,8 @@ impl Layer {
             (Self::Eliminated, SessionKind::Exact) => "Lost, refused",
             (Self::Detectors, SessionKind::Exact | SessionKind::Varying) => "Active cells",
             (Self::Candidates, SessionKind::Exact) => "Waiting darts",
-            (Self::Eliminated, SessionKind::Varying) => "Darts",
+            (Self::Detectors, SessionKind::Solid) => "Active cubes",
+            (Self::Eliminated, SessionKind::Varying | SessionKind::Solid) => "Darts",
             _ => self.name(),
         }
     }
@@ -190,6 +193,8 @@ impl Layer {
                 return "sample within r of the plane: the paler, the farther";
             }
             (Self::Gaps, SessionKind::Solid) => return "gap: in no ball",
+            (Self::Detectors, SessionKind::Solid) => return "active cube that the plane cuts",
+            (Self::Eliminated, SessionKind::Solid) => return "dart near the plane, refused",
             (Self::Eliminated, SessionKind::Varying) => return "dart that became no sample",
 
             // All other layers mean the same in every session.

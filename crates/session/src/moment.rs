@@ -202,9 +202,9 @@ impl<'a> ShownMoment<'a> {
     /// Returns the radius of the disk of a sample, in r: its own, or that of the disk in which the plane cuts its ball.
     #[must_use]
     pub fn disk_of(&self, id: u32) -> f64 {
-        match self.cut(id) {
-            Some(cut) => cut.radius,
-            None => self.session.radius_of(id),
+        match (self.plane, self.cut(id)) {
+            (Some(_), cut) => cut.map_or(0.0, |cut| cut.radius),
+            (None, _) => self.session.radius_of(id),
         }
     }
 

@@ -5,6 +5,7 @@ use tilescope_core::{Boundary, Stage};
 use crate::moment::ShownMoment;
 use crate::nested::NestedLevels;
 use crate::session::Session;
+use crate::solid::MadeSolid;
 use crate::stipple::MadeStipple;
 use crate::units::radii;
 use crate::words::{counted, grouped, share, stage_name};
@@ -13,13 +14,13 @@ use crate::words::{counted, grouped, share, stage_name};
 #[must_use]
 pub fn name_in(session: &Session, stage: Stage) -> String {
     // A combination has pieces in the place of blocks, nested levels have no stage but the end, an exact tiling has
-    // levels, and a set in a field or a shape has throws.
+    // levels, and a set in a field, a shape or space has throws.
     match stage {
         Stage::Blocks if session.combination.is_some() => "Pieces".to_owned(),
         Stage::Tile if session.combination.is_some() => "Place".to_owned(),
         Stage::Finish if session.nested.is_some() => "Levels".to_owned(),
         Stage::Finish if session.stipple().is_some() => "Dots".to_owned(),
-        Stage::Iterate(k) if session.ground.is_some() => format!("Throw {k}"),
+        Stage::Iterate(k) if session.has_own_disks() => format!("Throw {k}"),
         Stage::Iterate(1) if session.is_exact() => "Levels 0, 1".to_owned(),
         Stage::Iterate(k) if session.is_exact() => format!("Level {k}"),
         stage => stage_name(stage),
@@ -42,8 +43,11 @@ pub fn happened(shown: Option<&ShownMoment<'_>>) -> String {
         return stipple_sentence(shown.session, stipple, count);
     }
 
-    if let Some((solid, plane)) = shown.session.solid.as_ref().zip(shown.plane) {
-        return solid.plane_sentence(plane);
+    // Of a set in space the plane says more than the stage as a whole.
+    if let Some((solid, plane)) = shown.session.solid.as_ref().zip(shown.plane)
+        && (shown.debugger.is_none() || shown.ends_stage())
+    {
+        return in_plane(shown.session, solid, shown.stage, plane);
     }
 
     match (shown.debugger, shown.cursor().checked_sub(1)) {
@@ -53,6 +57,19 @@ pub fn happened(shown: Option<&ShownMoment<'_>>) -> String {
         }
 
         _ => stage_sentence(shown.session, shown.stage),
+    }
+}
+
+/// Returns what a plane through a set in space shows at the end of a stage, in words.
+fn in_plane(session: &Session, solid: &MadeSolid, stage: Stage, plane: i32) -> String {
+    match stage {
+        Stage::Iterate(throw) => {
+            let iteration = session.iteration(throw);
+            let count = iteration.map_or(0, |iteration| iteration.inserted.end as usize);
+            let cubes = session.active_cubes(stage, plane).unwrap_or_default();
+            solid.throw_sentence(throw, cubes, count, plane)
+        }
+        _ => solid.plane_sentence(plane),
     }
 }
 

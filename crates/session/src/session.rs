@@ -212,12 +212,36 @@ impl Session {
         self
     }
 
-    /// Returns the session of projections as that of a set in space: the end is its only stage.
+    /// Returns the session of projections as that of a set in space. Without events the end is its only stage.
     #[must_use]
     pub(crate) fn in_space(mut self, solid: MadeSolid) -> Self {
-        self.stages = vec![Stage::Finish];
+        if self.recording().is_none() {
+            self.stages = vec![Stage::Finish];
+        }
         self.solid = Some(solid);
         self
+    }
+
+    /// Returns how many cubes are active in a throw of a set in space, and how many of them a plane cuts; `None` at other stages
+    /// and of other sets.
+    #[must_use]
+    pub fn active_cubes(&self, stage: Stage, plane: i32) -> Option<[usize; 2]> {
+        let solid = self.solid.as_ref()?;
+        let Stage::Iterate(throw) = stage else {
+            return None;
+        };
+        let cells = &self.iteration(throw)?.cells;
+        // All cubes of a throw have one side.
+        let side = cells.first().map_or(0, |cell| cell.side);
+        Some([cells.len(), solid.cubes_cut(throw, side, plane).count()])
+    }
+
+    /// Returns how high the place of the event before a cursor lies, in lattice units; `None` of planar sets, and of events
+    /// without a place.
+    #[must_use]
+    pub fn event_height(&self, cursor: usize) -> Option<i32> {
+        let recording = self.recording()?;
+        recording.event_height(recording.event(cursor.checked_sub(1)?)?)
     }
 
     /// Returns whether the disks of its samples differ in radius: where radii depend on the place, and where a plane cuts
@@ -317,8 +341,10 @@ impl Session {
     pub fn recording(&self) -> Option<&Arc<Recording>> {
         match &self.source {
             RunSource::Recorded(recording) => {
-                // Here, as a session that was sent to a worker lacks them.
-                recording.give_numbers(&MOMENT_NUMBERS);
+                // Here, as a session that was sent to a worker lacks them. They measure planar sets.
+                if !recording.is_in_space() {
+                    recording.give_numbers(&MOMENT_NUMBERS);
+                }
                 Some(recording)
             }
             RunSource::Run(_) => None,
@@ -424,8 +450,9 @@ impl Session {
 
         let (mut stages, mut starts, mut last, mut outline) =
             (run.stages(), Vec::new(), None, None);
-        // A run in a field or a shape has no pattern, and its first throw is its first stage.
-        if run.locality.is_some() {
+        // A run in a field, a shape or space has no pattern, and its first throw is its first stage.
+        let is_in_space = matches!(&source, RunSource::Recorded(made) if made.is_in_space());
+        if run.locality.is_some() || is_in_space {
             stages.retain(|&stage| stage != Stage::Pattern);
         }
         let mut losses = Vec::new();

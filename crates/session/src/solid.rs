@@ -2,6 +2,7 @@
 //! projections to x and y, in the order of arrival, and here what the projection lacks. Begin with [`MadeSolid`].
 
 use std::cmp::Ordering;
+use std::sync::Arc;
 
 use serde::{Deserialize, Serialize};
 use tilescope_analysis::{
@@ -11,7 +12,9 @@ use tilescope_analysis::{
 use tilescope_core::{
     Boundary, Domain, Parameters, Point, R, Run, SampleError, SolidDomain, solid_sample_parallel,
 };
+use tilescope_debugger::{DEFAULT_BUDGET, Recording};
 
+use crate::ground::MAX_RECORDED;
 use crate::jobs::Monitor;
 use crate::recipe::Recipe;
 use crate::session::{MakeError, Reporter, Session};
@@ -33,6 +36,9 @@ pub struct MadeSolid {
     heights: Vec<i32>,
     /// The same numbers in ascending order.
     sorted: Vec<i32>,
+    /// Of each throw, the lowest place of each active cube along the third axis, in lattice units; nothing where the events
+    /// were not recorded. The run's iterations have their projections.
+    cubes: Vec<Vec<i32>>,
 }
 
 /// The disk in which a plane cuts the ball of a sample. Lengths are in r.
@@ -67,6 +73,23 @@ impl Cut {
 }
 
 impl MadeSolid {
+    fn new(
+        asked: Parameters,
+        domain: SolidDomain,
+        heights: Vec<i32>,
+        cubes: Vec<Vec<i32>>,
+    ) -> Self {
+        let mut sorted = heights.clone();
+        sorted.sort_unstable();
+        Self {
+            asked,
+            domain,
+            heights,
+            sorted,
+            cubes,
+        }
+    }
+
     /// Returns the third side, in user units.
     #[must_use]
     pub const fn depth(&self) -> f64 {
@@ -118,20 +141,36 @@ impl MadeSolid {
     /// Returns how a plane cuts the ball of a sample; `None` if it does not meet it.
     #[must_use]
     pub fn cut(&self, id: u32, plane: i32) -> Option<Cut> {
-        let straight = self.heights[id as usize] - plane;
-        // Around the torus the nearest image counts. A side is longer than two radii, so that no other meets the plane.
-        let offset = match self.asked.boundary {
-            Boundary::Periodic if straight > self.side() / 2 => straight - self.side(),
-            Boundary::Periodic if straight < -self.side() / 2 => straight + self.side(),
-            Boundary::Periodic | Boundary::Bounded => straight,
-        };
-
+        let offset = self.above(self.heights[id as usize], plane);
         (offset.abs() <= R).then(|| {
             let above = units::radii(offset);
             // By Pythagoras.
             let radius = (1.0 - above * above).max(0.0).sqrt();
             Cut { radius, above }
         })
+    }
+
+    /// Returns how far a place of the third axis lies above a plane, in lattice units: around a periodic box by the shorter
+    /// way.
+    #[must_use]
+    pub fn above(&self, height: i32, plane: i32) -> i32 {
+        let straight = height - plane;
+        // A side is longer than two radii, so that within one no other image counts.
+        match self.asked.boundary {
+            Boundary::Periodic if straight > self.side() / 2 => straight - self.side(),
+            Boundary::Periodic if straight < -self.side() / 2 => straight + self.side(),
+            Boundary::Periodic | Boundary::Bounded => straight,
+        }
+    }
+
+    /// Returns the numbers of the active cubes of a throw, counted from 1, that a plane cuts; cubes are `side` units wide.
+    pub fn cubes_cut(&self, throw: u32, side: i32, plane: i32) -> impl Iterator<Item = usize> {
+        let throw = (throw as usize).checked_sub(1);
+        let cubes = throw.and_then(|throw| self.cubes.get(throw));
+        let lowest = cubes.map_or(&[][..], Vec::as_slice).iter().enumerate();
+        // A cube holds its lowest place, and not that of the next one.
+        let holds = move |low: i32| low <= plane && plane < low + side;
+        lowest.filter_map(move |(number, &low)| holds(low).then_some(number))
     }
 
     /// Returns how many samples a plane cuts, by bisection.
@@ -179,6 +218,36 @@ impl MadeSolid {
                 Boundary::Bounded => JudgedBoundary::Bounded,
             },
         }
+    }
+
+    /// Returns how many of the first samples a plane cuts.
+    #[must_use]
+    pub fn count_cut_of(&self, count: usize, plane: i32) -> usize {
+        if count == self.heights.len() {
+            return self.count_cut(plane);
+        }
+        let ids = 0..count.min(self.heights.len()) as u32;
+        ids.filter(|&id| self.cut(id, plane).is_some()).count()
+    }
+
+    /// Returns what a plane shows after a throw of `cubes` active cubes, of which it cuts `cubes_cut`, when `count` samples are
+    /// there.
+    #[must_use]
+    pub fn throw_sentence(
+        &self,
+        throw: u32,
+        [cubes, cubes_cut]: [usize; 2],
+        count: usize,
+        plane: i32,
+    ) -> String {
+        let place = significant(self.users_from_plane(plane));
+        format!(
+            "Throw {throw}: {} darts, {} of them in the plane z = {place}; it cuts {} of {}.",
+            counted(cubes, "active cube throws", "active cubes throw"),
+            grouped(cubes_cut),
+            grouped(self.count_cut_of(count, plane)),
+            counted(count, "ball", "balls"),
+        )
     }
 
     /// Returns what a plane shows of the set, in a sentence.
@@ -239,7 +308,8 @@ fn planar_domain(parameters: &Parameters) -> Result<Domain, SampleError> {
     )?)
 }
 
-/// Makes the set in space that a recipe asks for, of this depth, without events.
+/// Makes the set in space that a recipe asks for, of this depth: with its events, unless it has more than
+/// [`MAX_RECORDED`] samples.
 ///
 /// Fails as [`expected_samples`], where there is not enough memory, and when `monitor` is cancelled.
 pub fn sample(
@@ -252,19 +322,23 @@ pub fn sample(
     let planar = planar_domain(&asked)?;
     let domain = box_of(&asked, depth)?;
     let observer = &mut Reporter { monitor };
+
+    // Few enough samples are recorded dart by dart.
+    if expected_samples(&asked, depth)? <= MAX_RECORDED {
+        let made = Recording::in_space(domain, planar, &asked, DEFAULT_BUDGET, observer);
+        let (recording, cubes) = made?;
+        let heights = recording.heights().unwrap_or_default().to_vec();
+        let solid = MadeSolid::new(asked, domain, heights, cubes);
+        let recording = Arc::new(recording);
+        let session = observer.prepare(|| Session::from_recording(recording, generation));
+        return Ok(session?.in_space(solid));
+    }
+
     // The samples are those of one thread, bit for bit.
     let places = solid_sample_parallel(domain, asked.seed, observer)?;
-
     let points = places.iter().map(|&[x, y, _]| Point::new(x, y)).collect();
-    let heights: Vec<i32> = places.iter().map(|&[.., z]| z).collect();
-    let mut sorted = heights.clone();
-    sorted.sort_unstable();
-    let solid = MadeSolid {
-        asked,
-        domain,
-        heights,
-        sorted,
-    };
+    let heights = places.iter().map(|&[.., z]| z).collect();
+    let solid = MadeSolid::new(asked, domain, heights, Vec::new());
     let run = Run::of_points(asked, planar, points);
     let session = observer.prepare(|| Session::from_run(run, generation));
     Ok(session?.in_space(solid))

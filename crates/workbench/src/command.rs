@@ -249,6 +249,8 @@ pub enum ViewCommand {
     Plane(f64),
     /// Moves the plane by this many steps of r / 20.
     StepPlane(i32),
+    /// Pins the plane where it lies, or has it follow the events of the run.
+    PinPlane(bool),
 }
 
 /// One of the runs that are shown.

@@ -369,7 +369,7 @@ const fn view(which: Which, command: &ViewCommand) -> Rules {
         // Frames have no panels.
         ViewCommand::Inspect => NOT_IN_FRAME,
 
-        ViewCommand::Plane(_) | ViewCommand::StepPlane(_) => rules,
+        ViewCommand::Plane(_) | ViewCommand::StepPlane(_) | ViewCommand::PinPlane(_) => rules,
 
         // An event, a verdict or a selection belongs to one run alone, so that a linked camera stays where it is.
         ViewCommand::GoToCurrent

@@ -556,7 +556,7 @@ fn plane(ui: &mut Ui, context: &TimeContext<'_>, commands: &mut Vec<Command>) {
         return;
     };
     // As wide as a slider needs on which a ball of a usual box is a few points.
-    let width = PLANE.min(ui.available_width() - PLANE_NUMBER);
+    let width = PLANE.min(ui.available_width() / 3.0 - PLANE_NUMBER);
     if width < PLANE / 3.0 {
         return;
     }
@@ -574,6 +574,19 @@ fn plane(ui: &mut Ui, context: &TimeContext<'_>, commands: &mut Vec<Command>) {
     response.on_hover_text(ui.words(
         "Where the plane that is shown lies along the third axis. J and K move it by a tenth of r.",
     ));
+
+    // Without events there is nothing to follow.
+    if let Some(mut follows) = context.run.follows_events() {
+        let switch = ui.checkbox(&mut follows, ui.words("Follow"));
+        switch.known_as("plane.follow");
+        if switch.changed() {
+            let pin = ViewCommand::PinPlane(!follows);
+            commands.push(Command::View(Which::First, pin));
+        }
+        switch.on_hover_text(
+            ui.words("The plane goes where the last event happened. One that is moved stays."),
+        );
+    }
 }
 
 /// Width of the slider of the plane, and of the number beside it.

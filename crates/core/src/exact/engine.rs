@@ -391,6 +391,7 @@ impl<'a> ExactTiling<'a> {
         if T::ENABLED {
             recorder.record(RunEvent::Dart {
                 point: dart.place,
+                z: 0,
                 // Its turn in the order of arrival has come.
                 ranked: true,
                 verdict: self.verdict(dart, tile, is_covered),
@@ -466,6 +467,7 @@ impl<'a> ExactTiling<'a> {
             let square = self.square(cell, side);
             recorder.record(RunEvent::Cut {
                 cell: square.min,
+                z: 0,
                 side,
                 kept: (self.open.len() - first) as u32,
             });
@@ -528,6 +530,7 @@ impl<'a> ExactTiling<'a> {
             if T::ENABLED {
                 recorder.record(RunEvent::Dart {
                     point: dart.place,
+                    z: 0,
                     // A first look, before its turn.
                     ranked: false,
                     verdict: self.verdict(&dart, piece.tile, is_covered),

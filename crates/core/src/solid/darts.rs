@@ -2,7 +2,8 @@
 
 use crate::lattice::R;
 use crate::random::{Key, Stream};
-use crate::stages::darts::{throw_key, throws};
+use crate::record::Verdict;
+use crate::stages::darts::{throw_key, throws, verdict};
 
 use super::Place;
 use super::balls::BallGrid;
@@ -74,6 +75,19 @@ impl SolidThrow {
 
     /// Appends to `out` the darts into some cubes that land in the domain and that no sample covers.
     pub fn uncovered(&self, cubes: &[Place], balls: &BallGrid, out: &mut Vec<SolidDart>) {
+        self.thrown(cubes, balls, out, |_, _| {});
+    }
+
+    /// Like [`Self::uncovered`], and passes each dart to `told` with the place where it lands and its verdict. The process keeps
+    /// no ids, so that none is named.
+    #[inline]
+    pub fn thrown(
+        &self,
+        cubes: &[Place],
+        balls: &BallGrid,
+        out: &mut Vec<SolidDart>,
+        mut told: impl FnMut(Place, Verdict),
+    ) {
         let last = balls.frame().last();
         let mut planes = PlaneKeys::new(self.key);
         // The sides of cubes are powers of two: a shift divides by them.
@@ -92,7 +106,13 @@ impl SolidThrow {
                 let place = [x + right, y + up, z + deep];
                 // A cube at an upper side may reach beyond it.
                 let is_inside = (0..3).all(|axis| place[axis] <= last[axis]);
-                if is_inside && !balls.covers(place) {
+                if !is_inside {
+                    told(place, Verdict::Outside);
+                    continue;
+                }
+                let is_covered = balls.covers(place);
+                told(place, verdict(is_covered));
+                if !is_covered {
                     // The rank is drawn only now, since nine of ten darts are covered and need none.
                     let [rank, _] = cube_key.draw(Stream::Rank, index);
                     out.push(SolidDart { rank, place });

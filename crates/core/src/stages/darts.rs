@@ -280,6 +280,7 @@ impl<G: DartGround> DartProcess<G> {
             let covered = self.ground.covers(dart.point, dart.place);
             recorder.record(RunEvent::Dart {
                 point: dart.point,
+                z: 0,
                 ranked: true,
                 verdict: verdict(covered),
             });
@@ -336,6 +337,7 @@ impl<G: DartGround> DartProcess<G> {
                 };
                 recorder.record(RunEvent::Dart {
                     point,
+                    z: 0,
                     ranked: false,
                     verdict,
                 });
@@ -374,6 +376,7 @@ impl<G: DartGround> DartProcess<G> {
             self.ground.split(cell, level, &mut near, &mut next);
             recorder.record(RunEvent::Cut {
                 cell: min,
+                z: 0,
                 side,
                 kept: (next.len() - before) as u32,
             });
@@ -386,7 +389,7 @@ impl<G: DartGround> DartProcess<G> {
 }
 
 /// Returns the verdict on a dart in the domain; the process keeps no ids.
-const fn verdict(covered: bool) -> Verdict {
+pub(crate) const fn verdict(covered: bool) -> Verdict {
     if covered {
         Verdict::Covered { by: u32::MAX }
     } else {

@@ -26,10 +26,10 @@ macro_rules! events {
                 RunEvent::Wake { point: Point { x, y }, behind } => {
                     packed(EventKind::Wake, 0, &[x as u32, y as u32, behind])
                 }
-                RunEvent::Cut { cell: Point { x, y }, side, kept } => {
-                    packed(EventKind::Cut, 0, &[x as u32, y as u32, side as u32, kept])
+                RunEvent::Cut { cell: Point { x, y }, z, side, kept } => {
+                    packed(EventKind::Cut, 0, &[x as u32, y as u32, side as u32, kept, z as u32])
                 }
-                RunEvent::Dart { point, ranked, verdict } => pack_dart(point, ranked, verdict),
+                RunEvent::Dart { point, z, ranked, verdict } => pack_dart(point, z, ranked, verdict),
                 RunEvent::Candidate { detector, sites, offset, verdict } => {
                     pack_candidate(detector, sites, offset, verdict)
                 }
@@ -38,8 +38,9 @@ macro_rules! events {
 
         /// Returns the run event that an event was packed from, or `None` for a notice of thinning.
         pub(super) fn unpack(event: &Event) -> Option<RunEvent> {
-            let [a, b, c, d, _] = event.words;
-            let point = Point::new(a as i32, b as i32);
+            let [a, b, c, d, e] = event.words;
+            // The last word of a dart and of a cell is their place on the third axis.
+            let (point, z) = (Point::new(a as i32, b as i32), e as i32);
             Some(match event.kind {
                 $(EventKind::$kind => {
                     let mut words = event.words.into_iter();
@@ -48,10 +49,10 @@ macro_rules! events {
                 EventKind::Begin => RunEvent::Begin(stage(event.tags, a)),
                 EventKind::Pass => RunEvent::Pass { point, by: c },
                 EventKind::Wake => RunEvent::Wake { point, behind: c },
-                EventKind::Cut => RunEvent::Cut { cell: point, side: c as i32, kept: d },
+                EventKind::Cut => RunEvent::Cut { cell: point, z, side: c as i32, kept: d },
                 EventKind::Dart => {
                     let verdict = verdict(event.tags, c);
-                    RunEvent::Dart { point, ranked: event.is_ranked(), verdict }
+                    RunEvent::Dart { point, z, ranked: event.is_ranked(), verdict }
                 }
                 EventKind::Candidate => unpack_candidate(event),
                 EventKind::Thinned => return None,
@@ -121,9 +122,10 @@ const fn stage(tags: u8, k: u32) -> Stage {
     }
 }
 
-fn pack_dart(point: Point, ranked: bool, verdict: Verdict) -> Event {
+fn pack_dart(point: Point, z: i32, ranked: bool, verdict: Verdict) -> Event {
     let (tags, by) = verdict_tags(verdict);
-    let words = [point.x as u32, point.y as u32, by.unwrap_or(NONE)];
+    let by = by.unwrap_or(NONE);
+    let words = [point.x as u32, point.y as u32, by, 0, z as u32];
     Event {
         extra: u8::from(ranked),
         ..packed(EventKind::Dart, tags, &words)

@@ -38,6 +38,7 @@ impl Words<'_> {
                 point,
                 ranked,
                 verdict,
+                ..
             } => self.arrival(point, ranked, verdict)?,
             RunEvent::Insert { sample, .. } => format!(
                 "{} is a sample that the pattern lacks: there its dart was refused",
@@ -64,7 +65,9 @@ impl Words<'_> {
                     }
                 }
             }
-            RunEvent::Cut { cell, side, kept } => cut(cell, side, kept),
+            RunEvent::Cut {
+                cell, side, kept, ..
+            } => cut(cell, side, kept),
             // All other events mean the same as in any run.
             _ => return None,
         })

@@ -15,6 +15,7 @@ impl Words<'_> {
                 point,
                 ranked,
                 verdict,
+                ..
             } => self.local_dart(locality, point, ranked, verdict, index)?,
 
             RunEvent::Insert { sample, iteration } => {
@@ -40,7 +41,9 @@ impl Words<'_> {
                 count(inserted.into(), "dart")
             ),
 
-            RunEvent::Cut { cell, side, kept } => {
+            RunEvent::Cut {
+                cell, side, kept, ..
+            } => {
                 // A quarter without a place of the shape is left out like one that a sample is near as a whole.
                 let kept = match kept {
                     0 => "each quarter is near one sample as a whole, or outside".to_owned(),

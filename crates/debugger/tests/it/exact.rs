@@ -205,6 +205,7 @@ fn false_claims_are_found() {
             ],
             Some(RunEvent::Dart {
                 point,
+                z,
                 ranked: true,
                 verdict,
             }) => {
@@ -214,6 +215,7 @@ fn false_claims_are_found() {
                 };
                 vec![RunEvent::Dart {
                     point,
+                    z,
                     ranked: true,
                     verdict: other,
                 }]

@@ -257,11 +257,13 @@ fn packing_loses_nothing() {
         RunEvent::Pass { point, by: 6 },
         RunEvent::Dart {
             point,
+            z: -7,
             ranked: true,
             verdict: Verdict::Covered { by: u32::MAX },
         },
         RunEvent::Cut {
             cell: point,
+            z: 123_456_789,
             side: 4,
             kept: 3,
         },

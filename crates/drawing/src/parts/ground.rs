@@ -25,6 +25,10 @@ const SHADES: f64 = 24.0;
 const MIN_SCALE_OF_DARTS: f32 = 4.0;
 const MIN_SCALE_OF_LINES: f32 = 14.0;
 
+/// How far from the plane darts of a set in space are drawn in it, in lattice units: a tenth of r, within which most have the
+/// verdict of the plane's places. Chosen, not measured.
+const NEAR_PLANE: i32 = R / 10;
+
 /// The most darts that are drawn of a throw; more would hide each other.
 const MAX_DARTS: usize = 20_000;
 
@@ -168,7 +172,18 @@ fn cells(scene: &Scene<'_>, surface: &mut impl Surface, number: u32) {
     let (fill, stroke) = (color.gamma_multiply(0.18), Stroke::new(1.0, color));
     let end = scene.session.size_radii();
 
-    for cell in &iteration.cells {
+    // Of a set in space those count that the plane cuts.
+    let side = iteration.cells.first().map_or(0, |cell| cell.side);
+    let in_plane = scene.session.solid.as_ref().zip(scene.shown.plane);
+    let cut: Option<Vec<usize>> =
+        in_plane.map(|(solid, plane)| solid.cubes_cut(number, side, plane).collect());
+    let numbers: &mut dyn Iterator<Item = usize> = match &cut {
+        Some(cut) => &mut cut.iter().copied(),
+        None => &mut (0..iteration.cells.len()),
+    };
+
+    for number in numbers {
+        let cell = &iteration.cells[number];
         // The part of a cell beyond the domain's border holds no places.
         let low = position(cell.min);
         let corners = [low, (low + radii(cell.side)).min(end)].map(|at| scene.at(at));
@@ -205,11 +220,14 @@ fn thrown(scene: &Scene<'_>, surface: &mut impl Surface) {
         .from(start)
         .take(cursor.saturating_sub(start));
     for (index, event) in events {
-        let Some(RunEvent::Dart { point, verdict, .. }) = event.run_event() else {
+        let Some(RunEvent::Dart {
+            point, z, verdict, ..
+        }) = event.run_event()
+        else {
             continue;
         };
         let at = scene.point(point);
-        if !view.contains(at) || drawn >= MAX_DARTS {
+        if !view.contains(at) || !is_near_plane(scene, z) || drawn >= MAX_DARTS {
             continue;
         }
         drawn += 1;
@@ -222,7 +240,7 @@ fn thrown(scene: &Scene<'_>, surface: &mut impl Surface) {
                 surface.mark(Mark::Cross, at, [size, NO_GROWTH], color);
                 // The line shows by which sample: the first that is near the dart.
                 let by = has_lines
-                    .then(|| recording.covering(point, index))
+                    .then(|| recording.covering_dart(point, z, index))
                     .flatten();
                 if let Some(by) = by {
                     let sample = scene.session.image_near(by, position(point));
@@ -239,6 +257,12 @@ fn thrown(scene: &Scene<'_>, surface: &mut impl Surface) {
             Verdict::TooFar | Verdict::NotNearest { .. } => {}
         }
     }
+}
+
+/// Returns whether a dart is so near the plane through a set in space that it is drawn there; in a planar set each is.
+fn is_near_plane(scene: &Scene<'_>, z: i32) -> bool {
+    let in_plane = scene.session.solid.as_ref().zip(scene.shown.plane);
+    in_plane.is_none_or(|(solid, plane)| solid.above(z, plane).abs() <= NEAR_PLANE)
 }
 
 /// Returns the colour of a dart by its verdict.

@@ -174,8 +174,8 @@ fn edge(scene: &Scene<'_>, surface: &mut impl Surface, [a, b]: [u32; 2], stroke:
 
 /// Draws the detectors and candidates of the iteration that is shown or comes next.
 pub fn search(scene: &Scene<'_>, surface: &mut impl Surface) {
-    // Sets in a field or a shape have neither detectors nor candidates, and darts instead.
-    if scene.session.ground.is_some() {
+    // Sets in a field, a shape or space have neither detectors nor candidates, and darts instead.
+    if scene.session.has_own_disks() {
         return super::ground::darts(scene, surface);
     }
     // Exact tiling searches by darts.

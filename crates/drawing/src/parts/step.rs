@@ -50,10 +50,12 @@ pub fn draw(scene: &Scene<'_>, surface: &mut impl Surface) {
     }
 
     if let Some((dart, verdict)) = context.dart {
+        // Of a set in space the last event has the third coordinate of its dart, unless the dart became a sample.
+        let z = scene.session.event_height(scene.shown.cursor());
         let color = color_of(scene, verdict);
         let border = Stroke::new(1.5, palette.halo);
         surface.circle(scene.point(dart), 4.0, Some(color), Some(border));
-        if let Some(by) = blocker_of(scene, dart, verdict) {
+        if let Some(by) = blocker_of(scene, dart, z.unwrap_or(0), verdict) {
             blocker(scene, surface, dart, by);
         }
     }
@@ -63,7 +65,7 @@ pub fn draw(scene: &Scene<'_>, surface: &mut impl Surface) {
         let stroke = Stroke::new(2.5, palette.halo);
         surface.circle(at, ring(scene) + 4.0, None, Some(stroke));
         let faint = Stroke::new(1.2, palette.halo.gamma_multiply(0.6));
-        let radius = scene.session.radius_of(id) as f32 * scene.scale();
+        let radius = scene.shown.disk_of(id) as f32 * scene.scale();
         surface.circle(at, radius, None, Some(faint));
     }
 
@@ -73,19 +75,21 @@ pub fn draw(scene: &Scene<'_>, surface: &mut impl Surface) {
 
 /// Returns the sample that refused a dart: the event names it, or it follows from the radii at both places. `None` for
 /// a dart that no sample refused, and where insertion by darts did not record the sample.
-fn blocker_of(scene: &Scene<'_>, dart: Point, verdict: Verdict) -> Option<u32> {
+fn blocker_of(scene: &Scene<'_>, dart: Point, z: i32, verdict: Verdict) -> Option<u32> {
     let Verdict::Covered { by } = verdict else {
         return None;
     };
     if by != NONE {
         return Some(by);
     }
-    // Of all sets only those in a field or a shape are made without ids.
-    scene.session.run().locality.as_ref()?;
+    // Of all sets only those in a field, a shape or space are made without ids.
+    if !scene.session.has_own_disks() {
+        return None;
+    }
     let debugger = scene.shown.debugger?;
     debugger
         .recording()
-        .covering(dart, debugger.state().cursor())
+        .covering_dart(dart, z, debugger.state().cursor())
 }
 
 /// Draws the line from a refused dart to the sample that came first, and that one's disk.
@@ -94,7 +98,7 @@ fn blocker(scene: &Scene<'_>, surface: &mut impl Surface, dart: Point, by: u32) 
     let at = scene.at(scene.session.image_near(by, from));
     let color = scene.palette.conflict;
     surface.dashes([scene.at(from), at], Stroke::new(1.8, color));
-    let radius = scene.session.radius_of(by) as f32 * scene.scale();
+    let radius = scene.shown.disk_of(by) as f32 * scene.scale();
     surface.circle(at, radius, None, Some(Stroke::new(1.4, color)));
 }
 
@@ -172,7 +176,7 @@ fn growth(scene: &Scene<'_>, surface: &mut impl Surface, event: RunEvent, color:
         let at = scene.at(scene.session.position(centre));
         let fill = color.gamma_multiply(0.5 * (1.0 - share));
         let stroke = Stroke::new(2.0, color.gamma_multiply(1.0 - share));
-        let radius = scene.session.radius_of(centre) as f32 * scene.scale();
+        let radius = scene.shown.disk_of(centre) as f32 * scene.scale();
         surface.circle(at, share * radius, Some(fill), Some(stroke));
     }
 }

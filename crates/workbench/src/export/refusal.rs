@@ -37,8 +37,11 @@ pub enum ExportRefusal {
         "This set is in space, and the window exports planar sets; `tilescope sample --size WxHxD` writes it, and the picture shows the plane."
     )]
     Solid,
-    /// Animations need events, and a set in space has none.
-    #[error("A set in space has no events, so that there is no time to animate.")]
+    /// Animations need events, and a large set in space has none.
+    #[error(
+        "This set in space has no events, so that there is no time to animate: one of more than {} samples keeps its result alone.",
+        grouped(tilescope_session::ground::MAX_RECORDED as usize)
+    )]
     SolidTime,
     /// No sample covers its disk.
     #[error("No sample covers its disk at this moment.")]

@@ -358,7 +358,9 @@ impl ExportSource<'_> {
             ExportKind::Result | ExportKind::Samples if session.solid.is_some() => {
                 Some(ExportRefusal::Solid)
             }
-            ExportKind::Animation if session.solid.is_some() => Some(ExportRefusal::SolidTime),
+            ExportKind::Animation if session.solid.is_some() && session.recording().is_none() => {
+                Some(ExportRefusal::SolidTime)
+            }
             ExportKind::Animation if session.combination.is_some() => {
                 Some(ExportRefusal::Combination)
             }
@@ -438,7 +440,11 @@ impl ExportSource<'_> {
             // `checked_view` sets legend and analysis.
             legend: None,
             analysis: false,
-            plane: self.run.plane(),
+            // In an animation a plane that is not pinned follows the events.
+            plane: match (kind, self.run.follows_events()) {
+                (ExportKind::Animation, Some(true)) => None,
+                _ => self.run.plane(),
+            },
         })
     }
 

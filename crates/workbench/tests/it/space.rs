@@ -2,12 +2,15 @@
 
 use std::sync::Arc;
 
-use tilescope_core::{Boundary, Parameter, R, SolidDomain, Standing, Unobserved, solid_sample};
+use tilescope_core::{
+    Boundary, Parameter, R, RunEvent, SolidDomain, Stage, Standing, Unobserved,
+    Verdict as DartVerdict, solid_sample,
+};
 use tilescope_session::layers::{Layer, SessionKind};
 use tilescope_session::session::Session;
 use tilescope_session::solid::MadeSolid;
 use tilescope_session::verification::Witness;
-use tilescope_workbench::command::{FormCommand, ViewCommand, Which};
+use tilescope_workbench::command::{FormCommand, TimeCommand, ViewCommand, Which};
 use tilescope_workbench::draft::{Choice, FormPart};
 use tilescope_workbench::export::ExportKind;
 use tilescope_workbench::state::ExportSource;
@@ -217,11 +220,96 @@ fn what_has_no_meaning_in_space_says_so() {
     assert!(notice_text(&planar).contains("a depth in the form"));
     assert_eq!(planar.runs().first.plane(), None);
 
-    let refusal = ExportSource::of(&state).kind_refusal(ExportKind::Animation);
-    assert!(
-        refusal
-            .expect("a refusal")
-            .to_string()
-            .contains("no events")
-    );
+    let refusal = ExportSource::of(&state).kind_refusal(ExportKind::Samples);
+    assert!(refusal.expect("a refusal").to_string().contains("in space"));
+}
+
+#[test]
+fn the_plane_follows_the_events_until_it_is_moved() {
+    let mut state = made();
+    let recording = Arc::clone(session(&state).recording().expect("events"));
+    let mut followed = 0;
+    for cursor in (1..recording.len()).step_by(recording.len() / 60) {
+        state.apply(Command::Time(TimeCommand::Jump(cursor)));
+        let event = recording.event(cursor - 1).expect("an event");
+        if let Some(height) = recording.event_height(event) {
+            assert_eq!(state.runs().first.plane(), Some(height));
+            followed += 1;
+        }
+
+        // As many samples are there as have been inserted, whatever the plane cuts.
+        let shown = state.runs().first.shown().expect("a moment");
+        let is_insertion = |event: &&tilescope_debugger::Event| {
+            matches!(event.run_event(), Some(RunEvent::Insert { .. }))
+        };
+        let inserted = recording.tape().iter().take(cursor).filter(is_insertion);
+        assert_eq!(
+            shown.moment().covering(shown.session).len(),
+            inserted.count()
+        );
+    }
+    assert!(followed > 40, "{followed}");
+
+    view(&mut state, ViewCommand::Plane(1.0));
+    let pinned = state.runs().first.plane();
+    state.apply(Command::Time(TimeCommand::Jump(recording.len() / 3)));
+    assert_eq!(state.runs().first.plane(), pinned);
+    view(&mut state, ViewCommand::PinPlane(false));
+    assert_eq!(state.runs().first.follows_events(), Some(true));
+    assert_ne!(state.runs().first.plane(), pinned);
+}
+
+#[test]
+fn a_refused_dart_names_its_blocker_and_how_deep_it_lies() {
+    let state = made();
+    let recording = session(&state).recording().expect("events");
+    let (mut covered, mut above) = (0, 0);
+    for (index, event) in recording.tape().from(0).take(40_000) {
+        let Some(RunEvent::Dart {
+            point, z, verdict, ..
+        }) = event.run_event()
+        else {
+            continue;
+        };
+        let by = recording.covering_in_space(point, z, index);
+        assert_eq!(by.is_some(), matches!(verdict, DartVerdict::Covered { .. }));
+        let Some(by) = by else {
+            continue;
+        };
+        let said = tilescope_debugger::sentence(recording, index);
+        let name = format!("sample {} is ", tilescope_debugger::grouped(by.into()));
+        assert!(said.contains(&name) && said.contains(" r away, "), "{said}");
+        // Its cause is the insertion of the blocker.
+        let causes = tilescope_debugger::why::causes(recording, index);
+        let born = recording.life(by).expect("a life").born as usize;
+        assert_eq!(causes.first(), Some(&born));
+        covered += 1;
+        above += usize::from(said.ends_with(" above."));
+    }
+    assert!(covered > 1_000 && (covered / 4..3 * covered / 4).contains(&above));
+}
+
+#[test]
+fn a_throw_says_how_many_cubes_the_plane_cuts() {
+    let mut state = made();
+    view(&mut state, ViewCommand::Plane(2.5));
+    let stages = session(&state).stages.clone();
+    for (index, &stage) in stages.iter().enumerate() {
+        state.apply(Command::Time(TimeCommand::ShowStage(index)));
+        let run = &state.runs().first;
+        let plane = run.plane().expect("a plane");
+        let texts = run.moment_texts(false).join(" ");
+        match session(&state).active_cubes(stage, plane) {
+            Some([all, cut]) => {
+                assert!(cut <= all);
+                // At first all cells of a layer of 12 x 11 are active.
+                assert!(
+                    index > 0 || (all, cut) == (12 * 11 * 10, 132),
+                    "{all} {cut}"
+                );
+                assert!(texts.contains("active in all"), "{texts}");
+            }
+            None => assert_eq!(stage, Stage::Finish),
+        }
+    }
 }

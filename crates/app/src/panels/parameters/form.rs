@@ -39,7 +39,7 @@ pub(super) fn show(ui: &mut Ui, context: &FormContext<'_>, commands: &mut Vec<Co
     if context.form.draft.ground.is_asked() || context.form.draft.is_in_space() {
         fields.number(ui, Parameter::Seed);
         let text = if context.form.draft.is_in_space() {
-            "Darts of the reference sampler make this set of balls, which a plane shows. Its steps are not kept."
+            "Darts of the reference sampler make this set of balls, which a plane shows."
         } else {
             "Darts of the reference sampler make this set, without tiling."
         };

@@ -82,6 +82,7 @@ impl RunView {
             ViewCommand::Inspect => context.ask(Effect::Inspect),
             ViewCommand::Plane(place) => self.show_plane(place, context),
             ViewCommand::StepPlane(steps) => self.step_plane(steps, context),
+            ViewCommand::PinPlane(is_pinned) => self.pin_plane(is_pinned, context),
         }
     }
 

@@ -17,14 +17,42 @@ pub const NO_PLANE: &str =
 pub struct Plane {
     /// Where it lies along the third axis, in lattice units; `None` for the middle of the box.
     at: Option<i32>,
+    /// Whether it stays there. Otherwise it follows the events: it lies where the last one happened, if that has a place.
+    is_pinned: bool,
 }
 
 impl RunView {
     /// Returns where the plane through a set in space lies along the third axis, in lattice units; `None` for planar sets.
     #[must_use]
     pub fn plane(&self) -> Option<i32> {
-        let solid = self.session.as_ref()?.solid.as_ref()?;
-        Some(self.plane.at.unwrap_or_else(|| solid.middle()))
+        let session = self.session.as_ref()?;
+        let solid = session.solid.as_ref()?;
+        let of_event = || {
+            let debugger = self.debugger.as_ref()?;
+            session.event_height(debugger.state().cursor())
+        };
+        let followed = of_event().filter(|_| !self.plane.is_pinned);
+        Some(followed.or(self.plane.at).unwrap_or_else(|| solid.middle()))
+    }
+
+    /// Returns whether the plane follows the events of the run; `None` where there is no plane, or there are no events.
+    #[must_use]
+    pub fn follows_events(&self) -> Option<bool> {
+        self.plane()?;
+        self.debugger.as_ref().map(|_| !self.plane.is_pinned)
+    }
+
+    /// Pins the plane where it lies, or has it follow the events again.
+    pub(in crate::state) fn pin_plane(&mut self, is_pinned: bool, context: &mut Context) {
+        let Some(at) = self.plane() else {
+            return context.tell_error(NO_PLANE.to_owned());
+        };
+        // Where no event has a place, a plane that follows them stays where it was last.
+        self.plane = Plane {
+            at: Some(at),
+            is_pinned,
+        };
+        self.forget_unseen();
     }
 
     /// Returns the third side and where the plane lies along it, in user units; `None` for planar sets.
@@ -34,10 +62,10 @@ impl RunView {
         Some((solid.depth(), solid.users_from_plane(self.plane()?)))
     }
 
-    /// Returns where the plane lies, in user units, if it was moved.
+    /// Returns where the plane lies, in user units, if it was moved there; `None` if it follows the events.
     #[must_use]
     pub fn moved_plane(&self) -> Option<f64> {
-        self.plane.at?;
+        self.plane.at.filter(|_| self.plane.is_pinned)?;
         self.plane_place().map(|(_, place)| place)
     }
 
@@ -68,8 +96,12 @@ impl RunView {
         }
     }
 
+    /// Moves the plane to a place that was asked for, where it stays.
     fn put_plane(&mut self, at: i32) {
-        self.plane.at = Some(at);
+        self.plane = Plane {
+            at: Some(at),
+            is_pinned: true,
+        };
         // A sample under the pointer may have left the plane.
         self.forget_unseen();
     }

@@ -65,7 +65,18 @@ impl RunView {
         };
 
         let mut texts = vec![count, moment];
-        if let Stage::Iterate(k) = session.stages[self.stage] {
+        let stage = session.stages[self.stage];
+        let plane = self.plane();
+        if let Some([all, cut]) = plane.and_then(|plane| session.active_cubes(stage, plane)) {
+            // Nothing that glows here is not nothing that glows.
+            texts.push(format!(
+                "{} active in all, {} in this plane",
+                grouped(all),
+                grouped(cut)
+            ));
+            return texts;
+        }
+        if let Stage::Iterate(k) = stage {
             texts.push(format!("iteration {k}"));
         }
         texts

@@ -1,0 +1,133 @@
+//! Recorded runs of sets in space: a planar run of the projections, and how high each sample lies along the third axis.
+//! Begin with [`Recording::in_space`].
+
+use tilescope_core::{
+    Boundary, Domain, Observer, Parameters, Point, R, RunEvent, SampleError, SolidDomain, SolidRun,
+    solid_recorded,
+};
+
+use crate::event::Event;
+use crate::recording::Recording;
+use crate::tape::Tape;
+
+/// How high the samples of a run in space lie.
+#[derive(Clone, Debug, PartialEq, Eq, serde::Serialize, serde::Deserialize)]
+pub struct Heights {
+    /// Where each sample lies along the third axis, in units.
+    all: Vec<i32>,
+    /// The third side of a periodic box, in units.
+    period: Option<i32>,
+}
+
+impl Heights {
+    /// Returns how far above a place of the third axis a sample lies, in units; around a periodic box by the shorter way.
+    fn above(&self, sample: u32, z: i32) -> Option<i32> {
+        let straight = self.all.get(sample as usize)? - z;
+        // A period has at least four radii, so that a longer way is never within one.
+        Some(match self.period {
+            Some(period) if straight > period / 2 => straight - period,
+            Some(period) if straight < -period / 2 => straight + period,
+            Some(_) | None => straight,
+        })
+    }
+}
+
+impl Recording {
+    /// Makes a set of balls by darts, and records it with about `budget` events at most; returns the lowest places of the
+    /// active cubes of each throw along the third axis, too. `planar` is the domain of its projections. The set depends on the
+    /// seed of the parameters alone.
+    ///
+    /// Fails only when `observer` stops it.
+    pub fn in_space(
+        domain: SolidDomain,
+        planar: Domain,
+        parameters: &Parameters,
+        budget: usize,
+        observer: &mut dyn Observer,
+    ) -> Result<(Self, Vec<Vec<i32>>), SampleError> {
+        // The tape finds the lines of events by the parameters: of these, by the kind of insertion.
+        let parameters = &Parameters {
+            insertion: tilescope_core::Insertion::Uniform,
+            ..*parameters
+        };
+        let mut tape = Tape::new(parameters, budget);
+        let made = solid_recorded(domain, planar, parameters, observer, &mut tape)?;
+        let SolidRun {
+            projected,
+            heights,
+            cubes,
+        } = made;
+        tape.seal();
+
+        let mut recording = Self::of(projected, tape);
+        recording.heights = Some(Heights {
+            all: heights,
+            period: (domain.boundary() == Boundary::Periodic).then(|| domain.sides()[2]),
+        });
+        Ok((recording, cubes))
+    }
+
+    /// Returns whether it is of a set in space.
+    #[must_use]
+    pub const fn is_in_space(&self) -> bool {
+        self.heights.is_some()
+    }
+
+    /// Returns how high each sample lies, in units; `None` of planar runs.
+    #[must_use]
+    pub fn heights(&self) -> Option<&[i32]> {
+        Some(&self.heights.as_ref()?.all)
+    }
+
+    /// Returns how high the place lies that an event examines or changes, in units; `None` of planar runs, and of events
+    /// without a place.
+    #[must_use]
+    pub fn event_height(&self, event: &Event) -> Option<i32> {
+        let heights = self.heights.as_ref()?;
+        match event.run_event()? {
+            RunEvent::Dart { z, .. } | RunEvent::Cut { z, .. } => Some(z),
+            RunEvent::Insert { sample, .. } => heights.all.get(sample as usize).copied(),
+            // The other events of darts are about a throw.
+            _ => None,
+        }
+    }
+
+    /// Returns how far above a height a sample lies, in units; `None` of planar runs.
+    #[must_use]
+    pub fn above(&self, sample: u32, z: i32) -> Option<i32> {
+        self.heights.as_ref()?.above(sample, z)
+    }
+
+    /// Returns the samples that ever covered a place of space, by id, which is the order of their arrival.
+    #[must_use]
+    pub fn ever_covering_in_space(&self, point: Point, z: i32) -> Vec<u32> {
+        let mut found = self.ever_near(point, R);
+        let limit = i64::from(R) * i64::from(R);
+        found.retain(|&sample| {
+            let (Some(at), Some(above)) = (self.point(sample), self.above(sample, z)) else {
+                return false;
+            };
+            let planar = self.domain().distance_squared(at, point);
+            planar + i64::from(above) * i64::from(above) <= limit
+        });
+        found
+    }
+
+    /// Returns the first of the samples that cover a place of space after the events before a cursor.
+    #[must_use]
+    pub fn covering_in_space(&self, point: Point, z: i32, cursor: usize) -> Option<u32> {
+        let mut found = self.ever_covering_in_space(point, z).into_iter();
+        found.find(|&id| self.status(id, cursor).is_valid())
+    }
+
+    /// Returns the first of the samples that cover a dart when it is examined, by the events before a cursor: by the place in
+    /// space, or in the plane.
+    #[must_use]
+    pub fn covering_dart(&self, point: Point, z: i32, cursor: usize) -> Option<u32> {
+        if self.is_in_space() {
+            self.covering_in_space(point, z, cursor)
+        } else {
+            self.covering(point, cursor)
+        }
+    }
+}
