@@ -124,7 +124,8 @@ impl RadiusSpan {
     }
 }
 
-/// Refuses two radii without an image to go with, and a radius beside a count or an expression.
+/// Refuses two radii without an image to go with, a radius beside a count without an image, and a radius beside an
+/// expression.
 fn refuse_sizes(
     matches: &ArgMatches,
     greatest: Option<f64>,

@@ -36,7 +36,7 @@ impl Outline {
     fn of_depths(depths: impl DoubleEndedIterator<Item = u8>, len: usize) -> Self {
         let mut ends = vec![0; len];
 
-        // The nearest event after the current one whose depth is at most this.
+        // For each depth, the nearest event after the current one that is at most so deep.
         let mut next = [len as u32; LEVELS];
         // From the last event to the first, so that the end of each event's descendants is known when it is met.
         for (index, depth) in (0..len).rev().zip(depths.rev()) {
@@ -106,7 +106,8 @@ impl Outline {
             .is_some_and(|&end| end as usize > index + 1)
     }
 
-    /// Returns the parent of an event, or `None` for a root. Reads at most 1024 entries.
+    /// Returns the parent of an event, or `None` for a root and where there is no such event. Reads about 1024 entries at
+    /// most.
     #[must_use]
     pub fn parent(&self, index: usize) -> Option<usize> {
         if index >= self.len() {

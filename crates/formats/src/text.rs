@@ -44,7 +44,8 @@ pub(crate) fn whole_lines(bytes: &[u8]) -> usize {
     end.map_or(0, |end| end + 1)
 }
 
-/// Text as UTF-8: UTF-16 that begins with its byte-order mark is converted, other bytes are returned as they are.
+/// Text as UTF-8: UTF-16 that begins with its byte-order mark and then with Latin text is converted, other bytes are
+/// returned as they are.
 pub(crate) fn as_utf8(bytes: &[u8]) -> Cow<'_, [u8]> {
     let unit: fn([u8; 2]) -> u16 = match bytes {
         [0xFF, 0xFE, ..] => u16::from_le_bytes,
@@ -95,14 +96,14 @@ pub(crate) fn words(line: &[u8]) -> impl Iterator<Item = &[u8]> {
 
 /// The finite number that `token` spells.
 ///
-/// Rust's own grammar (correctly rounded, so shortest decimals return their f64 to the bit). `inf` and `nan` are
-/// [`FormatError::NotFinite`].
+/// Rust's own grammar (correctly rounded, so shortest decimals return their f64 to the bit). `inf`, `nan` and numbers
+/// beyond the range of f64 are [`FormatError::NotFinite`].
 pub(crate) fn number(token: &[u8], format: Format, place: FilePlace) -> Result<f64, FormatError> {
     let parsed = std::str::from_utf8(token)
         .ok()
         .and_then(|text| text.parse::<f64>().ok());
     match parsed {
-        // Rust's grammar of numbers has `inf` and `nan`, which are no coordinates.
+        // Rust reads `inf` and `nan` as numbers, and 1e999 as infinite: these are no coordinates.
         Some(value) if value.is_finite() => Ok(value),
         Some(value) => Err(FormatError::NotFinite {
             format,

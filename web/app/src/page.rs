@@ -170,6 +170,8 @@ impl Tilescope {
         if parsed.is_ok_and(|request| request["do"] != "state") {
             page.ctx.request_repaint();
         }
+        // Results and wanted lessons do not wait for the next frame: a hidden page draws none, and the page may be left
+        // before it.
         page.store_results();
         page.load_lessons();
         answer
@@ -464,6 +466,8 @@ impl Page {
             reduced_motion: options.reduced_motion,
             full_screen: options.full_screen,
         });
+        // The pool sends no task to a worker before this. Tasks of the session that the link has replaced are cancelled by
+        // now, and never start.
         pool.open();
         Self {
             app,

@@ -115,6 +115,7 @@ fn back_along_y_real(
         || Scratch::new(&fft, axis.size * TOGETHER / 2),
         |scratch, (block, cells)| {
             let lines = cells.len() / stride;
+            // Grid points beyond the highest frequency and its opposite have no frequency, and stay 0.
             scratch.line.fill(Complex::default());
 
             // Grid lines are real. So a transform of a + i b has the line of a as its real part and the line of b as its

@@ -44,6 +44,7 @@ impl PairBins {
         if let Some(radius) = radius.filter(|radius| *radius > 0.0) {
             // A radius that is not the set's may be longer than its domain: no bin fits then, and those of `r_max` are
             // taken.
+            // `MAX_DISTANCE`, which is more than `MAX_UNITS`, matters here alone: five units of `r_max` never exceed it.
             let reach = half.min(PairCorrelation::MAX_DISTANCE * r_max) / radius;
             let count = (EACH * reach.min(MAX_UNITS)).floor();
             if count >= 1.0 {
@@ -53,7 +54,8 @@ impl PairBins {
             }
         }
 
-        // A set of fewer samples, which may be averaged with this one, has a longer r_max: its bins must end within the half, too.
+        // A set of fewer samples, which may be averaged with this one, has a longer `r_max`, which is the unit here: its
+        // bins must end within the half, too. (Bins of a radius are equally long in both.)
         let farthest = (half / r_max * (1.0 - Self::MAX_COUNT_SPREAD).sqrt()).min(MAX_UNITS);
         Self::OfSpacing {
             farthest,

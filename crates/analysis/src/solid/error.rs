@@ -132,6 +132,7 @@ pub(super) fn check(question: &SolidQuestion<'_>) -> Result<(), SolidError> {
         tolerance,
         ..
     } = *question;
+    // `check_points` checks the region as well, but the quotients below need one whose sides are positive and finite.
     check_region(region)?;
     let ratio = radius / region.longest();
     if !(1.0 / MAX_RATIO..=MAX_RATIO).contains(&ratio) {

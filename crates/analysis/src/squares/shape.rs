@@ -157,7 +157,8 @@ impl EdgeRows {
         }
 
         // Low bands have few edges to look through. More bands than edges would take memory without need, and there is
-        // one even without edges. A band of 2^32 rows holds any region, as heights have 31 bits.
+        // one even without edges. Heights have 31 bits, so that one band of 2^31 rows holds any region: the search always
+        // ends below 32.
         let most_bands = (edges.len() as i64).clamp(1, MAX_BANDS);
         let bits = (0..32)
             .find(|bits| height >> bits < most_bands)

@@ -63,8 +63,8 @@ impl<'a> Undecided<'a> {
 
     /// Returns whether no earlier dart lies within the radius of a dart.
     fn is_first(&self, number: u32, place: Place) -> bool {
-        // The cells are those that reach within the radius of a cube. A place is a cube with sides of one unit, and
-        // another dart need not reach any depth into it.
+        // Cells are searched around a cube, and only those from which a ball reaches `depth` units into the cube. The cube
+        // of a dart is its place alone, one unit wide, which a ball need only touch.
         let (side, depth) = (1, 0);
         !self.frame.any_cell_near(place, side, depth, |cell, _| {
             let mut entry = self.heads[cell];

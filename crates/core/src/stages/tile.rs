@@ -65,6 +65,7 @@ pub(crate) fn tile<T: Recorder>(
         for &(y, x, id) in &clip {
             let at = corner + I64Vec2::new(x.into(), y.into());
             push_tiled(domain, &block.rect, at, index, id, samples);
+            // The event is put together once for each sample, which is spared where nothing is recorded.
             if T::ENABLED {
                 recorder.record(RunEvent::Tiled {
                     sample: samples.len() as u32 - 1,

@@ -87,7 +87,8 @@ pub fn read_column(bytes: &[u8], hint: &Hint<'_>, name: &str) -> Result<Vec<f64>
 ///
 /// # Errors
 ///
-/// As [`read_column`], but a file without such a column is none.
+/// As [`read_column`], but there are no ranks in a file without such a column, nor in JSON whose first feature has no number
+/// of this name.
 pub fn read_ranks(bytes: &[u8], hint: &Hint<'_>) -> Result<Option<Vec<f64>>, FormatError> {
     match read_column(bytes, hint, RANK) {
         // The header of a table or of PLY names no such column, or the format has no columns. Properties of GeoJSON are

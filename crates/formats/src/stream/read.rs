@@ -176,13 +176,13 @@ impl StreamReader {
         }
     }
 
-    /// Ends the reading with `None`, as no points follow. Fails if there were none, or another number than the file
-    /// states.
+    /// Ends the reading with `None`, as no points follow. Fails if there were none, if there was another number than the
+    /// file states, and for a text table without columns to read.
     fn end(&self) -> Result<Option<Vec<[f64; 2]>>, FormatError> {
         let format = self.detection.format;
 
         // A text table is refused if its head states another number of points or, without a row, names no columns to
-        // read.
+        // read. Both say more than that there are no points, so that they come first.
         self.rows.finish(self.read)?;
         if self.read == 0 {
             return Err(FormatError::Empty { format });

@@ -1,5 +1,6 @@
-//! Section 3.2.3: how many iterations of insertion a run takes until no gap is left. The parallel engine makes the
-//! sets, each with seeds of its own; every one is verified.
+//! Section 3.2.3: how many iterations of insertion a run takes until no gap is left. The parallel engine makes the ten
+//! sets of a case, each with a seed of its own. Sets of the algorithm as printed are made in `variants`. Every set is
+//! verified.
 
 mod counts;
 mod variants;
@@ -114,6 +115,7 @@ fn claims(found: &[IterationCounts], printed: &[Summary]) -> Vec<Claim> {
 
 /// Judges whether the paper's number of iterations suffices for all sets.
 fn suffices(how: &str, sets: &[Summary]) -> Claim {
+    // A summary has the iterations up to the last one that inserted samples, so that their number is the one needed.
     let counts = || sets.iter().map(|set| set.inserted.len());
     let (least, most) = (counts().min().unwrap_or(0), counts().max().unwrap_or(0));
 

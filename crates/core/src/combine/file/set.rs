@@ -156,7 +156,7 @@ impl Set {
     }
 
     /// Returns the lattice point at an offset in the set's own units. A periodic set repeats, and has a point at every
-    /// finite offset; fails when the offset is not in the domain of a bounded one.
+    /// finite offset. Fails when the offset is not finite, and when it is not in the domain of a bounded set.
     fn start(&self, offset: [f64; 2]) -> Result<Point, LayoutError> {
         let size = self.domain.size();
         let periodic = self.domain.is_periodic();

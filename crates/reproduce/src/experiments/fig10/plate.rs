@@ -16,9 +16,9 @@ use crate::study::Settings;
 pub const EDGE: f64 = 1.5;
 /// The image's Nyquist frequency: errors below it are noise, above it aliasing as well.
 pub const NYQUIST: f64 = 0.5;
-/// Width of the classes of local frequency, in cycles per pixel.
+/// Width of the classes of local frequency, in cycles per pixel. Chosen, not measured.
 const CLASS: f64 = 0.05;
-/// A class of fewer pixels says nothing.
+/// A class of fewer pixels is left out: its error would be mostly chance. Chosen, not measured.
 const MIN_PIXELS: f64 = 40.0;
 
 /// A zone plate about the lower left corner of an image.
@@ -181,7 +181,7 @@ fn measured(plate: Plate, exact: &[f64], errors: &[f64]) -> PlateErrors {
         add(&mut signal, *wanted);
     }
 
-    // Classes of few pixels, such as that at the corner, say nothing about their frequency.
+    // Few pixels, as at the corner, say too little about the error at their frequency.
     let full = classes
         .iter()
         .enumerate()

@@ -14,7 +14,9 @@ pub struct LeafTimes {
     pub printed: bool,
     /// Seconds of each procedure, and its share of the run.
     pub procedures: Vec<(Procedure, Summary, Summary)>,
+    /// Seconds of a run by stages, the sum of its procedures.
     pub whole: Summary,
+    /// Seconds of the parallel engine for the same set; `None` for the algorithm as printed.
     pub parallel: Option<Summary>,
     /// Samples of the first round's set.
     pub count: usize,

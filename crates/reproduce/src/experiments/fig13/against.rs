@@ -40,7 +40,8 @@ impl Against {
     }
 }
 
-/// Compares every method with both groups of reference sets of its radius.
+/// Compares every method with both groups of reference sets of its radius. Methods without both groups, or with other annuli
+/// of frequencies than theirs, are left out.
 pub fn against(found: &[MethodSpectra]) -> Vec<Against> {
     let compare = |one: &MethodSpectra| {
         let groups =

@@ -112,7 +112,8 @@ impl<'a> Gaps<'a> {
         None
     }
 
-    /// Returns the distance from a place in a gap to the nearest sample.
+    /// Returns the distance from a place in a gap to the nearest sample. The nearest survivor is one of the gap's sites,
+    /// since these are all survivors whose Voronoi cells reach into the gap.
     fn clearance(&self, gap: &Gap, earlier: &[[f64; 2]], place: [f64; 2]) -> f64 {
         let sites = gap.region.sites.iter().map(|site| &self.survivors[*site]);
         let distances = sites.chain(earlier).map(|p| self.distance(*p, place));

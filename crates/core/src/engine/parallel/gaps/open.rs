@@ -1,6 +1,9 @@
 //! Finds the cells and pixels that may hold uncovered places: cells near lost samples, and pixels that the stamps of
 //! the samples around do not prove covered. Cells and pixels that are left out are surely covered; those found may
 //! turn out to be.
+//!
+//! A cell has sides of R and is divided into 8 x 8 pixels, one bit of a word each. A stamp has the pixels that a sample
+//! surely covers. A lost sample was tiled and is not among the survivors. A slot holds a sample of a cell, packed.
 
 use crate::lattice::R;
 
@@ -76,7 +79,7 @@ impl<const TAGS: bool> Region<TAGS> {
     #[inline(always)]
     pub(crate) fn open_pixels(&self, stamps: &Stamps, cell: usize, column: i32, row: i32) -> u64 {
         let stride = self.frame.stride();
-        let around = |row: usize| &self.slots[row - 1..=row + 1];
+        let around = |middle: usize| &self.slots[middle - 1..=middle + 1];
         let (below, own, above) = (around(cell - stride), around(cell), around(cell + stride));
         // Cells around are numbered row by row from the lower left one: the cell itself is number 4. Of a cell's four
         // slots the last holds a count, and is no sample; the stamp of a free one is empty.
