@@ -54,7 +54,8 @@ pub struct Outcome {
 }
 
 impl Lessons {
-    /// Returns what the open lesson leaves behind, once its last step is shown and has no open question.
+    /// Returns what the open lesson leaves behind, once its last step is shown and has no open question. `None` before that,
+    /// of a lesson that was presented, and of a form.
     #[must_use]
     pub fn outcome(&self) -> Option<Outcome> {
         let open = self.open.as_ref()?;
@@ -87,8 +88,8 @@ impl Lessons {
         })
     }
 
-    /// Returns name and title of the lesson that follows in the list; `None` after the last lesson before the forms,
-    /// and after one that is not in the list.
+    /// Returns name and title of the lesson that follows in the list; `None` after the last lesson before the forms, after
+    /// one that is not in the list, and if the lesson that follows cannot be read.
     fn lesson_after(&self, name: &str) -> Option<(String, String)> {
         let mut shelf = self.shelf.iter();
         shelf.find(|shipped| shipped.name == name)?;

@@ -188,7 +188,7 @@ fn certified(check: Check, path: &Path) -> Result<ExportContext> {
     Ok(context)
 }
 
-/// Reads a set of unknown radius: its smallest distance becomes the radius.
+/// Reads a set without a certificate. Its radius is the one that is given, or else its smallest distance.
 fn uncertified(arguments: &ConvertArguments) -> Result<(PointSet, ExportContext)> {
     let (path, given) = (&arguments.input, &arguments.set);
     let read = given.read(path, given.set)?;

@@ -38,6 +38,8 @@ pub fn pass(
     let context = arguments.context(&facts);
     let out = arguments.out.as_deref();
     let resumed = out.filter(|_| arguments.resume);
+    // Read before the interrupted run is finished below, which removes the checkpoint, so that other arguments are
+    // refused in either case.
     let state = resumed
         .map(|path| state_of(path, &facts, arguments.no_verify))
         .transpose()?;
@@ -61,7 +63,8 @@ pub fn pass(
     let parameters = serde_json::to_value(&facts.parameters)?;
     let verify = !arguments.no_verify;
     // A run that is resumed compares `parameters` and `verify` with its own arguments, in `state_of`.
-    let token = |state| json!({ "parameters": parameters, "verify": verify, "state": state });
+    let token =
+        |sweep_state| json!({ "parameters": parameters, "verify": verify, "state": sweep_state });
     let end = pass_into(&mut bands, sink, &run.domain, token, &mut watch);
     let (verdict, digest) = end.map_err(|error| with_hint(error, out))?;
 
@@ -81,7 +84,8 @@ pub fn pass(
 }
 
 /// Returns the outcome of a run that was interrupted when its file was whole already. Unless --no-verify is given, the
-/// file is judged once more, since the first verdict ended with the interrupted process.
+/// file is judged once more, since the first verdict ended with the interrupted process. So did the digest of the
+/// positions and the warnings of the export, which are left out.
 fn finished(arguments: &SampleArguments, path: &Path, facts: Facts, count: u64) -> Result<Outcome> {
     // The run itself was the work of the process that was interrupted.
     let outcome = |judged| Outcome::new(facts, Work::default(), count, judged);

@@ -209,8 +209,8 @@ impl Evaluator {
         Ok(shown(&self.evaluate(expression, state, |_| {})?))
     }
 
-    /// Returns the value of an expression at a state, as text, where its numbers take no more than about `steps`
-    /// counted steps; otherwise [`ExpressionError::Pending`], and calls that follow come nearer.
+    /// Returns the value of an expression at a state, as text, where its numbers take no more than about `steps` of the
+    /// steps that their measures count; otherwise [`ExpressionError::Pending`], and calls that follow come nearer.
     pub fn value_within(
         &self,
         expression: &Expression,
@@ -244,8 +244,8 @@ impl Evaluator {
         self.evaluate_within(expression, state, u64::MAX, add)
     }
 
-    /// Returns the value of an expression at a state. Numbers of the moment may take about `steps` counted steps; `add`
-    /// adds names to the scope.
+    /// Returns the value of an expression at a state. Numbers of the moment may take about `steps` of the steps that their
+    /// measures count; `add` adds names to the scope.
     fn evaluate_within(
         &self,
         expression: &Expression,

@@ -248,7 +248,7 @@ impl Writer {
 
     fn circle(&mut self, center: DVec2, radius: f64, style: Style) {
         if let Some(Fill::Hatch(hatch)) = style.fill {
-            let lines = hatch_circle(center, radius, hatch.spacing.max(1.0));
+            let lines = hatch_circle(center, radius, hatch.spacing);
             self.hatch(lines, hatch);
         }
         let ([x, y], radius) = (numbers(center), number(radius.max(0.0)));
@@ -260,7 +260,7 @@ impl Writer {
 
     fn polygon(&mut self, points: &[DVec2], style: Style) {
         if let Some(Fill::Hatch(hatch)) = style.fill {
-            let lines = hatch_polygon(points, hatch.spacing.max(1.0));
+            let lines = hatch_polygon(points, hatch.spacing);
             self.hatch(lines, hatch);
         }
         let (points, style) = (point_list(points), style_attributes(style));

@@ -190,7 +190,8 @@ pub fn bare(size: [Option<f64>; 2], origin: Option<[f64; 2]>, boundary: Boundary
     });
     VaryingRecipe {
         // A placeholder, which the field replaces. It is an expression, since a function of Python is evaluated at the nodes
-        // that an expression has. "1" always parses, so that the constant is never used.
+        // that an expression has. "1" always parses, so that the constant is never used. Seed and count are placeholders, too:
+        // the caller that makes a set gives them, and a set that is only judged needs neither.
         radius: expression.unwrap_or(RadiusSource::Constant(1.0)),
         shape: None,
         size,

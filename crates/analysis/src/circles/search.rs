@@ -1,5 +1,8 @@
 //! The search for exposed circles: tiles of a set on all threads, and the cells that reach into holes. The order of the
 //! proofs is here; each proof has a module of its own.
+//!
+//! A circle around a sample is exposed where no other sample's disk covers it. A hole is a place so far from all samples
+//! that the Voronoi cells at it reach beyond the grid cells that a tile sees.
 
 use std::sync::atomic::{AtomicU64, Ordering};
 

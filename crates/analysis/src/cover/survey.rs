@@ -1,6 +1,7 @@
 //! The result for one tile and its window: the largest distance of a place from the samples, and the gaps. Every place
-//! claimed is a Voronoi vertex, a border crossing or a corner of the window's samples. Whether the window was wide
-//! enough is for the caller to decide, who compares `side_reach` with the halo.
+//! claimed is a Voronoi vertex, a border crossing or a corner of the window's samples. A window has the samples within a
+//! halo around its tile. Whether it was wide enough is for the caller to decide, who compares `side_reach` with the
+//! halo. Two places no more than `same` apart count as one place.
 
 use glam::DVec2;
 use spade::{Point2, Triangulation};
@@ -43,7 +44,7 @@ impl Survey {
     /// Records a place whose empty circle counts for the region, and which is a gap if the circle exceeds the limit. `exact`
     /// compares its radius with the limit without rounding.
     fn claim(&mut self, task: &CoverSearch<'_>, circle: Gap, exact: impl FnOnce() -> bool) {
-        // Flat triangles need no more doubt: their centre is as exact as that of others.
+        // The factor by which a flat triangle enlarges the error is 1 here: its centre is as exact as that of others.
         if exceeds(circle.distance, task.limit, 1.0, exact) {
             self.covering_radius = self.covering_radius.max(circle.distance);
             self.gaps.push(circle);

@@ -165,7 +165,8 @@ fn everything(grid: &Grid, count: usize, [columns, rows]: [&Range<i64>; 2]) -> V
     points
 }
 
-/// Returns what [`everything`] does, without the samples that are buried too deep to matter to the tile.
+/// Returns what [`everything`] does, without the samples that are buried: so surrounded by others that they are nearest to
+/// no place of the tile.
 fn rim(task: &CoverSearch<'_>, tile: &Tile, [columns, rows]: [&Range<i64>; 2]) -> Vec<Point2<f64>> {
     let (grid, buried) = (task.grid, task.buried());
     let mut points = Vec::new();

@@ -64,7 +64,7 @@ const STEPS_OF_SAMPLE_ALONE: u64 = 50;
 /// The steps of one sample where all are tested together: it takes as long as this many steps of a change.
 const STEPS_OF_TEST: u64 = 8;
 
-/// A place that a sample takes.
+/// A place that a sample takes. Its index among all such places is its slot.
 #[derive(Clone, Debug, Default)]
 struct Taken {
     place: [i32; 2],

@@ -111,7 +111,7 @@ fn order(cell: &VoronoiCell, mean_area: f64) -> CellOrder {
         let [re, im] = sixth_power((offset / length).to_array());
         sum = [sum[0] + re, sum[1] + im];
     }
-    // A sample at the place of another has no cell and no neighbour.
+    // A sample at the place of another has no cell and no neighbour: it counts with an area and an order of 0.
     let count = cell.neighbors.len().max(1) as f64;
     CellOrder {
         relative_area: cell.area / mean_area,

@@ -12,8 +12,8 @@ use super::{SolidError, SolidQuestion, SolidRegion, SolidReport, error, farthest
 /// to it.
 const MAX_SOLID_FACTOR: f64 = 1.9;
 
-/// A factor that the judges are given is larger by this share than the one that was measured, which is a little too small: one
-/// part in 2^30.
+/// A factor that the judges are given is larger by this share than the one that was measured, which may be too small by one
+/// part in 2^30: far less than this share of 2^-26.
 const SLACK: f64 = 1.0 / (1 << 26) as f64;
 
 /// The verdict on a set in space with what only certificates need. Lengths are in the unit of the samples.
@@ -86,6 +86,7 @@ pub fn measure_solid(
         // The search for the farthest place lists none.
         witnesses: 0,
     };
+    // `verify_solid` checks the same below; the search needs it now.
     error::check(&question)?;
     // Measured first, since the factor of a beginning is what the judges are asked about.
     let monitor = Monitor::begin(control, points.len() as u64)?;

@@ -94,7 +94,8 @@ impl GapRegion {
     }
 }
 
-/// A part of a side: twice the side's index, and one more for the part at its end.
+/// A part of a side that the disk of its cell leaves uncovered: at the start of the side (its head, which may be the whole
+/// side) or at its end (its tail). The number is twice the side's index, and one more for a tail.
 pub(super) type Part = usize;
 
 /// Returns the index of the side that a part belongs to.

@@ -66,8 +66,9 @@ pub(crate) fn voronoi_cells_of(
     let (spacing, has_triangles) = (domain.spacing(points.len()), false);
     let is_wanted = |index: usize| flags[index];
     let window = Window::of_some(points, domain, spacing, has_triangles, is_wanted)?;
-    let same = domain.same_place(spacing);
-    let cells = Cells::alone(&window, &domain, spacing, same);
+    // Sides up to this length are rounding, and are left out.
+    let shortest_side = domain.same_place(spacing);
+    let cells = Cells::alone(&window, &domain, spacing, shortest_side);
     Ok(wanted
         .into_iter()
         .map(|index| cell(&cells, index))

@@ -247,8 +247,8 @@ impl QuestionTold {
 }
 
 impl OpenLesson {
-    /// Returns the verdict on the last answer, in a language; None where the sentence that follows begins with its word, and
-    /// for a learner who gave up, whom it would ask to try again.
+    /// Returns the verdict on the last answer, in a language. `None` before the first answer, where the sentence that follows
+    /// begins with its word, and for a learner who gave up, whom it would ask to try again.
     #[must_use]
     pub fn verdict(&self, language: &str) -> Option<&'static str> {
         let has_given_up = self.learner.progress() == Progress::GivenUp;

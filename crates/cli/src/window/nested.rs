@@ -16,7 +16,8 @@ use crate::progress::Stopwatch;
 use crate::sample_arguments::{SampleArguments, SamplingMethod};
 use crate::{interrupt, output, verdict_code};
 
-/// Makes a window of the plane of nested levels; judges, saves and reports it.
+/// Makes a window of the plane of nested levels; judges, saves and reports it. `corners` are its left, bottom, right and
+/// top ends.
 pub fn run(
     arguments: &SampleArguments,
     corners: [f64; 4],

@@ -92,7 +92,8 @@ fn causes(shown: &ShownMoment<'_>, id: u32) -> Vec<u32> {
     }
 }
 
-/// Draws the witness of a verdict with its length: the closest pair, or the largest empty circle.
+/// Draws the witness of a verdict with its length: the closest pair, or the largest empty circle. It is drawn once, where the
+/// verdict has it, and not with its copies around a periodic domain, whose lengths would be the same.
 fn witness_mark(scene: &Scene<'_>, surface: &mut impl Surface, witness: WitnessMark) {
     // The witness of a valid set has the colour of samples that fill gaps, that of another set the colour of conflicts.
     let color = if witness.is_valid {

@@ -223,7 +223,8 @@ impl TextTable {
             });
         }
 
-        // With rows, a header of no use was refused at the first of them.
+        // With rows, a header of no use was refused at the first of them. Chosen columns need no names of x and y, and are
+        // looked for at the first row alone.
         let Header { names, line } = &self.header;
         if self.rows.is_none() && self.chosen.is_none() && !names.is_empty() {
             let named = names::named(names);

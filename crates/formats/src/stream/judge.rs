@@ -53,6 +53,8 @@ impl Judges {
         }
     }
 
+    /// Sets the number of points of which progress is shown. That of the original positions is not shown, so that their
+    /// verifier needs no number.
     pub fn expecting(self, count: u64) -> Self {
         Self {
             stored: self.stored.expecting(count),

@@ -23,7 +23,7 @@ use crate::sets::Set;
 use crate::study::{Settings, Study};
 use crate::texts::{claim, table, text};
 
-/// Losses up to this share of all samples count as minor.
+/// Losses up to this share of all samples count as minor. Chosen, not measured, like the two limits below.
 const MINOR: f64 = 0.02;
 /// Gluing may take this share of all the work, to be small.
 const SMALL: f64 = 0.1;

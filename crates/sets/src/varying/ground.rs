@@ -189,7 +189,8 @@ impl VaryingRecipe {
         let least = radii.iter().copied().fold(f64::INFINITY, f64::min);
         let greatest = radii.iter().copied().fold(0.0, f64::max);
 
-        // Radii of a density that are too large become the largest possible ones: only others are refused.
+        // Radii of a density that are too large become the largest possible ones: only others are refused. `nodes` may
+        // refuse a little more, as its lattice has a largest radius, too.
         if greatest > MAX_CONTRAST * least && !self.radius.is_capped() {
             return Err(VaryingError::Contrast {
                 least,
@@ -197,7 +198,8 @@ impl VaryingRecipe {
                 limit: MAX_CONTRAST,
             });
         }
-        // The lattice of the field, as `nodes` finds it. The domain is made to learn whether it is refused.
+        // The lattice of the field, as `nodes` finds it. The domain is made to learn whether it is refused, which a hair
+        // (`HAIR`) does not change.
         let pitch = squares.pitch;
         let in_units = |bits: u32| least / pitch * f64::from(1_u32 << bits);
         let bits = (0..=MAX_PITCH_BITS)

@@ -137,7 +137,8 @@ impl<const TAGS: bool> Region<TAGS> {
 
         active.sort_unstable();
         active.dedup();
-        // The darts of a cell that one sample covers would all be refused.
+        // The darts of a cell that one sample covers would all be refused. Unsure cells leave with the next level, in
+        // `quarters`: until then `throw` inserts nothing in them.
         active.retain(|a| !self.is_covered(a, GAP_SIDE));
         active
     }

@@ -14,7 +14,7 @@ pub struct LeafTimes {
     pub printed: bool,
     /// Seconds of each procedure, and its share of the run.
     pub procedures: Vec<(Procedure, Summary, Summary)>,
-    /// Seconds of a run by stages, the sum of its procedures.
+    /// Seconds of a run of the sequential engine, the sum of its procedures.
     pub whole: Summary,
     /// Seconds of the parallel engine for the same set; `None` for the algorithm as printed.
     pub parallel: Option<Summary>,

@@ -1,6 +1,6 @@
 //! Verdicts on figure 13: rates, radial mean powers, and regularity, with patterns that hold the largest block and
-//! with smaller ones. Sets of a single block do not count as tilings, and sets of few blocks can refute a claim but
-//! not confirm it.
+//! with smaller ones. Sets of a single block do not count as tilings. Regularity shows only among many blocks, so that
+//! sets of few blocks can refute a claim on it but not confirm it; for mean powers they count like all others.
 
 use serde_json::json;
 

@@ -98,6 +98,8 @@ pub fn measure(group: &SetGroup, method: Method, control: &Control<'_>) -> Resul
         alone.push(Spectrum::of(&periodogram)?.profile.anisotropy_excess_db());
         periodograms.add(periodogram)?;
 
+        // A domain too narrow for g(r) at several radii has no such curve. Domains are a hundred radii wide or wider here,
+        // so that each set has one.
         if let Some(curve) = PowerCurve::of_samples(&set.points, set.region, &go_on)? {
             let powers = curve.powers();
             let first = || (curve.frequencies().to_vec(), Average::new(powers.len()));

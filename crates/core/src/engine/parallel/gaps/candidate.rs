@@ -72,7 +72,7 @@ impl<const TAGS: bool> Region<TAGS> {
         }
 
         // The definition asks that no sample covers the place, and that no sample is nearer to it than the nearest
-        // site. Of squared distances, a difference of up to the slack does not count.
+        // site. The place was rounded to the lattice, so that squared distances may differ by up to the slack.
         let square = |site: &I64Vec2| site.distance_squared(place);
         // A place has at least one site.
         let nearest_square = sites.iter().map(square).min().unwrap_or(0);
@@ -80,6 +80,7 @@ impl<const TAGS: bool> Region<TAGS> {
         // search below the larger limit decides about both.
         let limit = (nearest_square - NEARER_SLACK).max(R_SQUARED + 1);
 
+        // A pixel whose sites may lie beyond the usual cells was searched with the samples of more cells.
         let gathered = if searched.wide {
             &gaps.wide
         } else {
