@@ -202,6 +202,7 @@ fn inspect(
             return Ok(Ok(Places::of_tile(task, &tile, survey)));
         }
 
+        // The tile's samples are counted once it is done: the caller may only cancel here.
         monitor.advance(0)?;
         // The reach is infinite while no sample is in the window of a side: then the halo grows by a factor of 16
         // (chosen, not measured).

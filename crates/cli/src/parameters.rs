@@ -170,7 +170,7 @@ fn option(parameter: Parameter) -> Arg {
     };
 
     let arg = with_parser.value_name(row.value_name);
-    // The radius has no default, as it or a count must be given.
+    // The radius has no default, as it, a count or a formula must be given.
     if parameter == Parameter::Radius {
         return arg;
     }
@@ -209,7 +209,7 @@ fn pattern_file() -> [Arg; 2] {
     [file, radius]
 }
 
-/// Sets a parameter to what its option says; without a value it stays.
+/// Sets a parameter to what its option says. Without a value it stays, and a switch is off.
 fn take(parameters: &mut Parameters, parameter: Parameter, matches: &ArgMatches) -> Result<()> {
     let key = parameter.key();
     match &parameter.row().kind {

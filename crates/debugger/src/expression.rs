@@ -268,7 +268,8 @@ impl Evaluator {
     }
 
     /// Returns the value of a number of the moment at a cursor: `()` where it is not defined, or if the recording was given
-    /// no numbers. A value that takes more than about `steps` counted steps is [`ExpressionError::Pending`].
+    /// no numbers. A value that takes more than about `steps` steps, as its measure counts them, is
+    /// [`ExpressionError::Pending`].
     fn number(
         &self,
         number: &NumberName,

@@ -366,6 +366,8 @@ fn modifiers(command: bool, shift: bool, alt: bool) -> egui::Modifiers {
     }
 }
 
+/// Returns the window's options on a page: which interfaces of the browser may draw it, and which events the browser must
+/// not handle.
 fn web_options(options: &Options, shared: &Rc<Shared>) -> WebOptions {
     let mut create = WgpuSetupCreateNew::without_display_handle();
     create.instance_descriptor.backends = match options.display.as_str() {

@@ -101,7 +101,8 @@ fn of_open_circles<T: Send>(
         witnesses: 0,
     };
 
-    // Cells have the radius's size: there are too many of them for the samples only where the radius is too small.
+    // Cells have the radius's size: there are too many of them for the samples only where the radius is too small. A scan
+    // finds holes only in a stream, which lacks rows.
     let declined = |reason| match reason {
         Declined::Crowded => VerifyError::Crowded {
             samples: points.len(),

@@ -37,7 +37,8 @@ pub(super) fn at_samples(
     samples: &[Sample],
     monitor: &Monitor<'_>,
 ) -> Result<Vec<f64>, MeasureError> {
-    // Large grids are dropped as soon as the next one is made.
+    // One half of the transform is that along x, the other that along y. Large grids are dropped as soon as the next one is
+    // made.
     let half = back_along_x(plan, &values, monitor)?;
     drop(values);
     if plan.real {

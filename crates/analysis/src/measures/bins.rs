@@ -42,11 +42,11 @@ impl PairBins {
         // A little less than half the shorter side, beyond which g(r) is not defined.
         let half = 0.499 * region.shorter_side();
         if let Some(radius) = radius.filter(|radius| *radius > 0.0) {
-            // A radius that is not the set's may be longer than its domain: no bin fits then, and those of `r_max` are
-            // taken.
             // `MAX_DISTANCE`, which is more than `MAX_UNITS`, matters here alone: five units of `r_max` never exceed it.
             let reach = half.min(PairCorrelation::MAX_DISTANCE * r_max) / radius;
             let count = (EACH * reach.min(MAX_UNITS)).floor();
+            // A radius that is not the set's may be longer than its domain: no bin fits then, and those of `r_max` are
+            // taken.
             if count >= 1.0 {
                 // Those that end within the reach: their width is fixed.
                 let count = count as usize;

@@ -62,7 +62,7 @@ pub(super) fn around_vertices(cells: &Cells) -> Vec<Triangle> {
             around.push((sample, cells.shifted(cells.samples[sample], shift)));
 
             // Around the vertex at which the side begins, the next cell lies beyond the side before it. A side without a twin,
-            // as rounding may leave one, ends the walk.
+            // as rounding may leave one, ends the walk, and the samples met so far make the triangles.
             let before = cells.before(side);
             let (Some(twin), Some(beyond)) = (cells.sides[before].twin, cells.sides[before].beyond)
             else {

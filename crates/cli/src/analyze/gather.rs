@@ -68,6 +68,7 @@ impl Analysis {
             let reference = request
                 .measure(Source::whole(path), None)
                 .context("--against")?;
+            // One set always has a column.
             analysis.subjects.extend(Subject::one(reference)?);
         } else if analysis.has_reference {
             let average = (analysis.average(against, &request)?)

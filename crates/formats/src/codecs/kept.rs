@@ -149,8 +149,8 @@ fn json(bytes: &[u8], kept: &[bool]) -> Result<Vec<u8>, FormatError> {
     Ok(out)
 }
 
-/// Takes the points that are not kept out of an object of `GeoJSON`, in the order in which they are read. Returns whether any
-/// is left.
+/// Takes the points that are not kept out of an object of `GeoJSON`, in the order in which they are read, and features that
+/// then have no point. Returns whether any point is left.
 fn keep_geo(object: &mut Value, flags: &mut impl Iterator<Item = bool>) -> bool {
     // Features, geometry and coordinates come in the order in which points are read, which is that of the flags.
     let mut is_left = false;

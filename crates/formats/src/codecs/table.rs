@@ -58,7 +58,8 @@ pub(super) fn keep(
         rest = after;
     }
 
-    // The lines that are rows when points are read are rows here, too; remarks and blank lines stay.
+    // The lines that are rows when points are read are rows here, too, and `kept` has an entry for each of them; remarks
+    // and blank lines stay.
     let mut kept = kept.iter();
     while !rest.is_empty() {
         let (row, after) = split_line(rest);

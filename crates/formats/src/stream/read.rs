@@ -208,7 +208,7 @@ impl StreamReader {
         Ok(self.digest.as_ref().map(digest_text))
     }
 
-    /// Reads a block; true at the end of the rows.
+    /// Reads a block; true at the end of the rows, and at the end of the file.
     fn fill(&mut self) -> Result<bool, FormatError> {
         // Behind the rows there may be other data, which is not to be read as rows.
         let want = self

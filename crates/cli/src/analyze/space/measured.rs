@@ -61,6 +61,7 @@ impl Request<'_> {
         self.measure_read(path, &given, first).in_file(path)
     }
 
+    /// Measures a set that was read. Its errors do not name the file, which [`Self::measure`] adds.
     fn measure_read(
         &self,
         path: &Path,

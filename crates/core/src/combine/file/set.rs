@@ -34,9 +34,9 @@ pub struct PieceError<E> {
 }
 
 impl PlacedLayout {
-    /// Returns the pieces of the layout, with sets made by `make`. Pieces of one file share its set, so that they may
-    /// continue each other; sets made for a rectangle are not shared. `made` is called after each set, whether it could
-    /// be made or not, with the number of its pieces. Uses the current rayon pool.
+    /// Returns the pieces of the layout, with sets made by `make`. Pieces of one file that is read with one radius and size
+    /// share its set, so that they may continue each other; sets made for a rectangle are not shared. `made` is called
+    /// after each set, whether it could be made or not, with the number of its pieces. Uses the current rayon pool.
     ///
     /// Fails with the error of the first set, in the order of the sets' first pieces, that cannot be made or placed.
     pub fn pieces<E: From<LayoutError> + Send>(

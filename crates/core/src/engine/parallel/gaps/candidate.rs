@@ -159,6 +159,7 @@ impl<const TAGS: bool> Region<TAGS> {
         match searched.detectors {
             Detectors::First => self.is_first_detector(searched.cell, x, y),
             Detectors::Inserted => {
+                // Only certain samples are inserted, so that the answer is certain, too.
                 let key = site_key(self.frame.cell_at(x, y), pack(x, y));
                 match gaps.detectors.binary_search(&key) {
                     Ok(_) => Known::Yes,
