@@ -181,7 +181,7 @@ fn coverage(frame: &PixelGrid, shown: &ShownMoment<'_>) -> Coverage {
         let radii = coverage.local_radii(frame, locality);
         // How many lattice units a pixel is wide.
         let unit = f64::from(R) / frame.scale();
-        // A sample is near places up to twice its radius away (see `Coverage::cover_near`).
+        // A sample covers the places nearer than the harmonic mean of both radii, which is below twice its own.
         let reach = 2.0 * session.largest_radius();
         let beyond = drawn_around(session) + reach;
         session

@@ -78,6 +78,8 @@ impl<K: PartialEq> Stack<'_, K> {
     /// Returns whether a crowd's samples are drawn as points, if at all.
     pub fn draws_points(&self) -> bool {
         let scene = self.scene;
+        // Without the GPU one picture shows the samples of all origins, by the layer of samples alone (see `crowd`). The
+        // GPU shows each by the layer of its origin.
         self.resident.map_or_else(
             || scene.has(Layer::Samples),
             |resident| {

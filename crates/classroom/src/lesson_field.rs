@@ -15,6 +15,8 @@ use tilescope_session::varying::with_ground;
 pub struct LessonField {
     recipe: Recipe,
     request: GroundRequest,
+    /// Whether a coin thins the darts where the radius is larger than the side of their cell, as in every run of a field. A
+    /// step may show what comes of darts without it.
     has_coin: bool,
 }
 
@@ -66,6 +68,7 @@ impl LessonField {
         };
 
         let mut session = with_ground(session, &field.recipe, &field.request);
+        // Darts without the coin make other samples than the recipe, so that the session does not offer it.
         if let Some(ground) = &mut session.ground {
             ground.is_as_asked = field.has_coin;
         }

@@ -101,6 +101,7 @@ pub fn picture(open: &OpenLesson, style: PictureStyle, strokes: &[PenStroke]) ->
         || Camera::fitting(size, frame),
         |(center, radii)| Camera {
             center: center.into(),
+            // The shorter side is this many r long.
             scale: width.min(height) / radii,
         },
     );
@@ -155,6 +156,7 @@ fn marks(
 ) -> Group {
     let mut marks = Group::new("marks");
 
+    // Pictures show a question before its answer, so that no line is chosen or right yet.
     if let Some(lines) = open.lines() {
         let [low, high] = lines.outline.map(|corner| place(corner.into()));
         let corners = [low, low.with_x(high.x), high, high.with_x(low.x), low];

@@ -455,7 +455,7 @@ impl OpenLesson {
         };
 
         let (_, event) = self.learner.tries();
-        // Without a mark the circles are those of the samples that the question names.
+        // Without a mark the circles are those of the samples that the question names, each of which the run has.
         let named = || {
             let points = question.named(event).iter();
             points.filter_map(|&sample| run.point(sample).map(position))

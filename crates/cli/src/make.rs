@@ -129,7 +129,7 @@ pub fn reference(recipe: &Recipe) -> Result<Worked> {
     Ok(Worked { made, work })
 }
 
-/// Makes a set by exact tiling, on a GPU if `gpu` has one and otherwise on all threads.
+/// Makes a set by exact tiling: with a backend `gpu` on its GPU, otherwise on all threads. Refuses a backend of another engine.
 pub fn exact(recipe: &Recipe, gpu: Option<Backend>) -> Result<Worked> {
     ask_for_whole(Making::Exact, &recipe.parameters)?;
 
@@ -140,7 +140,7 @@ pub fn exact(recipe: &Recipe, gpu: Option<Backend>) -> Result<Worked> {
         return Ok(Worked { made, work });
     };
 
-    // Which engine a GPU's set is made by was asked for by name, so that no other one takes over.
+    // The GPU was asked for by name, so that no other engine takes over.
     let Engine::Gpu(device) = &backend.engine else {
         bail!(
             "exact tiling needs a GPU here, not the {} engine",

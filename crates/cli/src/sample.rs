@@ -27,7 +27,8 @@ pub fn run(arguments: &SampleArguments) -> Result<u8> {
         return solid::make::sample(arguments);
     }
 
-    // The reference sampler alone makes sets of a field or a shape, so that no method is chosen for them.
+    // The reference sampler alone makes sets of a field or a shape, so that no method is chosen for them. The remarks of
+    // `outcome` are on patterns and exact tiling, which neither these sets nor nested levels have.
     if arguments.ground.is_given() {
         let outcome = finish(arguments, varying::make(arguments)?)?;
         output::report(arguments.json, || outcome.json(), || outcome.text())?;
@@ -62,6 +63,7 @@ fn outcome(arguments: &SampleArguments) -> Result<Outcome> {
         }
         SamplingMethod::Exact => {
             let gpu = arguments.engine.gpu_if_asked()?;
+            // A side and a seed of the pattern that were not given have other defaults here than in the recipe.
             recipe.parameters.pattern = arguments.run.exact_pattern(&recipe.parameters)?;
             make::exact(&recipe, gpu)?
         }
@@ -98,7 +100,8 @@ fn outcome(arguments: &SampleArguments) -> Result<Outcome> {
     Ok(with_remarks(arguments, &parameters, outcome))
 }
 
-/// Verifies a set and saves it, as the arguments ask.
+/// Verifies a set and saves it, as the arguments ask. Without a verdict there is always a file to save: `--no-verify` needs
+/// `--out`.
 fn finish(arguments: &SampleArguments, worked: Worked) -> Result<Outcome> {
     let context = arguments.context(&worked.made.facts);
     let unverified_file = arguments.out.as_deref().filter(|_| arguments.no_verify);

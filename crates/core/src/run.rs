@@ -65,8 +65,8 @@ pub struct Run {
     pub samples: Samples,
     /// The iterations so far.
     pub iterations: Vec<Iteration>,
-    /// Ids of the result in canonical order, or with a locality in the order of arrival; empty before
-    /// [`Stage::Finish`].
+    /// Ids of the result in canonical order, or of a set of darts (with a locality, or in space) in the order of arrival; empty
+    /// before [`Stage::Finish`].
     pub result: Vec<u32>,
     /// The counts of a run that kept only its result ([`crate::Sweep::run`]).
     pub counted: Option<Summary>,
@@ -249,7 +249,7 @@ impl Run {
         }
     }
 
-    /// Returns the result's lattice points in canonical order.
+    /// Returns the result's lattice points, in the order of [`Self::result`].
     #[must_use]
     pub fn points(&self) -> Vec<Point> {
         self.result
@@ -258,7 +258,7 @@ impl Run {
             .collect()
     }
 
-    /// Returns the result in user units, in canonical order.
+    /// Returns the result in user units, in the order of [`Self::result`].
     #[must_use]
     pub fn positions(&self) -> Vec<[f64; 2]> {
         self.domain.users_from_lattice(&self.points())

@@ -20,13 +20,14 @@ impl Recording {
         points: Vec<Point>,
     ) -> Self {
         let domain = locality.field.domain();
-        // As of a run of darts, whose own parameters have the radius that is r in its lattice.
+        // As `varying_recorded` states them: the radius is the r of the lattice, and the dart process is uniform insertion.
         let parameters = Parameters {
             radius: domain.radius(),
             insertion: Insertion::Uniform,
             ..*parameters
         };
         let count = points.len() as u32;
+        // No cell is active, as nothing is thrown here.
         let (number, detectors) = (1, 0);
 
         let mut tape = Tape::new(&parameters, DEFAULT_BUDGET);

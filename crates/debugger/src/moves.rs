@@ -178,7 +178,8 @@ fn is_second(recording: &Recording, index: usize, event: &Event) -> bool {
     match &origins[sample as usize] {
         Origin::Tiled { .. } => false,
         Origin::Inserted {
-            // Without sites, as of a dart, the disk must touch that of an inserted sample: within 2r.
+            // Without sites, as of a dart, the disk must touch that of an inserted sample: within 2r. Of sets in space only the
+            // projections are compared.
             sites: Sites::Dart | Sites::Unrecorded,
             ..
         } => recording.point(sample).is_some_and(|point| {

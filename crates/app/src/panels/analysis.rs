@@ -390,7 +390,8 @@ fn entries(ui: &mut Ui, context: &AnalysisContext<'_>, sets: &Sets<'_>) {
             let judged = radius.map_or_else(String::new, |r| format!(", judged at r = {r}"));
             let name = format!("file: {}{guessed}{judged}", file.name());
             entry(ui, Dash::Dashed, palette.conflict, &name).known_as("analysis.file");
-            // The file keeps its own unit. It is judged by the run's r, whose length in that unit is `sets.unit`.
+            // The file was judged by the r that the run had then, which `judged` names. If the run's r, in the unit of the
+            // file `sets.unit`, is another by now, a line says so.
             if let Some(reason) = numbers::unjudged(&file.measured.with_radius(sets.unit)) {
                 ui.label(RichText::new(reason).size(12.0).color(palette.muted))
                     .known_as("analysis.unjudged");
@@ -481,6 +482,7 @@ fn brushed(ui: &mut Ui, context: &AnalysisContext<'_>, own: &mut Vec<AnalysisCom
             }
 
             if changed {
+                // Two equal numbers are no range, and clear the brush as the switch does.
                 let brush = Brush::between(axis, low, high).filter(|_| on);
                 own.push(AnalysisCommand::Brush(brush));
             }
@@ -517,7 +519,7 @@ fn drag(
     match dragged {
         Some(Dragged::Between(a, b)) => {
             let dragged = Brush::between(axis, a, b);
-            // A drag that moves within the same range issues nothing.
+            // A drag begins without a width, which is no range yet, and may move within the same range: both issue nothing.
             if dragged.is_some() && dragged != brush {
                 own.push(AnalysisCommand::Brush(dragged));
             }

@@ -159,8 +159,8 @@ fn place(
     }
     let mut nearest: Option<(f64, u32)> = None;
     let mut is_covered = false;
-    // A sample's distance is shown up to 3.5 r away, so that a gap's width can be read. Where radii differ, samples cover
-    // places up to twice the largest radius away.
+    // A sample's distance is shown up to 3.5 r away, so that a gap's width can be read. Where radii differ, a sample covers
+    // the places nearer than the harmonic mean of both radii, which is below twice the largest.
     let reach = f64::max(3.5, 2.0 * shown.session.largest_radius());
     shown.session.index.visit(at, at, reach, |seen| {
         let distance = seen.position.distance(at);
@@ -233,7 +233,8 @@ fn gap(ui: &mut Ui, context: &PanelContext<'_>, shown: &ShownMoment<'_>, at: DVe
     }
 }
 
-/// Shows where a sample comes from, and its state at this moment and in the end.
+/// Shows where a sample comes from, and its state at this moment and in the end. Samples of nested levels and in space
+/// have no such rows: each is kept from its arrival on.
 fn sample(
     ui: &mut Ui,
     context: &PanelContext<'_>,
@@ -361,6 +362,7 @@ fn others(ui: &mut Ui, name: &str, ids: &[u32], palette: &Palette, commands: &mu
 }
 
 fn links(ui: &mut Ui, ids: &[u32], commands: &mut Vec<Command>) {
+    // The rows are laid out from right to left.
     for &id in ids.iter().rev() {
         let link = ui.link(RichText::new(grouped(id as usize)).monospace());
         if link.on_hover_text("Select it and fly there").clicked() {

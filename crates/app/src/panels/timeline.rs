@@ -85,8 +85,8 @@ fn room_beside(ctx: &Context, context: &TimeContext<'_>, width: f32) -> f32 {
     };
     let digits = session.summary.count.to_string().len();
 
-    // The numbers of stages and iterations are taken to have one digit. The largest radius is that of the first of
-    // eleven levels.
+    // The numbers of stages and iterations are taken to have one digit. The largest radius is that of the first level of
+    // the most that there can be, eleven: each has that of the next one times the root of 2.
     let texts = match context.run.prefix() {
         Some(_) if context.run.shows_stipple() => vec![format!("{most} of {most} dots")],
         Some(_) => vec![
@@ -316,7 +316,7 @@ pub fn show_compact(
 pub enum Player {
     /// Controls and track side by side, as in the window.
     Wide,
-    /// All three below each other.
+    /// The sentence, the controls and the track below each other.
     Narrow,
     /// The most important controls and the track side by side, in players that have little room beside the canvas.
     Small,
@@ -550,12 +550,14 @@ fn prefix(ui: &mut Ui, context: &TimeContext<'_>, commands: &mut Vec<Command>) {
     response.on_hover_text(ui.words(glossary::PREFIX.meaning));
 }
 
-/// Shows the slider of the plane through a set in space; planar sets have none.
+/// Shows the slider of the plane through a set in space; planar sets have none. Where there is no room it is left out:
+/// J and K move the plane, too.
 fn plane(ui: &mut Ui, context: &TimeContext<'_>, commands: &mut Vec<Command>) {
     let Some((depth, mut place)) = context.run.plane_place() else {
         return;
     };
-    // As wide as a slider needs on which a ball of a usual box is a few points.
+    // As wide as a slider needs on which a ball of a usual box is a few points, and at most a third of the row, as the track
+    // beside it has the rest. Below a third of that width the steps would be too coarse. Chosen, not measured.
     let width = PLANE.min(ui.available_width() / 3.0 - PLANE_NUMBER);
     if width < PLANE / 3.0 {
         return;
@@ -564,6 +566,7 @@ fn plane(ui: &mut Ui, context: &TimeContext<'_>, commands: &mut Vec<Command>) {
     ui.spacing_mut().slider_width = width;
     let slider = Slider::new(&mut place, 0.0..=depth)
         .prefix("z ")
+        // Smart aim would move the plane to round numbers only.
         .smart_aim(false)
         .custom_formatter(|place, _| significant(place));
     let response = ui.add(slider).accessible_name(ui.words("Plane"));

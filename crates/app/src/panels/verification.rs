@@ -106,6 +106,7 @@ fn summary(context: &PanelContext<'_>, palette: &Palette) -> (String, Option<boo
                 (false, false) => "conflicts and gaps".to_owned(),
             };
 
+            // All dots are a prefix, too: more of them would still fit.
             let of_dots = |all: usize| {
                 let word = if is_valid { "verified" } else { "not valid" };
                 match verdict.report.count {
@@ -334,7 +335,7 @@ fn witnesses(ui: &mut Ui, verdict: Option<&Verdict>, commands: &mut Vec<Command>
                 verdict.is_some_and(|verdict| verdict.largest.is_some()),
             ),
         ] {
-            // Before the verdict no pair and no hole is known.
+            // Before the verdict no pair and no hole is known, and a verdict may lack them, as on a very large set.
             let button = ui.add_enabled(known, egui::Button::new(ui.words(name)));
             button.known_as(Kebab(witness));
 
@@ -445,7 +446,7 @@ fn property(
     let shown = ui.horizontal(|ui| {
         let (rect, _) = ui.allocate_exact_size(vec2(16.0, 20.0), Sense::hover());
         let (text, color) = match judged {
-            // A dash stands for a verdict that is not there yet.
+            // A dash stands for a verdict that is not there yet, or for a property that is not promised.
             None => ("\u{2013}".to_owned(), palette.muted),
             Some((true, _)) => ("yes".to_owned(), palette.inserted),
             Some((false, fault)) => (format!("no: {fault}"), palette.conflict),

@@ -321,7 +321,8 @@ impl Classroom {
         let name = &open.learner.lesson().name;
         let german = match &open.source {
             LessonSource::Shipped => self.lessons.shipped(name).map(|own| own.german.to_string()),
-            // From the file beside the lesson's, if there is one, as `tilescope lesson package` takes it.
+            // From the file beside the lesson's, if it can be read, as `tilescope lesson package` takes it. Opening the lesson
+            // in German names a fault of it.
             LessonSource::File(path) => read_short(&path.with_extension("de.md")).ok(),
             LessonSource::Text => None,
         };
@@ -347,6 +348,7 @@ impl Classroom {
     /// Copies the command that makes a package of the open lesson, which also takes single steps and a score to pass with, and
     /// says what it is for.
     fn copy_packaging(&self, context: &mut Context) {
+        // The menu offers the command only in a lesson.
         let Some(open) = &self.lessons.open else {
             return;
         };

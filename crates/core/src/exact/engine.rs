@@ -226,7 +226,7 @@ impl<'a> ExactTiling<'a> {
         let moved = self.present.ground().moved(block);
         self.present.add_tile(moved);
 
-        // The pattern's place at the lowest corner of `rect` enlarged by r, as `block.start` is that of the whole
+        // The turned pattern's place at the lowest corner of `rect` enlarged by r, as `block.start` is that of the whole
         // block.
         let start = I64Vec2::from(block.start) + I64Vec2::from(rect.min) - block.rect.min;
         let pattern_rect = self.history.pattern().domain().rect();
@@ -321,8 +321,8 @@ impl<'a> ExactTiling<'a> {
         let mut meter = Meter::begin(observer, stage, known as u64)?;
 
         while let Some(next) = self.agenda.next() {
-            // A question may be asked twice, which changes nothing. A recording has it once, and so keeps each question
-            // to compare the next one with it.
+            // A question may be asked twice, which changes nothing. A recording has it once: equal questions follow each
+            // other in the order of arrival, so that each is compared with the one before it.
             let is_repeated = T::ENABLED && self.kept.last.replace(next) == Some(next);
             if !is_repeated {
                 match next.what {

@@ -111,7 +111,9 @@ impl SolidProcess {
         let mut darts = Vec::new();
         for cubes in self.active.chunks(CHUNK) {
             throw.thrown(cubes, &self.balls, &mut darts, |place, verdict| {
-                recorder.record(dart_event(place, false, verdict));
+                // A first look, before the dart's turn.
+                let ranked = false;
+                recorder.record(dart_event(place, ranked, verdict));
             });
             meter.count(cubes.len() as u64)?;
         }
@@ -121,7 +123,8 @@ impl SolidProcess {
         for &SolidDart { place, .. } in &darts {
             // A dart of lower rank may cover it by now.
             let is_covered = self.balls.covers(place);
-            recorder.record(dart_event(place, true, verdict(is_covered)));
+            let ranked = true;
+            recorder.record(dart_event(place, ranked, verdict(is_covered)));
             if !is_covered {
                 self.balls.insert(place);
                 recorder.record(RunEvent::Insert {
@@ -207,7 +210,7 @@ impl SolidProcess {
     }
 }
 
-/// Returns the event of a dart.
+/// Returns the event of a dart, which is `ranked` in its turn by rank.
 const fn dart_event([x, y, z]: Place, ranked: bool, verdict: Verdict) -> RunEvent {
     RunEvent::Dart {
         point: Point::new(x, y),

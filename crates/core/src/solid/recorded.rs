@@ -28,7 +28,7 @@ pub struct SolidRun {
 /// places, and their third coordinate as `z`. `planar` is the domain of the projections, with the lattice of `domain`.
 ///
 /// Of the parameters, the seed alone changes the set; those of the run have uniform insertion. Fails only when `observer`
-/// stops it.
+/// stops it. No memory is asked for: callers record small sets only.
 pub fn solid_recorded<T: Recorder>(
     domain: SolidDomain,
     planar: Domain,
@@ -49,6 +49,7 @@ pub fn solid_recorded<T: Recorder>(
     while !process.is_finished() {
         let number = iterations.len() as u32 + 1;
         let first = points.len() as u32;
+        // Events count active cubes as detectors, as they do active cells in the plane.
         recorder.record(RunEvent::Iteration {
             number,
             detectors: process.cubes().len() as u32,

@@ -147,8 +147,8 @@ impl RadiusField {
 
     /// Returns the field with these radii at its nodes, row by row, [`Self::node_counts`] of them.
     ///
-    /// Fails when the pitch does not suit the domain, there are too few or too many nodes, or a radius is not from
-    /// [`R`] to [`MAX_FIELD_RADIUS`].
+    /// Fails when the pitch does not suit the domain, there are too few or too many nodes, a radius is not from [`R`] to
+    /// [`MAX_FIELD_RADIUS`], or a periodic domain is too small for the largest.
     pub fn from_nodes(domain: Domain, pitch_bits: u32, nodes: &[i32]) -> Result<Self, FieldError> {
         let [columns, rows] = Self::node_counts(&domain, pitch_bits)?;
         if nodes.len() != columns * rows {
@@ -403,7 +403,8 @@ impl RadiusField {
         // last level has a single block, which always does.
         let spread =
             |size: usize| (0..2).all(|axis| (last[axis] >> size) - (first[axis] >> size) <= 2);
-        // More than a quarter of the cells is more than three blocks: no smaller size needs to be tried.
+        // Blocks no longer than a quarter of the cells' extent are too many for `spread`. Sizes below the largest of them need
+        // not be tried.
         let longest = (last[0] - first[0]).max(last[1] - first[1]);
         let least = (longest / 4).checked_ilog2().unwrap_or(0) as usize;
         let size = (least..self.levels.len())

@@ -36,7 +36,7 @@ macro_rules! events {
             }
         }
 
-        /// Returns the run event that an event was packed from, or `None` for a notice of thinning.
+        /// Returns the run event that an event was packed from, or `None` for the notice that tests were left out here.
         pub(super) fn unpack(event: &Event) -> Option<RunEvent> {
             let [a, b, c, d, e] = event.words;
             // The last word of a dart and of a cell is their place on the third axis.

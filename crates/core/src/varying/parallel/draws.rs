@@ -97,7 +97,7 @@ impl DrawnDarts {
     }
 }
 
-/// Returns the blocks of eight counters, each under its own key.
+/// Returns the two random words of each of eight counters, each under its own key.
 #[inline(always)]
 fn blocks<S: Simd>(simd: S, keys: [Key; LANES], counters: [[u32; 2]; LANES]) -> [[u32; 2]; LANES] {
     let (mut first_keys, mut second_keys) = ([0; LANES], [0; LANES]);
