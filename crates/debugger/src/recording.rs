@@ -477,7 +477,8 @@ impl Recording {
         found.find(|&id| self.status(id, cursor).is_valid())
     }
 
-    /// Returns the point that an event examines or changes, or `None` if it has none in the domain.
+    /// Returns the point that an event examines or changes. `None` if it has none, or a candidate's would lie outside a bounded
+    /// domain; a dart keeps its place there.
     #[must_use]
     pub fn event_point(&self, event: &Event) -> Option<Point> {
         match event.run_event()? {

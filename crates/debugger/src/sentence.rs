@@ -187,7 +187,7 @@ impl Words<'_> {
             }
 
             RunEvent::Clip { block } => {
-                // A block without a clip has no samples.
+                // A recording that was cut off keeps the tiles of its clips, so that 0 never stands in.
                 let tile = self.0.run().tiles.get(block as usize);
                 let samples = tile.map_or(0, |tile| tile.samples.len() as u64);
                 let block = grouped(block.into());

@@ -166,7 +166,8 @@ fn cause_of_dart(recording: &Recording, dart: RunEvent, index: usize) -> Option<
         // itself hits an open place because an event has laid that bare.
         _ if recording.is_exact() && ranked => recording.expected(point, index),
         _ if recording.is_exact() => bared(recording, point, index),
-        // Insertion by darts does not record which kept sample refused one.
+        // All other darts have the throw as their cause: those that no sample refused, and those of insertion by darts, which
+        // does not record which sample did.
         _ => last_iteration(recording, index),
     }
 }

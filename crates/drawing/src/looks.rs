@@ -181,6 +181,7 @@ impl<'a> Looks<'a> {
                     Origin::Tiled { .. } => (Layer::Samples, Symbol::Dot),
                 };
                 let drawn = if has(layer) { symbol } else { Symbol::None };
+                // Of a set in space only samples that the plane cuts are valid here.
                 if let Some(cut) = self.subject.shown.cut(id) {
                     // All samples of a set in space were darts, so that their symbol need not say so.
                     let drawn = if has(Layer::Samples) {

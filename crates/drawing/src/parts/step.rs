@@ -50,7 +50,8 @@ pub fn draw(scene: &Scene<'_>, surface: &mut impl Surface) {
     }
 
     if let Some((dart, verdict)) = context.dart {
-        // Of a set in space the last event has the third coordinate of its dart, unless the dart became a sample.
+        // Of a set in space the last event has the third coordinate of its dart, unless the dart became a sample: then no
+        // sample refused it, and 0 is not read. In the plane it is not read either.
         let z = scene.session.event_height(scene.shown.cursor());
         let color = color_of(scene, verdict);
         let border = Stroke::new(1.5, palette.halo);
