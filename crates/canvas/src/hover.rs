@@ -177,7 +177,7 @@ fn cut_text(cut: Cut) -> String {
     }
 }
 
-/// Describes how much of a sample's circle other disks cover, if the sample has a disk.
+/// Describes how much of a sample's circle other disks cover, if the sample has a disk and its neighbours are known by now.
 fn exposed(subject: &Subject<'_>, id: u32) -> Option<String> {
     let shown = &subject.shown;
     if shown.stage < Stage::Tile || !shown.covers(id) {

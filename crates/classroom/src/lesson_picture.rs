@@ -41,7 +41,7 @@ pub struct PictureStyle {
 }
 
 /// Returns a lesson's step at its moment, with its question open. `last` is the run of another step, which is used again if
-/// the parameters are equal.
+/// the parameters are equal, and afterwards the run of this one.
 ///
 /// # Errors
 ///

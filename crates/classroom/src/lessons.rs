@@ -1,5 +1,6 @@
 //! Lessons: their commands, the lesson that is open, and the answer that is being put together. `room/lessons.rs` carries
-//! out the commands; the crate `tilescope-lessons` reads lessons, asks questions and grades answers.
+//! out the commands; the crate `tilescope-lessons` reads lessons, asks questions and grades answers. In a *trace* the learner
+//! predicts one event after the other; a *form* is a test, which shows nothing about its answers.
 
 use std::path::PathBuf;
 use std::sync::Arc;
@@ -469,7 +470,7 @@ impl OpenLesson {
     }
 
     /// Returns the rectangles that remain of the blocks without a strip along their edges, each by two corners, and the width of
-    /// the strip in r; nothing while the question is open.
+    /// the strip in r; `None` while the question is open, and for questions without a strip.
     #[must_use]
     pub fn strips(&self) -> Option<(Vec<MarkedBox>, f64)> {
         let asked = self.learner.question();
@@ -502,7 +503,7 @@ impl OpenLesson {
     }
 
     /// Returns the reasons for the right answer, in words: the deciding event and its causes, the nearest first. Empty while
-    /// the question is open.
+    /// the question is open, and where no event decides.
     #[must_use]
     pub fn reasons(&self) -> Vec<String> {
         let Some((question, run)) = self.learner.question().zip(self.shown_run()) else {

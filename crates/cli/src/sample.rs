@@ -12,7 +12,7 @@ use crate::progress::Stopwatch;
 use crate::sample_arguments::{SampleArguments, SamplingMethod, save_unverified};
 use crate::{interrupt, nested, solid, stream, varying, window};
 
-/// Makes a set as the arguments ask for it, writes it and prints its report.
+/// Makes a set as the arguments ask for it, writes it and prints its report. Returns the exit code of the program.
 pub fn run(arguments: &SampleArguments) -> Result<u8> {
     interrupt::listen();
     arguments.engine.threads.set()?;

@@ -24,7 +24,7 @@ use crate::{interrupt, output, verdict_code};
 /// The largest number of samples of a window: they are verified in memory.
 const MAX_SAMPLES: f64 = 2e7;
 
-/// Computes the samples of one window of the domain, judges them and prints the report.
+/// Computes the samples of one window of the domain, judges them and prints the report. Returns the exit code of the program.
 pub fn run(arguments: &SampleArguments, asked: &[f64]) -> Result<u8> {
     let &[left, bottom, right, top] = asked else {
         anyhow::bail!("--window takes four numbers");

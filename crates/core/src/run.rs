@@ -269,6 +269,7 @@ impl Run {
     pub fn stages(&self) -> Vec<Stage> {
         // There are five stages besides the iterations: pattern, blocks, tiling, elimination and finish.
         let mut stages = Vec::with_capacity(5 + self.iterations.len());
+        // Also runs without a pattern begin with this stage.
         stages.push(Stage::Pattern);
 
         if !self.blocks.leaves.is_empty() {

@@ -92,7 +92,7 @@ impl Recording {
         }
     }
 
-    /// Returns how far above a height a sample lies, in units; `None` of planar runs.
+    /// Returns how far above a height a sample lies, in units; `None` of planar runs and of unknown samples.
     #[must_use]
     pub fn above(&self, sample: u32, z: i32) -> Option<i32> {
         self.heights.as_ref()?.above(sample, z)

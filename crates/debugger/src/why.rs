@@ -13,7 +13,7 @@ use crate::recording::Recording;
 pub const POINT_REACH: i32 = R / 8;
 
 /// Returns the event that caused an event, which is always an earlier one; `None` for events without a cause: the
-/// begin of a stage, an iteration, the first split, the end of the run.
+/// begin of a stage, an iteration, the first split, the end of the run; and where the recording lacks the cause.
 #[must_use]
 pub fn cause(recording: &Recording, index: usize) -> Option<usize> {
     let run_event = recording.event(index)?.run_event();
@@ -82,7 +82,7 @@ pub fn history_of_sample(recording: &Recording, sample: u32) -> Vec<usize> {
 }
 
 /// Returns the events that touched a point, in sequence: the splits and the block that hold it, all changes of
-/// samples that ever covered it, and examined points, darts and cells within [`POINT_REACH`].
+/// samples that ever covered it, and examined points, darts and cells within [`POINT_REACH`]. Of a set in space: none.
 #[must_use]
 pub fn history_of_point(recording: &Recording, point: Point) -> Vec<usize> {
     let mut events = Vec::new();

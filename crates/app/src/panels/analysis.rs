@@ -1,7 +1,7 @@
 //! The live analysis: numbers and curves of the kept samples at this moment, beside those of a second run, of maximal
 //! sets and of a file. They move with the run; where a run has none that do, outdated values are faded until new ones
-//! arrive. The measuring itself is in the workbench. Sizes are in screen points, and chosen, not measured, where no
-//! reason stands beside them.
+//! arrive. The *brush* is a range of a curve, whose samples or pairs the canvas marks. The measuring itself is in the
+//! workbench. Sizes are in screen points, and chosen, not measured, where no reason stands beside them.
 
 mod charts;
 mod difference;
@@ -160,6 +160,7 @@ pub fn show(ui: &mut Ui, context: &AnalysisContext<'_>, commands: &mut Vec<Comma
         return;
     };
 
+    // The measures are those of the plane.
     if shown.session.solid.is_some() {
         lines(ui, RichText::new(IN_SPACE).color(palette.muted)).known_as("analysis.status");
         return;

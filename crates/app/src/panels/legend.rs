@@ -1,5 +1,6 @@
-//! The legend: the meanings of the symbols, and of the colours of samples. Sizes are in screen points, and chosen, not
-//! measured, where no reason stands beside them.
+//! The legend: the meanings of the symbols, and of the colours of samples. The *brush* is a range of a curve of the
+//! analysis, whose samples or pairs the canvas marks. Sizes are in screen points, and chosen, not measured, where no
+//! reason stands beside them.
 
 use egui::{Align2, Button, FontId, Painter, Rect, Response, RichText, Sense, Ui, pos2, vec2};
 use tilescope_drawing::palette::Palette;

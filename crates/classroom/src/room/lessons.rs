@@ -1,6 +1,7 @@
 //! Lessons: opening them, going from step to step, and giving answers. While a question is open, the window
 //! holds the run only up to the question's moment, so that nothing can show, link or export a later moment. Meanwhile the window
-//! refuses commands that would make or show another run.
+//! refuses commands that would make or show another run. In a *trace* the learner predicts one event after the other; a *form*
+//! is a test, which takes each answer once and shows nothing about it.
 
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
@@ -605,7 +606,7 @@ impl Classroom {
     }
 
     /// Returns the camera, or the one that it flies to, if someone has chosen it since the step was shown; `None` if it is
-    /// the step's own.
+    /// the step's own, and without a lesson.
     #[must_use]
     pub fn chosen_camera(&self, canvas: &CanvasView) -> Option<Camera> {
         let is_own = match self.lessons.open.as_ref()?.camera() {
@@ -637,8 +638,8 @@ impl Classroom {
 
         match given {
             Ok(feedback) => {
-                // A right answer goes on, in a trace to the next event. Scores are rounded sums, so that full marks
-                // begin a little below 1.
+                // A right answer goes on, in a trace to the next event; in a form any answer is done. Scores are rounded
+                // sums, so that full marks begin a little below 1.
                 let goes_on = feedback.is_done || feedback.score > FULL_MARKS;
                 let score = feedback.score;
                 // A form shows nothing about its answers, as this would help with the form after the lessons.

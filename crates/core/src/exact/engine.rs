@@ -1,11 +1,12 @@
-//! The engine of exact tiling, written to be read. It lays down the pattern's samples and follows the differences from what
-//! the pattern's own darts made of them, in the order of arrival.
+//! The engine of exact tiling, written to be read. It lays down the pattern's samples and follows the differences from
+//! what the pattern's own darts made of them, in the order of arrival.
 //!
-//! It works on a whole domain, and can be recorded. [`super::seams`] makes the same samples window by window, in a fraction of the
-//! time.
+//! It works on a whole domain, and can be recorded. [`super::seams`] makes the same samples window by window, in a
+//! fraction of the time.
 //!
-//! A *tile* is the part of a block on the ground, and a *piece* the part of a tile that one copy of the pattern fills. The *first
-//! blocker* of a dart is the earliest sample of the pattern that covers it. *Late* darts are those of [`LATE_LEVEL`] and after.
+//! The *ground* is the part of the plane that is worked on, here the whole domain. A *tile* is the part of a block on the
+//! ground, and a *piece* the part of a tile that one copy of the pattern fills. The *first blocker* of a dart is the
+//! earliest sample of the pattern that covers it. *Late* darts are those of [`LATE_LEVEL`] and after.
 
 pub(super) mod recorded;
 
@@ -577,6 +578,7 @@ impl<'a> ExactTiling<'a> {
                 }
             }
 
+            // How many samples there are up to the end of this row of cells.
             out.rows.push(out.points.len() as u32);
         }
     }

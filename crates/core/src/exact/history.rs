@@ -1,4 +1,5 @@
-//! How a pattern came about: when each sample arrived, and which darts it refused first.
+//! How a pattern came about: when each sample arrived, and which darts it refused first. The *first blocker* of a dart is the
+//! earliest sample that covers it; the dart *waits* behind it, since it may become a sample where that one is missing.
 
 use std::sync::Arc;
 

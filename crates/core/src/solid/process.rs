@@ -67,7 +67,7 @@ impl SolidProcess {
         schedule: Schedule,
         observer: &mut dyn Observer,
     ) -> Result<Vec<Place>, SampleError> {
-        // A cube counts when it throws and when it is cut.
+        // A cube counts when it throws, and when it is cut after the level's last throw.
         let mut meter = Meter::begin(observer, stage, 2 * self.active.len() as u64)?;
         let throw = SolidThrow::new(self.key, self.level, self.throw);
         self.throw += 1;
@@ -102,7 +102,7 @@ impl SolidProcess {
         observer: &mut dyn Observer,
         recorder: &mut T,
     ) -> Result<Vec<Place>, SampleError> {
-        // A cube counts when it throws and when it is cut.
+        // A cube counts when it throws, and when it is cut after the level's last throw.
         let cube_count = self.active.len() as u64;
         let mut meter = Meter::begin(observer, Stage::Iterate(number), 2 * cube_count)?;
         let throw = SolidThrow::new(self.key, self.level, self.throw);

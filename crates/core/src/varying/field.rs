@@ -11,7 +11,7 @@ use crate::stages::disks::Cell;
 /// pitch.
 pub const MAX_FIELD_RADIUS: i32 = 64 * R;
 
-/// The largest pitch of nodes, and of the pixels of a mask, is two to this power.
+/// The largest pitch of nodes, which is how far neighbours are apart, and of the pixels of a mask, is two to this power.
 pub const MAX_PITCH_BITS: u32 = 20;
 
 /// Sides of a periodic domain are longer than this many of its largest radii, so that a sample near a place is

@@ -1,6 +1,7 @@
 //! The process of darts where the radius varies: which darts exist, which of them have an earlier sample near them, and
 //! which cells a sample is near as a whole. Places are *near* each other if they are at most the reach of their two
-//! radii apart ([`super::rule`]).
+//! radii apart ([`super::rule`]). Cells are parts of the base cells of [`super::quadtree`], whose *sight* says which samples can
+//! be near them.
 
 use glam::IVec2;
 
@@ -59,6 +60,7 @@ impl DartGround for VaryingGround<'_> {
         at: Point,
         coin: impl FnOnce() -> u32,
     ) -> Landing<DartPlace> {
+        // Only a mixed cell has places of the shape and others.
         let rect = self.field.domain().rect();
         if !rect.contains(at) || cell.class == Class::Mixed && !self.shape.inside(at) {
             return Landing::Outside;

@@ -1,5 +1,6 @@
 //! The cells at which the process of darts begins: squares about as wide as the radius there. Places are *near* each
-//! other if they are at most the reach of their two radii apart ([`super::rule`]).
+//! other if they are at most the reach of their two radii apart ([`super::rule`]). An *octave* holds the radii from a power of
+//! two to the next; the *sight* of a cell says in which octaves samples can be near its places.
 
 use super::field::{RadiusField, RadiusRange};
 use super::octaves::{Sight, octave_of};

@@ -125,6 +125,7 @@ const fn stage(tags: u8, k: u32) -> Stage {
 fn pack_dart(point: Point, z: i32, ranked: bool, verdict: Verdict) -> Event {
     let (tags, by) = verdict_tags(verdict);
     let by = by.unwrap_or(NONE);
+    // The place on the third axis is in the last word, as of a cell, which has one number more.
     let words = [point.x as u32, point.y as u32, by, 0, z as u32];
     Event {
         extra: u8::from(ranked),

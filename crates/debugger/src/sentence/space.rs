@@ -104,7 +104,7 @@ impl Words<'_> {
         })
     }
 
-    /// Returns "0.71 r away, 0.40 r below" of a sample, as seen from a place.
+    /// Returns "0.71 r away, 0.40 r below" of a sample, as seen from a place; at the same height "0.00 r above".
     fn seen(&self, sample: u32, point: Point, z: i32) -> Option<String> {
         let above = f64::from(self.0.above(sample, z)?);
         let planar = self

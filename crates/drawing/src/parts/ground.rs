@@ -177,13 +177,13 @@ fn cells(scene: &Scene<'_>, surface: &mut impl Surface, number: u32) {
     let in_plane = scene.session.solid.as_ref().zip(scene.shown.plane);
     let cut: Option<Vec<usize>> =
         in_plane.map(|(solid, plane)| solid.cubes_cut(number, side, plane).collect());
-    let numbers: &mut dyn Iterator<Item = usize> = match &cut {
+    let indices: &mut dyn Iterator<Item = usize> = match &cut {
         Some(cut) => &mut cut.iter().copied(),
         None => &mut (0..iteration.cells.len()),
     };
 
-    for number in numbers {
-        let cell = &iteration.cells[number];
+    for index in indices {
+        let cell = &iteration.cells[index];
         // The part of a cell beyond the domain's border holds no places.
         let low = position(cell.min);
         let corners = [low, (low + radii(cell.side)).min(end)].map(|at| scene.at(at));

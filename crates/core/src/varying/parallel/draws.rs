@@ -1,4 +1,5 @@
-//! The darts of active parts, drawn for eight parts or eight darts at a time: those of [`crate::stages::darts::cell_darts`].
+//! The darts of active parts, drawn for eight parts or eight darts at a time: those of [`crate::stages::darts::cell_darts`]. A
+//! part is an active cell within a base cell.
 
 use fearless_simd::prelude::*;
 use fearless_simd::{Simd, u32x8};
