@@ -322,8 +322,7 @@ impl Classroom {
         let name = &open.learner.lesson().name;
         let german = match &open.source {
             LessonSource::Shipped => self.lessons.shipped(name).map(|own| own.german.to_string()),
-            // From the file beside the lesson's, if it can be read, as `tilescope lesson package` takes it. Opening the lesson
-            // in German names a fault of it.
+            // From the file beside the lesson's, if it can be read. Opening the lesson in German names a fault of it.
             LessonSource::File(path) => read_short(&path.with_extension("de.md")).ok(),
             LessonSource::Text => None,
         };
