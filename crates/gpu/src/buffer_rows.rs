@@ -121,8 +121,8 @@ fn columns(name: Name) -> Vec<String> {
 
 /// Returns the numbers that the words of a row hold, one for each column.
 fn meaning(name: Name, row: &[u32]) -> Vec<i64> {
-    // A word holds x and then y in the lower bits, from the lowest corner of the cell; the two highest are the fate of a tiled sample, or the mark of a
-    // detector.
+    // A word holds x and then y in the lower bits, from the lowest corner of the cell; the two highest are the fate of a tiled
+    // sample, or the mark of a detector.
     let position = |word: u32| {
         let (x, y) = (word & (R as u32 - 1), (word & POSITION_MASK) >> CELL_BITS);
         [i64::from(x), i64::from(y)]

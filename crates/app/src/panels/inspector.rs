@@ -159,8 +159,8 @@ fn place(
     }
     let mut nearest: Option<(f64, u32)> = None;
     let mut is_covered = false;
-    // A sample's distance is shown up to 3.5 r away, so that a gap's width can be read. Where radii differ, a sample covers
-    // the places nearer than the harmonic mean of both radii, which is below twice the largest.
+    // A sample's distance is shown up to 3.5 r away, so that a gap's width can be read, and where radii differ up to twice the
+    // largest. All samples that cover the place are nearer: the harmonic mean of both radii is no more than the largest.
     let reach = f64::max(3.5, 2.0 * shown.session.largest_radius());
     shown.session.index.visit(at, at, reach, |seen| {
         let distance = seen.position.distance(at);

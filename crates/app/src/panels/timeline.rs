@@ -399,7 +399,7 @@ impl Player {
 }
 
 /// Shows the rest of a small window's controls: the whole sentence, counts, speed, the prefix of nested levels, the loop and
-/// the curve of the run.
+/// the curve of the run. The plane through a set in space has no slider here: actions move it.
 pub fn more(ui: &mut Ui, context: &TimeContext<'_>, commands: &mut Vec<Command>) {
     let palette = context.palette;
     // The sentence below the canvas may be cut off.
@@ -556,8 +556,8 @@ fn plane(ui: &mut Ui, context: &TimeContext<'_>, commands: &mut Vec<Command>) {
     let Some((depth, mut place)) = context.run.plane_place() else {
         return;
     };
-    // As wide as a slider needs on which a ball of a usual box is a few points, and at most a third of the row, as the track
-    // beside it has the rest. Below a third of that width the steps would be too coarse. Chosen, not measured.
+    // As wide as a slider needs on which a ball of a usual box is a few points, and at most a third of the row with its
+    // number, as the track follows beside it. Both thirds were chosen, not measured.
     let width = PLANE.min(ui.available_width() / 3.0 - PLANE_NUMBER);
     if width < PLANE / 3.0 {
         return;
