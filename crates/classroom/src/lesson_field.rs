@@ -24,6 +24,7 @@ impl LessonField {
     /// Returns the field of a step's run, if the radius depends on the place there.
     #[must_use]
     pub fn of(run: &StepRun) -> Option<Self> {
+        // Formulas of lessons have their coordinates from the domain's lower corner.
         let request = GroundRequest {
             radius: Some(run.recipe()?.radius),
             shape: None,

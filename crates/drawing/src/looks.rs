@@ -224,6 +224,7 @@ impl<'a> Looks<'a> {
 
         match (origin, self.subject.colouring.of(session.kind())) {
             (_, Colouring::Level) => {
+                // Only nested levels have this colouring, so that 0 never stands in.
                 let nested = session.nested.as_ref();
                 let share = |levels: &NestedLevels| level_age(levels.level_of(id as usize), levels);
                 self.swatches.age(nested.map_or(0.0, share))

@@ -525,6 +525,7 @@ fn drag(
                 own.push(AnalysisCommand::Brush(dragged));
             }
         }
+        // A click without a drag.
         Some(Dragged::Nothing) => own.push(AnalysisCommand::Brush(None)),
         None => {}
     }

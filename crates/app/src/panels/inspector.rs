@@ -52,6 +52,7 @@ pub fn show(ui: &mut Ui, context: &PanelContext<'_>, commands: &mut Vec<Command>
         }
     });
 
+    // Also below a sample under the pointer the history is that of the selection.
     if context.run.selected.is_some() || context.run.place.is_some() {
         divide(ui, palette);
         history(ui, context, commands);
@@ -145,7 +146,8 @@ fn coordinates(ui: &mut Ui, shown: &ShownMoment<'_>, at: DVec2, palette: &Palett
     row(ui, "In files", &format!("{x:.6}, {y:.6}"), palette);
 }
 
-/// Shows a place: its coordinates, and the nearest sample that covers its disk.
+/// Shows a place: its coordinates, the nearest sample that is in the set at this moment, and whether one covers the place. Of
+/// a set in space all samples that cover it.
 fn place(
     ui: &mut Ui,
     shown: &ShownMoment<'_>,

@@ -211,7 +211,8 @@ fn ages(ui: &mut Ui, ages: Ages, palette: &Palette) {
         band(at(k), at(k + 1), at(k));
     }
 
-    // A gap of 3% of the ramp separates tiled samples from inserted ones.
+    // A gap of 3% of the ramp separates tiled samples, which end at `LAST_TILED`, from inserted ones. Where ids alone give the
+    // order, `tiled` is the whole ramp, and there are no iterations.
     let start = LAST_TILED + 0.03;
     for k in 0..ages.iterations {
         let at = |k: u32| start + (1.0 - start) * k as f32 / ages.iterations as f32;

@@ -24,7 +24,7 @@ use crate::ENABLED;
 use tilescope_workbench::command::{Command, ViewCommand, Which};
 use tilescope_workbench::state::Verification;
 
-/// Shows the chip; a click goes to the conflict or gap that decides the verdict.
+/// Shows the chip; a click goes to the conflict or gap that decides the verdict, or of a valid set to the closest pair.
 pub fn chip(ui: &mut Ui, context: &PanelContext<'_>, commands: &mut Vec<Command>) {
     // Without a session there is no verdict to show.
     if matches!(context.run.verification, Verification::Nothing) {

@@ -273,6 +273,7 @@ impl<'a> ExactTiling<'a> {
             recorder.record(RunEvent::Tiled {
                 sample: id,
                 block: block.index,
+                // A tile has no place outside of the domain.
                 inside: true,
             });
             // A sample deeper than r stays, since samples of other blocks cover only places within r of the border. The others
@@ -284,8 +285,8 @@ impl<'a> ExactTiling<'a> {
         });
     }
 
-    /// Puts on the agenda the darts whose first blocker, a sample of the pattern at `place` of the ground, is missing.
-    /// `behind` is the blocker's id, or the largest number if it was not laid down.
+    /// Puts on the agenda the darts whose first blocker is missing: the sample with the index `pattern` in the pattern, at
+    /// `place` of the ground. `behind` is the blocker's id, or the largest number if it was not laid down.
     fn wake<T: Recorder>(
         &mut self,
         tile: u32,

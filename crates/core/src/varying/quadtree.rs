@@ -44,7 +44,7 @@ pub(super) fn base_cells(field: &RadiusField, shape: &Shape) -> Vec<VaryingCell>
     base
 }
 
-/// Calls `add` with the base cells in aligned squares, from a stack, and with the range of the radii in each.
+/// Calls `add` with each base cell in the aligned squares of `stack`, and with the range of the radii in it.
 pub(super) fn add_base_cells(
     field: &RadiusField,
     shape: &Shape,
