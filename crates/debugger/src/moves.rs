@@ -117,7 +117,7 @@ pub fn run_to(
 }
 
 /// Returns the cursor after a run from `cursor` to `target`: just after the event, so that it is the last one that has
-/// happened, or just before the next execution of a line, as at a breakpoint.
+/// happened, or just before the next execution of a line, as at a breakpoint. `None` if there is no such event or line.
 #[must_use]
 pub fn arrive(
     recording: &Recording,

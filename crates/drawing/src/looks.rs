@@ -180,7 +180,6 @@ impl<'a> Looks<'a> {
                     Origin::Inserted { .. } => (Layer::Inserted, Symbol::Diamond),
                     Origin::Tiled { .. } => (Layer::Samples, Symbol::Dot),
                 };
-                let drawn = if has(layer) { symbol } else { Symbol::None };
                 // Of a set in space only samples that the plane cuts are valid here.
                 if let Some(cut) = self.subject.shown.cut(id) {
                     // All samples of a set in space were darts, so that their symbol need not say so.
@@ -191,6 +190,8 @@ impl<'a> Looks<'a> {
                     };
                     return cut_look(drawn, self.color(id), cut);
                 }
+
+                let drawn = if has(layer) { symbol } else { Symbol::None };
                 SampleLook::new(drawn, self.color(id))
                     .with_disk(true)
                     // The outline keeps a diamond apart from the dots around it.

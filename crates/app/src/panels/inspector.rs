@@ -198,6 +198,7 @@ fn place_in_plane(
     commands: &mut Vec<Command>,
 ) {
     let mut covering: Vec<(u32, String)> = Vec::new();
+    // A ball reaches r, which is 1 here, from its middle.
     shown.session.index.visit(at, at, 1.0, |seen| {
         let distance = seen.position.distance(at);
         // The plane cuts a ball in a disk: the ball covers the places in it.

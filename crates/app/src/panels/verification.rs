@@ -24,7 +24,8 @@ use crate::ENABLED;
 use tilescope_workbench::command::{Command, ViewCommand, Which};
 use tilescope_workbench::state::Verification;
 
-/// Shows the chip; a click goes to the conflict or gap that decides the verdict, or of a valid set to the closest pair.
+/// Shows the chip; a click goes to the conflict or gap that decides the verdict, or of a valid set to the closest pair, if it
+/// is known.
 pub fn chip(ui: &mut Ui, context: &PanelContext<'_>, commands: &mut Vec<Command>) {
     // Without a session there is no verdict to show.
     if matches!(context.run.verification, Verification::Nothing) {
@@ -155,6 +156,7 @@ fn explanation(context: &PanelContext<'_>) -> String {
                 "Found by {judges}, which share no code with the sampler. Click to see these samples and their closest pair, or what is wrong.{next}"
             )
         }
+        // Valid sets of dots, in a field or in a shape have no closest pair to show.
         Verification::Done(verdict) if verdict.valid() && verdict.stipple.is_some() => {
             let covering = verdict.report.covering_factor.map_or_else(
                 || "so few dots promise no covering".to_owned(),
@@ -335,7 +337,7 @@ fn witnesses(ui: &mut Ui, verdict: Option<&Verdict>, commands: &mut Vec<Command>
                 verdict.is_some_and(|verdict| verdict.largest.is_some()),
             ),
         ] {
-            // Before the verdict no pair and no hole is known, and a verdict may lack them, as on a very large set.
+            // Before the verdict no pair and no hole is known, and a verdict may lack them, as on a very large set or in a field.
             let button = ui.add_enabled(known, egui::Button::new(ui.words(name)));
             button.known_as(Kebab(witness));
 
