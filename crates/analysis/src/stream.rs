@@ -102,7 +102,8 @@ impl StreamVerifier {
     ///
     /// # Errors
     ///
-    /// [`VerifyError::BadRegion`], [`VerifyError::BadRadius`] and [`VerifyError::BadTolerance`], as [`verify`].
+    /// [`VerifyError::BadRegion`], [`VerifyError::BadRadius`], [`VerifyError::BadTolerance`] and
+    /// [`VerifyError::WrongJudge`], as [`verify`].
     pub fn new(region: Region, radius: f64, options: &VerifyOptions) -> Result<Self, VerifyError> {
         let domain = Domain::new(region)?;
         let scaled_radius = domain.scale_radius(radius)?;
@@ -148,8 +149,8 @@ impl StreamVerifier {
         self
     }
 
-    /// The same with the number of samples that will come, for the progress: its total is twice that, or twice the
-    /// number that came where that is larger.
+    /// The same with the number of samples that will come, for the progress: its total is that number, or the number
+    /// that came where that is larger, for each pass of a judge.
     #[must_use]
     pub fn expecting(mut self, count: u64) -> Self {
         self.expected = count;
@@ -169,7 +170,8 @@ impl StreamVerifier {
     /// # Errors
     ///
     /// As [`verify`], with the index in the whole sequence, and the errors of streams: [`VerifyError::OutOfOrder`],
-    /// [`VerifyError::HoleTooWide`], [`VerifyError::BandTooLarge`]; for these [`VerifyError::needs_memory`] is true.
+    /// [`VerifyError::HoleTooWide`], [`VerifyError::BandTooLarge`], [`VerifyError::Crowded`]; for these
+    /// [`VerifyError::needs_memory`] is true.
     /// The verifier then repeats its error and gives no verdict.
     pub fn push(&mut self, points: &[[f64; 2]], control: Control<'_>) -> Result<(), VerifyError> {
         self.guarded(|this| this.take(points, control))
@@ -303,6 +305,7 @@ impl StreamVerifier {
     /// Returns the monitor of a call, which goes on from the work that is done.
     fn monitor<'a>(&self, control: Control<'a>) -> Monitor<'a> {
         let total = self.expected.max(self.count());
+        // The first judge passes over the samples twice, the second one once, as for a set in memory.
         let passes = if self.search.whole {
             self.search.options.judges.passes(total as usize)
         } else {

@@ -196,22 +196,23 @@ impl Arguments {
     }
 }
 
-/// Returns the words with a file that is the first of them, and no command, as the value of `--open`.
+/// Returns the words unchanged unless the second one, behind the program's name, is a file and no command: it then
+/// becomes the value of `--open`.
 ///
 /// # Errors
 ///
-/// The first word can only be a file, and there is none of that name.
+/// The second word can only be a file, and there is none of that name.
 fn with_file_named(
     mut words: Vec<OsString>,
     command: &mut clap::Command,
 ) -> Result<Vec<OsString>, clap::Error> {
-    let Some(first) = words.get(1) else {
+    let Some(second) = words.get(1) else {
         return Ok(words);
     };
-    let text = first.to_string_lossy().into_owned();
-    let is_file = Path::new(first).is_file();
+    let text = second.to_string_lossy().into_owned();
+    let is_file = Path::new(second).is_file();
     // clap adds `help` only when it parses, so that it is not among the commands yet.
-    let is_command = command.find_subcommand(first).is_some() || text == "help";
+    let is_command = command.find_subcommand(second).is_some() || text == "help";
 
     // A command comes before a file of its name, which is reached as ./NAME.
     if text.starts_with('-') || is_command {

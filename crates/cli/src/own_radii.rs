@@ -48,7 +48,8 @@ pub fn judge(path: &Path, set: &SetArguments, as_json: bool) -> Result<Option<u8
     Ok(Some(verdict_code(found.conflicts == 0)))
 }
 
-/// Returns the domain that the arguments state, without one `None`: then only the points are judged, in the plane.
+/// Returns the domain that the arguments state by a side or by how it ends. `None` if they state neither: only the
+/// points are judged then, in the plane, where an origin changes nothing.
 fn region(path: &Path, set: &SetArguments, read: &ReadSet) -> Result<Option<Region>> {
     let is_given = set.width.is_some() || set.height.is_some() || set.boundary.is_some();
     if !is_given {

@@ -222,7 +222,7 @@ impl Parameters {
     }
 
     /// Returns the pattern that such parameters take if no other is asked for, with the boundary of the pattern that
-    /// they have.
+    /// they have. KDRT has one pattern for all seeds; exact tiling has one for each (see [`PatternSpec::for_exact`]).
     #[must_use]
     pub fn usual_pattern(&self) -> PatternSpec {
         let usual = match self.method {

@@ -142,7 +142,8 @@ impl Part {
         }
     }
 
-    /// Returns whether the part is drawn: its layer is on, and the stage has it.
+    /// Returns whether the part is drawn: its layer, if it has one, is on, and the run and the moment have something
+    /// for it.
     #[must_use]
     pub fn is_on(self, scene: &Scene<'_>) -> bool {
         let has = |layer| scene.has(layer);

@@ -90,7 +90,8 @@ pub(crate) fn paint_pixels(
     })
 }
 
-/// Returns the width and the height of a scene's picture in pixels, or the error for a picture that is too large.
+/// Returns the width and the height of a scene's picture in pixels, or the error for a scale that is not above 0 and
+/// for a picture that is too large or has no pixels.
 pub(crate) fn size(scene: &Scene, scale: f64) -> Result<[u32; 2], FigureError> {
     if !(scale.is_finite() && scale > 0.0) {
         return Err(FigureError::Scale(scale));
@@ -123,7 +124,7 @@ struct Painter {
 }
 
 impl Painter {
-    /// Paints a group, and counts its shapes. Fails at a shape that is too long.
+    /// Paints a group, and counts its shapes. Fails at a shape that is too long, and when the caller stops the steps.
     fn group(&mut self, group: &Group, steps: &mut Steps<'_>) -> Result<(), FigureError> {
         self.set_clip(group.clip);
         let at = Placing {

@@ -331,6 +331,8 @@ impl Judged {
         certificate: Option<&Certificate>,
         overrides: &Overrides,
     ) -> Result<Self, CheckError> {
+        // `check_bytes` has refused such a certificate beside the file, before it decoded the file. One inside it, or
+        // that of a stream, is refused here.
         if certificate.is_some_and(|stated| stated.thinned.is_some()) {
             return Err(CheckError::Thinned);
         }
@@ -571,11 +573,13 @@ fn differences(
     list.exact("scale", &stated.scale, &judged.mapping.scale());
     parameters(&mut list, stated);
 
-    // With another region, radius or tolerance the measures may differ without being wrong.
+    // With another region, origin, radius, shape or tolerance the measures may differ without being wrong.
     if judged.is_as(stated) {
         measures(&mut list, stated, report);
     }
 
+    // For the same reason levels are judged only where these are as stated (see `check_bytes`): otherwise there are
+    // none.
     if let Some(last) = levels.last() {
         compare_levels(&mut list, stated, levels, last);
     }
@@ -618,15 +622,15 @@ fn compare_levels(
         "less than nested levels promise".to_owned(),
     );
 
-    for (stated, found) in stated.levels.iter().zip(found) {
+    for (claimed, judged) in stated.levels.iter().zip(found) {
         list.measure(
             "levels.min_distance",
-            stated.min_distance,
-            found.min_distance,
+            claimed.min_distance,
+            judged.min_distance,
         );
-        let [covering, measured] = [stated, found].map(|level| Some(level.covering_radius));
+        let [covering, measured] = [claimed, judged].map(|level| Some(level.covering_radius));
         list.measure("levels.covering_radius", covering, measured);
-        list.exact("levels.valid", &stated.valid, &found.valid);
+        list.exact("levels.valid", &claimed.valid, &judged.valid);
     }
 }
 

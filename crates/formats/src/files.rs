@@ -189,6 +189,7 @@ pub fn write_certified(
     certificate: &Certificate,
 ) -> Result<PathBuf, ExportError> {
     let data = Temporary::of(path)?;
+    // As in `stored_at`: what forbids a certificate is found out before anything is written.
     data.place.takes_certificate()?;
     data.write(bytes).map_err(|e| io_error(path, e))?;
 
@@ -257,6 +258,7 @@ impl Temporary {
     /// Writes `bytes` through to the device.
     fn write(&self, bytes: &[u8]) -> io::Result<()> {
         let mut file = self.create()?;
+        // Tests let each `step` fail in turn.
         step(|| file.write_all(bytes))?;
         step(|| file.sync_all())
     }
@@ -298,7 +300,7 @@ pub(crate) fn read_certificate(path: &Path) -> Result<Option<Vec<u8>>, FormatErr
 ///
 /// # Errors
 ///
-/// [`FormatError::Io`] when it cannot be read, and [`FormatError::TooLarge`].
+/// [`FormatError::Io`] when it cannot be read, [`FormatError::TooLarge`], and [`FormatError::NoMemory`].
 pub fn read_whole(path: &Path) -> Result<Vec<u8>, FormatError> {
     read_limited(path, MAX_BYTES_IN_MEMORY)
 }

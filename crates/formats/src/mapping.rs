@@ -83,8 +83,9 @@ impl Mapping {
 
     /// The coordinates which a file stores for the domain position `point`.
     ///
-    /// f32 formats round to the nearest f32, but never out of the region: on a torus a coordinate
-    /// lifted to the period becomes 0, the same place; in a bounded region it is rounded down.
+    /// f32 formats round to the nearest f32, and a sum with an origin is rounded, too, but never out of the region: on
+    /// a torus a coordinate lifted to the period becomes that of the lower side, the same place; in a bounded region it
+    /// is rounded down.
     #[must_use]
     pub fn file_from_domain(&self, point: [f64; 2]) -> [f64; 2] {
         let point = DVec2::from(point);
@@ -178,7 +179,7 @@ impl Mapping {
 }
 
 /// Refuses an origin that `format` cannot hold, or around which numbers of `precision` are too far apart for sets of
-/// `radius`. Without an origin, which is that at 0, nothing is refused.
+/// `radius`. The origin 0 0, which stands for none, is never refused.
 pub(crate) fn check_origin(
     origin: [f64; 2],
     region: Region,

@@ -64,6 +64,7 @@ impl Made {
                 Some(_) => judged.verify_prefix(points, options, control),
             };
         }
+        // A set of one radius is whole: only stipples are the first of more samples, and their radius varies.
         let (region, radius) = (self.facts.region, self.facts.radius);
         verify(&self.set.points, region, radius, options, control)
     }

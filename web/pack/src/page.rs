@@ -136,7 +136,7 @@ const CONNECTS: &str = "connect-src 'self'";
 /// names the page's own server alone.
 ///
 /// # Errors
-/// The page has not exactly one policy.
+/// There is no `index.html`, it is not in UTF-8, or it has not exactly one policy.
 pub fn allow_store(sources: &mut BTreeMap<String, Source>, origin: &str) -> Result<()> {
     let index = sources
         .get_mut("index.html")
@@ -239,6 +239,7 @@ fn service_worker(source: &Source, files: &[File]) -> Result<Vec<u8>> {
 
     let text = std::str::from_utf8(&source.bytes).context(WORKER)?;
     let filled = rewrite(text, |placeholder| match placeholder {
+        // The list is of relative addresses, whatever the folder's public one is.
         Placeholder::Address => Ok(String::new()),
         Placeholder::Precache => Ok(serde_json::to_string(&addresses)?),
         Placeholder::Version => Ok(names::digest(&all)),

@@ -349,7 +349,8 @@ fn without_placeholders(html: &str) -> String {
 
 /// Returns what the head of the first page has about its address and its lessons.
 fn first_page_head(entries: &[Entry], address: &str) -> String {
-    // Without a public address these are relative, which readers resolve against the page.
+    // Without a public address these are relative, which readers resolve against the page. (The data of one lesson,
+    // which catalogues copy, has no address then.)
     let lessons = entries.iter().map(|entry| {
         json!({
             "@type": "LearningResource",
@@ -493,9 +494,9 @@ fn learning_resource(entry: &Entry, words: &Words, address: &str) -> serde_json:
 
     // Catalogues copy these, so that a relative address would lead nowhere.
     if !address.is_empty() {
-        // The packer puts the file's final name in the place of `{{asset:NAME}}`.
         let path = format!("lesson/{}/{}", entry.name, words.folder);
         data["url"] = json!(format!("{address}{path}"));
+        // The packer puts the file's final name in the place of `{{asset:NAME}}`.
         data["image"] = json!(format!("{address}{{{{asset:{}}}}}", entry.preview_name()));
         data["isPartOf"]["url"] = json!(address);
     }

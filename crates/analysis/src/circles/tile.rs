@@ -1,6 +1,11 @@
 //! Some cells of the region with those around them, as coordinates in one frame: copies across the seams lie beyond
 //! them. Its scan of pairs finds the conflicts, exactly, and proves most circles covered; the others are left to
 //! [`super::search`].
+//!
+//! A sample's *circle* is the border of its disk: a set is maximal if the other disks cover all circles within the
+//! region. A circle is cut into *bins*, and a *mask* has a bit for each bin that is covered. A *table*
+//! ([`super::table`]) gives the mask of a neighbour's disk by its offset, of which it asks only in which small *square*
+//! it lies.
 
 use std::ops::Range;
 

@@ -1,5 +1,8 @@
 //! Samples in square cells, where each comes and goes in a few steps. Above the cells lies a pyramid of which cells hold any:
 //! a search in a large hole sees blocks of empty cells at once, so no search takes in the plane because a hole is large.
+//!
+//! Searches return how many *steps* they took: the cells, the samples and the blocks that they looked at. Live measures
+//! count their work in these, instead of in time, to spread it over frames.
 
 use std::ops::ControlFlow;
 

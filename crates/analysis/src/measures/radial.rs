@@ -21,7 +21,7 @@ pub struct Annulus {
     pub power: f64,
     /// `10 log10(variance / mean^2)` of the power over the annulus, in decibels. For a set without preferred
     /// directions it is about [`anisotropy_reference_db`]. NaN where there are fewer than two pairs of opposite
-    /// frequencies or no power.
+    /// frequencies or no power, and minus infinity where all powers are equal.
     pub anisotropy_db: f64,
     /// Number of frequencies, both of each pair `k` and `-k`.
     pub count: u64,

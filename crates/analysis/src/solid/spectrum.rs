@@ -294,8 +294,8 @@ fn powers(
     };
     let rows = [0, 1, 2].map(|axis| most(axis) + 1);
     let table: usize = rows.iter().sum();
-    // At least as many samples as vectors have room for, however large the tables are. With more than a thousand, tables
-    // of small sets would no longer be shorter than the set: chosen, not measured.
+    // At least as many samples as a processor computes at once, however large the tables are. With more than a
+    // thousand, tables of small sets would no longer be shorter than the set. Both limits are chosen, not measured.
     let at_once = (TABLE / table).clamp(16, 1024);
 
     let mut sums = vec![[0.0; 2]; frequencies.len()];

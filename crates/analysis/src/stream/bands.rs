@@ -209,7 +209,8 @@ impl Bands {
         Ok(())
     }
 
-    /// Returns the error of a set for which more would have to be held than may be.
+    /// Returns the error of a set for which more samples, cells or gaps on sides of tiles would have to be held than
+    /// may be. Its two numbers are of samples in any case.
     fn too_large(&self, search: &StreamSearch) -> VerifyError {
         VerifyError::BandTooLarge {
             samples: self.held.len() + self.seam.len(),
@@ -325,7 +326,8 @@ impl Bands {
         })
     }
 
-    /// Judges the remaining rows, those at the seam of a torus included, and returns all findings.
+    /// Judges the remaining rows, those at the seam of a torus included, and returns all findings. At least one band
+    /// was judged before: otherwise [`Self::take_unjudged`] has returned the samples.
     pub fn finish(
         &mut self,
         search: &StreamSearch,

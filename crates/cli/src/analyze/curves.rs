@@ -125,6 +125,7 @@ fn curve_rows(analysis: &Analysis) -> (Vec<Panel>, Panel) {
     let (name, axis) = ("white noise".to_owned(), cut("g(r)", &correlations));
     let noise = vec![Level { name, y: 1.0 }];
     let pairs = chart("Pair correlation", DISTANCE, axis, correlations, noise);
+    // The pair correlation keeps its panel without a curve, too: it has its place in the rows of the figure.
     (drawn([power, anisotropy]), Panel::Lines(pairs))
 }
 
@@ -189,7 +190,8 @@ pub fn cut(label: &str, series: &[Series]) -> Axis {
         return Axis::new(format!("{label}, cut off at {MAX_PEAK}")).with_range(0.0, MAX_PEAK);
     }
     let [low, high] = ends_of_bands(series);
-    // Curves that are 0 everywhere would give an empty range.
+    // Curves that are 0 everywhere would give an empty range. White noise, at 1, lies in this range where a curve
+    // reaches 2/3, as each does that ends near white noise.
     if top > 0.0 && high > MAX_BAND * top {
         return Axis::new(format!("{label}, bands cut off")).with_range(0.0, MAX_BAND * top);
     }

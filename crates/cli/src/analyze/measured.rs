@@ -162,7 +162,8 @@ impl<'a> Request<'a> {
             common.admit(samples, region)?;
         }
 
-        // A set by itself has its own frequencies and bins; in an average those of the first set are taken.
+        // A set by itself has its own frequencies and bins; in an average those of the first set are taken. Its own
+        // window is asked for in any case: a number of frequencies that a set cannot have is refused.
         let bins = PairBins::of(self.radius, samples, region);
         let own = (self.window(samples as f64, region)?, bins);
         let shared = common.map(|common| (common.window.clone(), common.bins));

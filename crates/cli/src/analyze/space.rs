@@ -302,6 +302,8 @@ impl Subject {
 
         let names: Vec<&str> = sets.iter().map(|set| set.name.as_str()).collect();
         Ok(Self {
+            // All have the box of the first set. Where its radius is from is said for it alone: its radius is the unit
+            // of all distances.
             words: words(&sets[0]),
             name: names::pattern(&names),
             label: format!("mean of {}", sets.len()),

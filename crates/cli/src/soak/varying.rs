@@ -54,7 +54,8 @@ pub fn round(
 ) -> Result<Tally> {
     let drawn = recipe(parameters.seed, dice)?;
     let made = match drawn.make(&mut Unobserved) {
-        // A mask of few pixels may have no pixel that belongs to the shape, and is then refused rightly.
+        // A mask of few pixels may have none that belongs to the shape, or pixels wider than those of masks may be:
+        // both are refused rightly.
         Err(VaryingError::Nothing | VaryingError::Shape(_))
             if matches!(drawn.shape, Some(ShapeSource::Mask(_))) =>
         {

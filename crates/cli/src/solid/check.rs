@@ -188,7 +188,7 @@ fn smallest_distance(points: &[[f64; 3]], region: SolidRegion) -> Result<f64> {
     let spacing = (region.volume() / points.len().max(1) as f64).cbrt();
     let shortest = region.size().into_iter().fold(f64::INFINITY, f64::min);
     let options = VerifyOptions {
-        // One judge is enough for a distance; the new file is judged by those that the user asks for.
+        // One judge is enough for a distance. The user's choice of judges is for the file that `convert` writes.
         judges: JudgeChoice::Subdivision,
         ..VerifyOptions::default()
     };

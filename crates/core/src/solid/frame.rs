@@ -1,5 +1,8 @@
 //! The cells of side R over a box and one layer around it. Whatever lies within R beyond a periodic side is an image of
 //! a place inside and is held a second time, so that a search never wraps around, whatever the sides are.
+//!
+//! A search is about a cube in a cell. The cells that may matter to it are listed for the smallest *block* that holds
+//! the cube: the whole cell, or one of its octants.
 
 use crate::lattice::{Boundary, R, R_SQUARED};
 
@@ -30,8 +33,8 @@ pub(super) struct BallFrame {
     counts: [usize; 3],
     /// The cells around a cell, and the cell itself.
     around: [Neighbour; 27],
-    /// For each block of a cell those that come within R of it, by their numbers, nearest first: near ones are more
-    /// likely to answer.
+    /// For each block of a cell, where in `around` the cells are that come within R of the block, nearest first: near
+    /// ones are more likely to answer.
     orders: Vec<Vec<u8>>,
 }
 
@@ -120,9 +123,9 @@ impl BallFrame {
         }
     }
 
-    /// Calls `visit` with the cells that reach within R of a cube, nearest cells first, until it returns `true`;
-    /// returns whether it did. Each cell comes with the offset of its lowest place from `min`, the cube's lowest one.
-    /// The cube lies in one cell, and its side is a power of two.
+    /// Calls `visit` with the cells that reach within R of a cube, those nearest to its block first, until it returns
+    /// `true`; returns whether it did. Each cell comes with the offset of its lowest place from `min`, the cube's lowest
+    /// one. The cube lies in one cell, and its side is a power of two.
     ///
     /// `depth` is how far into the cube a ball must reach, counted from the side at which it enters, to be of use to
     /// the caller: one that covers an octant reaches through half of the cube. Cells from which no ball reaches so deep

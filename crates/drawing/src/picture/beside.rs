@@ -26,7 +26,7 @@ const NAME_SIZE: f64 = 15.0;
 pub struct Beside {
     /// The name of the moment.
     pub name: String,
-    /// The spectrum of its samples, at the frequencies of the finished set.
+    /// The spectrum of its samples, at the frequencies and with the number of samples of the finished set.
     pub spectrum: Spectrum,
     /// Why the moment has no spectrum, if it has none; the axes are drawn all the same.
     pub lack: Option<String>,
@@ -137,6 +137,7 @@ impl Beside {
     /// Returns the radial mean, or its empty frame with the reason for the lack. Its vertical axis ends where the shades of the
     /// periodogram do.
     fn mean(&self) -> Panel {
+        // The unit of the frequencies is that of the finished set, whose number of samples the spectrum has for that.
         let samples = grouped(self.spectrum.profile.samples.round() as usize);
         let frequency = format!("frequency \u{3bd} = |k| / \u{221a}{samples}");
         let power = format!("power P(\u{3bd}), cut off at {BLACK}");

@@ -11,7 +11,8 @@ use tilescope_figures::{
 use crate::surface::{Arc, Mark, Stroke, Surface, Tag};
 use crate::{DISK_FILL, DISK_RING};
 
-/// Circles of a larger radius, in pixels, look straight within the picture.
+/// Circles of a larger radius, in pixels, are left out: within the picture they would be nearly straight lines. Arcs,
+/// which are drawn as polygons, have no such limit.
 const MAX_CIRCLE: f32 = 10_000.0;
 /// The height of a line of text, relative to its font size.
 const LINE_HEIGHT: f32 = 1.27;

@@ -321,6 +321,7 @@ pub(super) fn keep(
     // Elements have their rows in the order in which the header lists them.
     let mut rest = &bytes[header.data_offset..];
     for element in &outlined {
+        // The rows of a text file, the bytes of a binary one.
         let length = element.length(rest, header.encoding)?;
         // `kept` has an entry for each vertex.
         let stays = |row: usize| {
@@ -428,7 +429,8 @@ pub(super) fn column(bytes: &[u8], format: Format, wanted: &str) -> Result<Vec<f
     let data = bytes.get(header.data_offset..).unwrap_or_default();
     match header.encoding {
         Encoding::Ascii => {
-            // In text a row is a line that is not blank. Rows of earlier elements are skipped.
+            // In text a row is a line that is not blank. Rows of earlier elements are skipped. That no row is missing
+            // was checked when the points were read.
             let counts = header.before.iter().map(|element| element.count);
             let before = counts.fold(0, u64::saturating_add);
             let rows = (lines(data).filter(|(_, row)| !row.is_empty()))

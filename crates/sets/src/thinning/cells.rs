@@ -269,15 +269,15 @@ impl Layer {
 
 /// Returns where the cells of each row begin; nothing if most rows would be empty, as where a point lies far from all others.
 fn rows(keys: &[u64], count: u32) -> Option<Vec<u32>> {
-    // The upper border is a row of its own, and one number more is the end of that.
-    let ends = count as usize + 2;
-    // Up to four rows a cell, 16 bytes, the table takes less than the cell itself. The constant lets small clouds have
-    // one.
-    if ends > 4 * keys.len() + 1024 {
+    // The rest at the upper border is a row of its own.
+    let most_rows = count as usize + 1;
+    // Up to four rows a cell, 16 bytes, the table takes less than the cell itself. The constant (chosen, not measured)
+    // lets small clouds have one.
+    if most_rows >= 4 * keys.len() + 1024 {
         return None;
     }
 
-    let mut rows = Vec::with_capacity(ends);
+    let mut rows = Vec::with_capacity(most_rows);
     for (cell, &key) in keys.iter().enumerate() {
         let row = Place::of(key).row as usize;
         // A row without cells begins, and ends, where the next one begins.

@@ -1,4 +1,6 @@
-//! Which crate needs how many bytes, in which of the two modules.
+//! Which crate needs how many bytes, in which of the two modules: the first one, with which the program starts, or the
+//! later one, which is loaded when one of its functions is called. A *stub* stands in the first module for a function
+//! of the later one; small functions of the first module have a *copy* in the later one.
 
 use std::collections::BTreeMap;
 use std::fmt;

@@ -232,7 +232,8 @@ impl<const TAGS: bool> Region<TAGS> {
     }
 
     /// Replaces the samples of the cells `cells` (of this frame) by those of a region in which they are sure. The lists
-    /// of lost samples stay as they are: they serve counts, and the other region's samples were counted there.
+    /// of lost samples stay as they are: they serve counts, and the other region's samples were counted there. Flags
+    /// and the list of unsure cells stay, too, as they are not read once the region is counted.
     pub(crate) fn adopt(&mut self, other: &Self, cells: &Rect) {
         let shift = ((self.frame.origin - other.frame.origin) >> CELL_BITS).as_ivec2();
         for row in cells.min.y..cells.max.y {

@@ -15,7 +15,7 @@ use crate::error::{ReproduceError, Result};
 /// Units to r of the lattices. Below 8 a disk is no longer round; above 32 a lattice leaves out too few samples to be
 /// worth the time that a set takes.
 pub const RADII: [u16; 5] = [8, 12, 16, 24, 32];
-/// Side of the torus in radii.
+/// Side of the torus in radii. Chosen, not measured.
 const SIDE: u16 = 16;
 
 /// Sets on one coarse lattice, counted.

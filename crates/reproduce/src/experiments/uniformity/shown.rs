@@ -30,6 +30,7 @@ pub fn pictures(found: &UniformityResults, cells: usize) -> Result<Vec<Picture>>
         (3, random),
         (4, exact),
     ];
+    // Inserted samples are counted in the sets of these two runs alone, which differ in insertion.
     let two = [(0, circumcentre), (2, uniform)];
 
     let charts = [
@@ -127,7 +128,8 @@ fn inserted(subjects: &[Subject<'_>]) -> LineChart {
     };
 
     let mut chart = chart("uniformity/inserted", subjects.iter().map(series).collect());
-    // The bias lies within a few r of a border. There is a little room above 100 %.
+    // The bias lies within a few r of a border; 5 r is the border of a class (chosen, not measured). There is a little
+    // room above 100 %.
     chart.x.range = Some([0.0, 5.0]);
     chart.y.range = Some([0.0, 105.0]);
     chart
