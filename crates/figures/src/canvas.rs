@@ -49,7 +49,7 @@ pub(crate) struct Canvas<'a> {
     /// The width and the height of the domain, in user units.
     pub(crate) size: DVec2,
     pub(crate) periodic: bool,
-    /// Of the disk around the sample that is drawn.
+    /// The radius of the disk of the sample that is drawn next: callers set it anew for each sample where radii vary.
     pub(crate) radius: f64,
     /// The part of the domain that is shown, in user units.
     pub(crate) shown: Rect,

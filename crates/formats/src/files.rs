@@ -73,7 +73,8 @@ pub fn read(path: &Path, hint: &Hint<'_>) -> Result<ReadSet, FormatError> {
     )
 }
 
-/// Re-verifies the file `path` against the certificate beside or inside it. Returns also the set, as [`check_bytes`] does.
+/// Re-verifies the file `path` against the certificate beside or inside it, unless `overrides` leave that out. Returns
+/// also the set, as [`check_bytes`] does.
 ///
 /// # Errors
 ///

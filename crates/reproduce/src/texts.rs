@@ -160,8 +160,7 @@ pub fn table<R>(id: &str, rows: impl IntoIterator<Item = R>, cells: impl Fn(R) -
         shown: !text.hidden,
     };
 
-    // Adds a column with its cell of each row. A cell is empty where a row repeats the column less often than the
-    // first.
+    // Adds a column with its cell of each row; a missing cell is empty.
     let mut add = |column: Column, cell: &dyn Fn(&Value) -> Option<Value>| {
         table.columns.push(column);
         for (row, object) in table.rows.iter_mut().zip(&objects) {
@@ -178,7 +177,7 @@ pub fn table<R>(id: &str, rows: impl IntoIterator<Item = R>, cells: impl Fn(R) -
             digits: column.digits,
         };
 
-        // All rows have the same keys, so that the columns of the first one are those of all. Without rows none are
+        // All rows have the same columns, so that those of the first one are those of all. Without rows none are
         // needed.
         let optional = key != column.key || objects.is_empty();
         match objects.first().and_then(|object| object.get(key)) {

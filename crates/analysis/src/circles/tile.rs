@@ -258,8 +258,8 @@ impl Tile {
     }
 
     /// Scans all pairs of neighbours once: marks in both circles the bins that the other disk covers, and counts the
-    /// conflicts of the tile's own samples. Circles and disks have the radius `rho`, the largest that is known to be
-    /// needed so far. Samples nearer than `radius`, that of the set, are in conflict.
+    /// conflicts of the tile's own samples. Circles and disks have the radius `rho`: that of the largest empty circle
+    /// found so far, up to the limit of covering. Samples nearer than `radius`, that of the set, are in conflict.
     ///
     /// A pair belongs to the tile of the sample that comes first in the sequence of rows and columns, counted on across
     /// the seams, so it is counted in one tile.

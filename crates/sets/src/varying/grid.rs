@@ -41,7 +41,7 @@ impl RadiusGrid {
     ///
     /// # Errors
     ///
-    /// [`VaryingError::Grid`] unless there are whole rows, [`VaryingError::Pixels`].
+    /// [`VaryingError::Grid`] unless there are whole rows, [`VaryingError::Pixels`] for too many pixels.
     pub fn of_pixels(
         columns: usize,
         pixels: &[f64],

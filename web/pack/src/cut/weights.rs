@@ -38,7 +38,7 @@ pub struct Weights {
     crates: BTreeMap<String, Weight>,
 }
 
-/// Crates with fewer bytes than this are shown together.
+/// Crates with fewer bytes than this are shown together. Chosen, not measured.
 const MIN_SHOWN: usize = 20_000;
 
 impl Weights {

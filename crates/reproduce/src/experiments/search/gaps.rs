@@ -26,7 +26,7 @@ const ASK: usize = 1024;
 /// The largest distance of sites from the circle that they define, in radii.
 const HAIR: f64 = 1e-6;
 
-/// A position without a sample within r, and the three samples nearest to it.
+/// A position without a sample within r, and three samples that are nearest to it.
 #[derive(Clone, Debug, Default, Serialize, Deserialize)]
 pub struct Witness {
     pub center: [f64; 2],
@@ -85,7 +85,7 @@ pub struct GapCounts {
     pub holes: usize,
     /// Area of the gaps, in squared radii.
     pub area: f64,
-    /// Centres that no detector could find.
+    /// Centres that no detector could find, among the largest [`MAX_CENTERS`].
     pub out_of_sight: usize,
     pub covering_radius: f64,
     /// The largest empty circles of different holes.
