@@ -15,7 +15,7 @@ use crate::paths::{InFile, named};
 use crate::progress::verifying;
 use crate::{output, verdict_code};
 
-/// How many pairs in conflict are named.
+/// How many pairs in conflict are named, at most. Chosen, not measured.
 const NAMED: usize = 5;
 
 /// Why covering has no verdict.

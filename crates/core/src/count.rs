@@ -22,7 +22,8 @@ const MAX_TRIES: u32 = 64;
 /// and corrections alone could try the same radii again and again.
 const STRAIGHT_TRIES: u32 = 4;
 
-/// Samples that a closed border adds, as a width in radii by which it widens the domain.
+/// Samples that a closed border adds, as a width in radii by which it widens the domain: about, as a search by actual
+/// runs corrects the rest.
 const BORDER_WIDTH: f64 = 0.45;
 
 /// Returns about the radius, in user units, of a set of `count` samples. It follows from the density of a maximal set,

@@ -4,7 +4,7 @@ use super::radial::{Annulus, RadialProfile, anisotropy_reference_db};
 use super::statistics::Summary;
 
 /// Frequencies, of each opposite pair one, that an annulus must have for its anisotropy to count: a variance of few
-/// is biased.
+/// is biased. Chosen, not measured.
 const MIN_PAIRS: u64 = 100;
 /// How many standard deviations hold a normal variable with probability 95 %, and 99 %.
 const NORMAL: [f64; 2] = [1.959_964, 2.575_829];

@@ -19,7 +19,7 @@ use crate::findings::MAX_CONFLICTS;
 use crate::grid::{Entry, Grid};
 use crate::monitor::Monitor;
 
-/// Samples between two reports.
+/// Samples between two reports. Chosen, not measured.
 const CHUNK: usize = 4096;
 
 /// Allows for the rounding of a reach and of the distances compared with it.

@@ -23,7 +23,7 @@ const SPARE: f64 = 0.999;
 /// The most bins on an axis: numbers of bins on three axes fit into a key of 96 bits.
 const MAX_BINS: f64 = 4_294_967_295.0;
 
-/// Samples that a thread works on at a time.
+/// Samples that a thread works on at a time. This number and the next one are chosen, not measured.
 const CHUNK: usize = 512;
 
 /// Chunks between two questions whether there are conflicts enough.

@@ -12,7 +12,8 @@ use super::gather::Analysis;
 use super::names;
 use super::subject::Subject;
 
-/// Curves higher than this are cut off: the peaks of lattices would flatten the others.
+/// Curves higher than this are cut off: the peaks of lattices would flatten the others. This limit and the next three
+/// are chosen, not measured.
 const MAX_PEAK: f64 = 8.0;
 /// Differences beyond this, of either sign, are cut off.
 const MAX_DIFFERENCE: f64 = 4.0;

@@ -1,6 +1,6 @@
 //! Short, unique labels of files, and the pattern that several names share.
 
-/// The most characters of a short name.
+/// The most characters of a short name. Chosen, not measured.
 const MAX_LENGTH: usize = 40;
 
 /// Returns the names, with a number after those that occurred before.

@@ -1,4 +1,5 @@
-//! Rounds of sets in random fields and shapes: the set, the same set recorded, and the verdict by subdivision.
+//! Rounds of sets in random fields and shapes: the set, the same set recorded, and the verdict by subdivision. Ranges are
+//! chosen, not measured, where no reason stands beside them.
 
 use std::f64::consts::TAU;
 use std::sync::Arc;

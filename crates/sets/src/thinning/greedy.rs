@@ -15,7 +15,7 @@ use super::cells::{Grid, Layer, Place};
 use super::near::{Reach, offset};
 use super::{Cloud, CloudRadii, ThinError};
 
-/// Decided points between two reports.
+/// Decided points between two reports. Chosen, not measured.
 const STRIDE: u64 = 1 << 14;
 
 /// Bands for each thread: more would have more borders, over which cells wait for each other, and fewer would leave a thread

@@ -16,7 +16,7 @@ use crate::rates::distinct;
 use crate::sets::{Set, shortest};
 use crate::texts::{table, text};
 
-/// Centres of gaps that are examined in each set, at most.
+/// Centres of gaps that are examined in each set, at most. This number and the next two are chosen, not measured.
 const MAX_CENTERS: usize = 100_000;
 /// Witnesses that are kept of each set.
 const KEPT: usize = 4;
