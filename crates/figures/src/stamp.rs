@@ -19,7 +19,8 @@ pub struct Stamp {
 }
 
 /// Returns a text in the regular font at an em of `size` pixels, with boxes for the characters that the font lacks: for a
-/// window that has no font for them. `None` if there is nothing to draw, or if it would be larger than pictures may be.
+/// window that has no font for them. `None` if there is nothing to draw, if it would be larger than pictures may be, or if
+/// the program's own fonts cannot be read.
 ///
 /// ```
 /// use tilescope_figures::stamp;

@@ -44,7 +44,7 @@ pub fn all(files: Vec<File>, earlier: &Path) -> Vec<Packed> {
         // `is_compressed` says whether a file gets copies at all: pictures, for one, do not, as their format is
         // compressed.
         let worth = names::is_compressed(&file.path);
-        let smaller = |copy: Vec<u8>| (worth && copy.len() < file.bytes.len()).then_some(copy);
+        let smaller = |copy: Vec<u8>| (copy.len() < file.bytes.len()).then_some(copy);
         let gzip = worth.then(|| gzip(&file.bytes)).and_then(smaller);
         let brotli = worth
             .then(|| {

@@ -314,6 +314,7 @@ fn read(source: Source<'_>, arguments: &SetArguments) -> Result<VerifiedFile> {
     let mut outcome = check_or_unit_square(&overrides, check);
     let has_radius = !matches!(outcome, Err(CheckError::NoRadius));
     if !has_radius {
+        // Read once more, as a check without a radius returns no points.
         let count = arguments.read(path, overrides.set)?.set.len();
         // The spacing below is meant for sets that can be measured, of three samples and more.
         if count < 3 {
