@@ -141,7 +141,8 @@ struct Entry {
 ///
 /// # Errors
 ///
-/// A lesson that cannot be shown, and a mark that is not known.
+/// A lesson that cannot be shown, a lesson or a step that is chosen above and does not exist, a mark that is not known,
+/// and a missing `index.html`.
 pub fn add(sources: &mut BTreeMap<String, Source>, address: &str) -> Result<()> {
     let entries: Vec<Entry> = shipped::lessons()
         .iter()
@@ -277,7 +278,7 @@ fn add_pictures(sources: &mut BTreeMap<String, Source>, entry: &Entry) -> Result
 ///
 /// # Errors
 ///
-/// The two parts are not where they are expected.
+/// There is no `index.html` in UTF-8, or the two parts are not where they are expected.
 pub fn first_page_sizes(files: &[File]) -> Result<[usize; 3]> {
     let file = files.iter().find(|file| file.path == "index.html");
     let index = std::str::from_utf8(&file.context("there is no index.html")?.bytes)?;

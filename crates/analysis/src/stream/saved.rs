@@ -61,7 +61,8 @@ impl StreamVerifier {
     ///
     /// # Errors
     ///
-    /// The error of an earlier call: its state cannot be continued.
+    /// The error of an earlier call, whose state cannot be continued, and [`VerifyError::BadState`] for a state that
+    /// cannot be written.
     pub fn save(&self) -> Result<Vec<u8>, VerifyError> {
         if let Some(fault) = &self.fault {
             return Err(fault.clone());

@@ -150,7 +150,8 @@ impl<'a> PointFile<'a> {
     ///
     /// # Errors
     ///
-    /// [`ThinFileError`] where the format cannot keep what belongs to a point, and as [`Self::check_name`].
+    /// [`ThinFileError::Format`] where the format cannot keep what belongs to a point, [`ThinFileError::ReadBack`], and
+    /// as [`Self::check_name`].
     pub fn keep<'b>(
         &self,
         kept: &[bool],
@@ -232,7 +233,8 @@ impl ThinRecipe {
     ///
     /// # Errors
     ///
-    /// [`ThinFileError`] for points outside of the domain, for radii and for columns that cannot be used.
+    /// [`ThinFileError`] for points outside of the domain, for a rectangle around them that is no region, and for radii
+    /// and columns that cannot be used.
     pub fn prepare(
         &self,
         file: &PointFile<'_>,

@@ -68,8 +68,8 @@ impl RadiusGrid {
     ///
     /// # Errors
     ///
-    /// As [`Self::of_pixels`], [`VaryingError::Density`] for a density below 0, one that is no
-    /// number, and one that is 0 everywhere.
+    /// As [`Self::of_pixels`], [`VaryingError::Density`] for a density below 0 and one that is not finite, and
+    /// [`VaryingError::NoDensity`] for one that is 0 everywhere.
     pub fn of_density(
         columns: usize,
         pixels: &[f64],

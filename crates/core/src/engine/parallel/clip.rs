@@ -85,7 +85,8 @@ impl CellPattern {
 
     /// Cuts the rectangle that begins at `start` of the repeated pattern where it crosses the pattern's edges. Calls
     /// `visit` with each part, as a rectangle of the pattern, and with the place where its lowest corner is laid. The
-    /// lowest corner of the whole is laid at `corner`.
+    /// lowest corner of the whole is laid at `corner`. No rectangle crosses the edges of a bounded pattern, which every
+    /// block fits into.
     #[inline(always)]
     fn pieces(
         &self,
@@ -301,7 +302,7 @@ impl Clipper {
     }
 
     /// Fills `out` with the blocks that, enlarged by r, reach into the frame, ordered by index, the images of a block
-    /// one after the other.
+    /// one after the other. Fails if one of them does not fit a bounded pattern.
     pub fn blocks(&self, frame: &Frame, out: &mut Vec<PlacedBlock>) -> Result<(), SampleError> {
         out.clear();
         let target = frame.tiled();

@@ -69,8 +69,8 @@ impl Plane {
     /// Returns the plane of `parameters` with `pattern`, which need not be the one that the parameters
     /// describe.
     ///
-    /// Fails when the parameters cannot be sampled, or ask for Algorithm 4 as printed, which is one
-    /// loop over all samples.
+    /// Fails when the parameters cannot be sampled, also with this pattern, or ask for Algorithm 4 as printed, which is
+    /// one loop over all samples.
     pub fn new(parameters: &Parameters, pattern: &Pattern) -> Result<Self, SampleError> {
         let domain = parameters.validate()?;
         parameters.check_parallel()?;
