@@ -85,7 +85,7 @@ pub struct GapCounts {
     pub holes: usize,
     /// Area of the gaps, in squared radii.
     pub area: f64,
-    /// Centres that no detector could find, among the largest [`MAX_CENTERS`].
+    /// Centres that no detector could find, among those that are examined.
     pub out_of_sight: usize,
     pub covering_radius: f64,
     /// The largest empty circles of different holes.
