@@ -286,3 +286,6 @@ fn source(words: &[u32]) -> Source {
         _ => unreachable!("a source has two words"),
     }
 }
+
+#[cfg(test)]
+mod device;

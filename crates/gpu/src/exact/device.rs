@@ -1,0 +1,104 @@
+//! Exact tilings with too little room. Needs an adapter; a software one will do.
+
+use pollster::block_on;
+use tilescope_core::{PatternSpec, Unobserved};
+
+use super::*;
+use crate::adapter::{Choice, Limits};
+
+fn gpu() -> Arc<Gpu> {
+    let choice = Choice {
+        software: true,
+        ..Choice::default()
+    };
+    let gpu = block_on(Gpu::open(&choice));
+    Arc::new(gpu.expect("this test needs a GPU adapter; a software one (lavapipe) will do"))
+}
+
+fn parameters(leaf: f64) -> (Parameters, PatternArrivals) {
+    let parameters = Parameters {
+        radius: 0.02,
+        leaf,
+        pattern: PatternSpec {
+            side: 30.0,
+            ..PatternSpec::default()
+        },
+        ..Parameters::default()
+    };
+    let arrived = PatternArrivals::of_spec(&parameters.pattern, &mut Unobserved);
+    (parameters, arrived.unwrap())
+}
+
+/// Returns the outcome of an attempt with so much room.
+fn attempt(
+    gpu: &Arc<Gpu>,
+    (parameters, arrived): &(Parameters, PatternArrivals),
+    room: DartRoom,
+) -> Attempt {
+    let plan = ExactPlan::new(parameters, arrived, room).unwrap();
+    block_on(async {
+        let work = ExactWork::new(gpu, plan, Recording::Nothing).await?;
+        work.run(parameters, arrived, &mut Unobserved).await
+    })
+    .unwrap()
+}
+
+/// Lists that are too short end an attempt, whichever list it is; with the room that is asked for next the run comes to its end.
+#[test]
+fn too_little_room_is_noticed_and_made_up_for() {
+    let gpu = gpu();
+    let run = parameters(8.0);
+    let room = DartRoom::expected(&run.0, &run.1).unwrap();
+    let Attempt::Made(expected, _) = attempt(&gpu, &run, room) else {
+        panic!("the expected room is too little");
+    };
+
+    for mut small in [
+        DartRoom { darts: 99, ..room },
+        DartRoom {
+            darts: 2500,
+            ..room
+        },
+        DartRoom { cells: 9, ..room },
+    ] {
+        let mut tries = 0;
+        let found = loop {
+            match attempt(&gpu, &run, small) {
+                Attempt::Short(needed) => small = needed.doubled(),
+                Attempt::Made(found, _) => break found,
+            }
+            tries += 1;
+        };
+        assert!(tries > 0 && tries < MAX_TRIES, "{small:?} after {tries}");
+        assert_eq!(found.points(), expected.points());
+    }
+}
+
+#[test]
+fn a_run_that_does_not_fit_is_refused_by_the_name_of_the_limit() {
+    let (parameters, arrived) = parameters(20.0);
+    let room = DartRoom::expected(&parameters, &arrived).unwrap();
+    let plan = ExactPlan::new(&parameters, &arrived, room).unwrap();
+    let roomy = Limits {
+        max_buffer_size: u64::MAX,
+        max_storage_buffer_binding_size: u64::MAX,
+        max_compute_workgroups_per_dimension: u32::MAX,
+        max_storage_buffers_per_shader_stage: u32::MAX,
+    };
+    assert_eq!(plan.check(&roomy, u64::MAX), Ok(()));
+
+    let tight = Limits {
+        max_storage_buffer_binding_size: 100_000,
+        ..roomy
+    };
+    let refused = plan.check(&tight, u64::MAX).unwrap_err().to_string();
+    assert!(
+        refused.contains("maxStorageBufferBindingSize allows 100000"),
+        "{refused}"
+    );
+    let refused = plan.check(&roomy, 100_000).unwrap_err().to_string();
+    assert!(
+        refused.contains("the memory to be used allows 100000"),
+        "{refused}"
+    );
+}
