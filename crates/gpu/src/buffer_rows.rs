@@ -44,6 +44,8 @@ fn words_of(name: Name) -> u64 {
         Name::Frame => size_of::<Frame>() as u64 / 4,
         Name::Images => size_of::<Image>() as u64 / 4,
         Name::Proposals => size_of::<Proposal>() as u64 / 4,
+
+        // Structures of exact tiling.
         Name::Ground => size_of::<Ground>() as u64 / 4,
         Name::LaidPieces => size_of::<LaidPiece>() as u64 / 4,
         Name::Darts => size_of::<Dart>() as u64 / 4,

@@ -126,7 +126,7 @@ fn first_difference(device: &Run, cpu: &Run, result: &[u32]) -> Option<RunDiffer
 }
 
 /// Returns the first difference between two lists.
-fn in_list<T: PartialEq + Debug>(
+pub(crate) fn in_list<T: PartialEq + Debug>(
     list: &'static str,
     device: &[T],
     cpu: &[T],

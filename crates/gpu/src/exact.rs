@@ -4,7 +4,11 @@
 //! The host finds the blocks and where each copy of the pattern lies; samples, darts, losses and cells are the device's.
 
 mod plan;
+pub(crate) mod reference;
+pub(crate) mod rows;
+pub(crate) mod stepper;
 
+use std::collections::VecDeque;
 use std::sync::Arc;
 
 use tilescope_core::stages::darts::{LAST_LEVEL, throws};
@@ -25,12 +29,12 @@ use crate::passes::{self, Command, Throw};
 
 use plan::{DartRoom, ExactPlan};
 
-/// Rounds between two readings of the counters. Most throws take three to six; a round too many does nothing. Chosen, not
-/// measured on a card.
+/// Rounds between two readings of the counters. Throws take one to six; a round too many does nothing. Chosen, not measured on a
+/// card.
 const ROUNDS: u32 = 4;
 
 /// More rounds than any throw takes: each one decides the earliest dart that is not yet right, and chains of darts within r that
-/// depend on each other have been seen to have a dozen.
+/// depend on each other have been seen to have six.
 const MAX_ROUNDS: u32 = 10_000;
 
 /// The code of the fault that a throw's rounds come to no end, after those of `FAULTS`.
@@ -71,32 +75,56 @@ async fn recorded(
     let memory = memory_of(gpu.report(), None);
     let mut room = DartRoom::expected(parameters, arrived)?;
 
+    // Room is an estimate. With twice what was found too little, few tries are needed.
     for _ in 0..MAX_TRIES {
         let plan = ExactPlan::new(parameters, arrived, room)?;
         plan.check(&limits, memory)?;
-        let work = ExactWork::new(gpu, plan, recording).await?;
-        match work.run(parameters, arrived, observer).await? {
-            Attempt::Made(run, reports) => return Ok((*run, reports)),
+        let mut work = ExactWork::new(gpu, plan, arrived, recording).await?;
+        if let Some(needed) = work.run(observer).await? {
             // A list was too short. Its counter went on, but what was left out may have brought up more.
-            Attempt::Short(needed) => room = needed.doubled(),
+            room = needed.doubled();
+            continue;
         }
+        let run = work.result(parameters, arrived).await?;
+        let reports = work.device.reports.take().unwrap_or_default();
+        return Ok((run, reports));
     }
     Err(GpuError::OutOfMemory)
 }
 
-/// How an attempt ended.
-enum Attempt {
-    Made(Box<Run>, Vec<PassReport>),
-    /// A list was too short: at least this room is needed.
-    Short(DartRoom),
+/// A step of an exact tiling, between two readings of the counters.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+enum ExactStep {
+    Lay,
+    /// The beginning of a throw, by its index, with the first rounds.
+    Begin(usize),
+    /// More rounds of a throw.
+    Rounds(usize),
+    /// The counting of the samples.
+    Count,
+    Collect,
+    End,
 }
 
 /// An exact tiling in progress.
 struct ExactWork {
     plan: ExactPlan,
     device: Device,
+    throws: Vec<Throw>,
+    /// Rounds between two readings of the counters.
+    rounds_at_once: u32,
+    /// The step that is recorded next.
+    step: ExactStep,
+    /// The step whose commands are in the queue, or were last.
+    current: ExactStep,
+    queue: VecDeque<Command>,
     counters: [u32; counter::COUNT as usize],
-    observed: u64,
+    /// Rounds of the throw so far.
+    rounds: u32,
+    /// Whether lists have darts that are no samples.
+    is_mixed: bool,
+    /// How many samples of the pattern were laid down.
+    own: u32,
 }
 
 /// The throws of all levels, whose numbers are the steps of progress.
@@ -112,98 +140,218 @@ fn all_throws(arrived: &PatternArrivals) -> impl Iterator<Item = Throw> + '_ {
 }
 
 impl ExactWork {
-    async fn new(gpu: &Arc<Gpu>, plan: ExactPlan, recording: Recording) -> Result<Self, GpuError> {
+    async fn new(
+        gpu: &Arc<Gpu>,
+        plan: ExactPlan,
+        arrived: &PatternArrivals,
+        recording: Recording,
+    ) -> Result<Self, GpuError> {
         let mut device = Device::empty(gpu, recording)?;
+        // The result's buffers are made last, when it is known how long they are.
         device.hold(plan.lengths()).await?;
+
+        // All else is written by passes: `lay` clears what it counts or links.
         device.write(Name::Ground, bytemuck::bytes_of(&plan.ground))?;
         device.write(Name::LaidPieces, bytemuck::cast_slice(&plan.pieces))?;
         device.write(Name::Pattern, bytemuck::cast_slice(&plan.pattern))?;
         gpu.check()?;
+
+        // Where passes are inspected one by one, rounds that do nothing would be in the way.
+        let is_inspected = recording == Recording::Stages;
         Ok(Self {
             plan,
             device,
+            throws: all_throws(arrived).collect(),
+            rounds_at_once: if is_inspected { 1 } else { ROUNDS },
+            step: ExactStep::Lay,
+            current: ExactStep::Lay,
+            queue: VecDeque::new(),
             counters: [0; counter::COUNT as usize],
-            observed: 0,
+            rounds: 0,
+            is_mixed: false,
+            own: 0,
         })
     }
 
-    /// Runs to the end, or until a list is too short.
-    async fn run(
-        mut self,
-        parameters: &Parameters,
-        arrived: &PatternArrivals,
-        observer: &mut dyn Observer,
-    ) -> Result<Attempt, GpuError> {
-        let ground = self.plan.ground;
-        self.submit(passes::lay(&ground), Stage::Tile, observer)
-            .await?;
-        if let Some(needed) = self.shortage() {
-            return Ok(Attempt::Short(needed));
-        }
-        let own = self.counter(counter::DARTS);
+    /// Runs to the end, or until a list is too short. Fails if the observer stops it.
+    async fn run(&mut self, observer: &mut dyn Observer) -> Result<Option<DartRoom>, GpuError> {
+        while self.step != ExactStep::End {
+            // The host waits for the device once a step, so that a run can be stopped as often.
+            self.ask(observer)?;
+            self.record().await?;
 
-        // Lists hold nothing but samples when a throw begins; those of the first throw hold the pattern's.
-        let mut unlink: Option<Command> = None;
-        for throw in all_throws(arrived) {
-            let stage = Stage::Iterate(throw.level.max(1));
-            let mut commands: Vec<Command> = unlink.take().into_iter().collect();
-            commands.extend(passes::begin(throw, own));
-            commands.extend(passes::rounds_of(throw, ROUNDS));
-            self.submit(commands, stage, observer).await?;
-
-            let mut rounds = ROUNDS;
-            while self.shortage().is_none() && self.counter(counter::CHANGED) > 0 {
-                if rounds > MAX_ROUNDS {
-                    let code = FAULT_ROUNDS;
-                    return Err(GpuError::Fault { stage, code });
-                }
-                let more = passes::rounds_of(throw, ROUNDS);
-                self.submit(more, stage, observer).await?;
-                rounds += ROUNDS;
-            }
-            if let Some(needed) = self.shortage() {
-                return Ok(Attempt::Short(needed));
-            }
-            if self.counter(counter::QUESTIONS) > 0 {
-                unlink = Some(passes::end(&ground));
+            let commands: Vec<Command> = self.queue.drain(..).collect();
+            self.device.submit(&commands, self.stage())?;
+            // What follows a list that was too short would be wrong.
+            if let Some(needed) = self.settle().await? {
+                return Ok(Some(needed));
             }
         }
 
-        let mut commands: Vec<Command> = unlink.into_iter().collect();
-        commands.extend(passes::finish_exact(&ground));
-        self.submit(commands, Stage::Finish, observer).await?;
-        self.result(parameters, arrived, own).await
+        Ok(None)
     }
 
-    /// Submits commands, and reads the counters after them. Fails if the observer stops the run.
-    async fn submit(
-        &mut self,
-        commands: Vec<Command>,
-        stage: Stage,
-        observer: &mut dyn Observer,
-    ) -> Result<(), GpuError> {
-        // How many rounds a throw takes is not known, so that progress counts submissions, of which there is at least one a throw.
-        let least = u64::from(LAST_LEVEL + throws(0)) + 2;
-        let progress = Progress {
-            stage,
-            done: self.observed.min(least),
-            total: least,
-        };
-        self.observed += 1;
-        if observer.observe(progress).is_break() {
-            return Err(SampleError::Cancelled { stage }.into());
+    /// Runs one pass and the host work that follows it. Returns the room that is needed, if a list is too short.
+    async fn run_pass(&mut self) -> Result<Option<DartRoom>, GpuError> {
+        if self.queue.is_empty() {
+            self.record().await?;
         }
 
-        self.device.submit(&commands, stage)?;
-        let words = self
-            .device
-            .words(Name::Counters, 0..counter::COUNT.into())
-            .await?;
+        let is_pass = |command: &Command| matches!(command, Command::Dispatch { .. });
+        // Counters that are cleared before the pass belong to it.
+        while let Some(command) = self.queue.pop_front() {
+            self.device.submit(&[command], self.stage())?;
+            if is_pass(&command) {
+                // Most passes go over lists, whose lengths the device alone knows.
+                self.device.read_workgroups(&command).await?;
+                break;
+            }
+        }
+
+        // So do a swap and cleared counters after it, up to the next pass: a visitor sees the buffers under their new names.
+        while let Some(command) = self.queue.pop_front_if(|command| !is_pass(command)) {
+            self.device.submit(&[command], self.stage())?;
+        }
+        if self.queue.is_empty() {
+            return self.settle().await;
+        }
+        Ok(None)
+    }
+
+    /// Returns the stage of the step whose commands were queued last.
+    fn stage(&self) -> Stage {
+        self.stage_of(self.current)
+    }
+
+    fn stage_of(&self, step: ExactStep) -> Stage {
+        match step {
+            ExactStep::Lay => Stage::Tile,
+            // As darts count as inserted: those of levels 0 and 1 in iteration 1.
+            ExactStep::Begin(index) | ExactStep::Rounds(index) => {
+                Stage::Iterate(self.throws[index].level.max(1))
+            }
+            ExactStep::Count | ExactStep::Collect | ExactStep::End => Stage::Finish,
+        }
+    }
+
+    /// Returns whether the last pass ended a stage.
+    fn is_between_stages(&self) -> bool {
+        let is_over = self.step == ExactStep::End || self.stage_of(self.step) != self.stage();
+        self.queue.is_empty() && is_over
+    }
+
+    /// Reports progress. Fails if the observer stops the run.
+    fn ask(&self, observer: &mut dyn Observer) -> Result<(), SampleError> {
+        // How many rounds a throw takes is not known, so that throws are counted, and the laying down as one more.
+        let throws = self.throws.len() as u64;
+        let done = match self.step {
+            ExactStep::Lay => 0,
+            ExactStep::Begin(index) | ExactStep::Rounds(index) => 1 + index as u64,
+            ExactStep::Count | ExactStep::Collect | ExactStep::End => 1 + throws,
+        };
+        let stage = self.stage_of(self.step);
+        let progress = Progress {
+            stage,
+            done,
+            total: throws + 2,
+        };
+        if observer.observe(progress).is_break() {
+            return Err(SampleError::Cancelled { stage });
+        }
+        Ok(())
+    }
+
+    /// Queues the commands of the next step.
+    async fn record(&mut self) -> Result<(), GpuError> {
+        let ground = self.plan.ground;
+        self.current = self.step;
+
+        match self.step {
+            ExactStep::Lay => self.queue.extend(passes::lay(&ground)),
+            ExactStep::Begin(index) => {
+                // Darts that the throw before refused would only lengthen every search.
+                self.unlink();
+                let throw = self.throws[index];
+                self.queue.extend(passes::begin(throw, self.own));
+                let rounds = passes::rounds_of(throw, self.rounds_at_once);
+                self.queue.extend(rounds);
+                self.rounds = self.rounds_at_once;
+            }
+            // Its last round changed something, so that its answers may not be right yet.
+            ExactStep::Rounds(index) => {
+                let rounds = passes::rounds_of(self.throws[index], self.rounds_at_once);
+                self.queue.extend(rounds);
+                self.rounds += self.rounds_at_once;
+            }
+            ExactStep::Count => {
+                // Whatever is linked counts as a sample.
+                self.unlink();
+                self.queue.extend(passes::finish_exact(&ground));
+            }
+            ExactStep::Collect => {
+                let count = self.counter(counter::KEPT);
+                // The lists stay: the passes that inspectors show last still have them.
+                let mut lengths = self.plan.lengths();
+                lengths.extend(ExactPlan::result_lengths(count));
+                self.device.hold(lengths).await?;
+                self.queue.push_back(passes::collect(&ground));
+            }
+            ExactStep::End => {}
+        }
+        Ok(())
+    }
+
+    /// Queues the pass that takes darts that are no samples out of the lists, if there are any.
+    fn unlink(&mut self) {
+        if std::mem::take(&mut self.is_mixed) {
+            self.queue.push_back(passes::end(&self.plan.ground));
+        }
+    }
+
+    /// Reads the counters after a step, and decides what comes next. Returns the room that is needed, if a list is too short.
+    async fn settle(&mut self) -> Result<Option<DartRoom>, GpuError> {
+        let range = 0..counter::COUNT.into();
+        let words = self.device.words(Name::Counters, range).await?;
         // A device that fails gives fewer words, and `words` reports that.
         for (counter, word) in self.counters.iter_mut().zip(words) {
             *counter = word;
         }
-        Ok(())
+        if let needed @ Some(_) = self.shortage() {
+            return Ok(needed);
+        }
+
+        self.step = match self.current {
+            ExactStep::Lay => {
+                // Darts that are thrown follow these in the list.
+                self.own = self.counter(counter::DARTS);
+                ExactStep::Begin(0)
+            }
+            ExactStep::Begin(index) | ExactStep::Rounds(index) => {
+                // Only a driver that computes wrongly comes so far.
+                if self.rounds > MAX_ROUNDS {
+                    let (stage, code) = (self.stage(), FAULT_ROUNDS);
+                    return Err(GpuError::Fault { stage, code });
+                }
+                // A last round that changed nothing proves the answers, and those after it did nothing.
+                if self.counter(counter::CHANGED) > 0 {
+                    ExactStep::Rounds(index)
+                } else {
+                    self.is_mixed = self.counter(counter::QUESTIONS) > 0;
+                    // Without another throw the samples are counted.
+                    match index + 1 {
+                        next if next < self.throws.len() => ExactStep::Begin(next),
+                        _ => ExactStep::Count,
+                    }
+                }
+            }
+            ExactStep::Count => ExactStep::Collect,
+            ExactStep::Collect | ExactStep::End => ExactStep::End,
+        };
+        // There are more passes than timestamps between two readings of a whole run: later ones have no times.
+        if self.step == ExactStep::End {
+            self.device.read_times().await?;
+        }
+        Ok(None)
     }
 
     const fn counter(&self, counter: u32) -> u32 {
@@ -212,6 +360,8 @@ impl ExactWork {
 
     /// Returns the room that is needed if a list is too short, as far as the device has come.
     fn shortage(&self) -> Option<DartRoom> {
+        // Counters go on beyond the room of their lists. Those of cells that were cleared since are covered by the next list, which
+        // they led to.
         let lists = [
             counter::FRESH_CELLS,
             counter::OPEN_CELLS,
@@ -224,38 +374,39 @@ impl ExactWork {
         };
         let room = self.plan.room();
         let is_short = needed.darts > room.darts || needed.cells > room.cells;
+
+        // A list that suffices keeps its room.
         is_short.then_some(DartRoom {
             darts: needed.darts.max(room.darts),
             cells: needed.cells.max(room.cells),
         })
     }
 
-    /// Reads the result. The first `own` darts are the pattern's samples.
+    /// Reads the result, in canonical order.
+    async fn points(&self) -> Result<Vec<Point>, GpuError> {
+        let words = 0..2 * u64::from(self.counter(counter::KEPT));
+        let places = self.device.words(Name::Result, words).await?;
+        let pairs = places.chunks_exact(2);
+        let points = pairs.map(|at| Point::new(at[0] as i32, at[1] as i32));
+        Ok(points.collect())
+    }
+
+    /// Returns the finished run.
     async fn result(
-        mut self,
+        &self,
         parameters: &Parameters,
         arrived: &PatternArrivals,
-        own: u32,
-    ) -> Result<Attempt, GpuError> {
-        let count = self.counter(counter::KEPT);
-        let mut lengths = self.plan.lengths();
-        lengths.extend(ExactPlan::result_lengths(count));
-        self.device.hold(lengths).await?;
-        let collect = [passes::collect(&self.plan.ground)];
-        self.device.submit(&collect, Stage::Finish)?;
-
-        let words = 0..2 * u64::from(count);
-        let places = self.device.words(Name::Result, words.clone()).await?;
-        let tags = self.device.words(Name::Tags, words).await?;
-        self.device.read_times().await?;
-
-        let points = places.chunks_exact(2);
-        let points = points.map(|at| Point::new(at[0] as i32, at[1] as i32));
+    ) -> Result<Run, GpuError> {
+        let count = u64::from(self.counter(counter::KEPT));
+        let points = self.points().await?;
+        let tags = self.device.words(Name::Tags, 0..2 * count).await?;
         let sources: Vec<Source> = tags.chunks_exact(2).map(source).collect();
+
         let mut counts = WindowCounts {
             blocks: self.plan.blocks as u64,
             ..WindowCounts::default()
         };
+        // Of the pattern's samples those are lost that have become no sources.
         let mut kept = 0;
         for source in &sources {
             match source {
@@ -264,17 +415,20 @@ impl ExactWork {
                 Source::Tiled { .. } => kept += 1,
             }
         }
-        counts.eliminated = u64::from(own) - kept;
+        counts.eliminated = u64::from(self.own) - kept;
 
-        let summary = counts.summary(count.into());
+        let summary = counts.summary(count);
         let sampled = Sampled {
-            points: points.collect(),
+            points,
             sources: Some(sources),
         };
         let parameters = parameters.as_exact();
-        let run = Run::of_result(&parameters, arrived.pattern(), sampled, summary)?;
-        let reports = self.device.reports.take().unwrap_or_default();
-        Ok(Attempt::Made(Box::new(run), reports))
+        Ok(Run::of_result(
+            &parameters,
+            arrived.pattern(),
+            sampled,
+            summary,
+        )?)
     }
 }
 

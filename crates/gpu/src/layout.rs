@@ -507,6 +507,7 @@ impl Name {
             Self::Active | Self::NextActive => "vec2<i32>",
             Self::Pieces => "vec4<u32>",
             Self::Result | Self::Tags => "vec2<u32>",
+
             Self::Ground => "Ground",
             Self::LaidPieces => "LaidPiece",
             Self::Darts => "Dart",

@@ -56,6 +56,7 @@ impl Phase {
             | Name::Heads
             | Name::Counters
             | Name::Arguments => true,
+
             // Randomized tiling has none of the buffers of exact tiling.
             Name::Ground
             | Name::LaidPieces

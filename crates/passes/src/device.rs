@@ -4,15 +4,15 @@
 use std::ops::ControlFlow;
 use std::sync::Arc;
 
-use tilescope_core::{Parameters, Pattern, Progress, Rect, SampleError, Stage};
-use tilescope_gpu::cpu_reference::CpuReference;
+use tilescope_core::{Observer, Parameters, Progress, Rect, SampleError, Stage};
 use tilescope_gpu::layout::Name;
-use tilescope_gpu::{BufferRows, Gpu, GpuError, RowPlaces, Stepper};
+use tilescope_gpu::{BufferRows, Gpu, GpuError, RowPlaces};
 use tilescope_session::jobs::Monitor;
 use tilescope_session::words::sentence;
 
 use super::model::{Badge, PassEntry, Visit};
 use super::placed::PlacedRows;
+use super::stepper::{AnyReference, AnyStepper};
 use super::table::{BufferTable, MAX_NUMBERS};
 
 /// An injected fault: a word that is changed on the device after a pass.
@@ -61,7 +61,7 @@ impl From<SampleError> for Stop {
 
 /// A run on the device, stopped between two passes.
 pub(super) struct Walker {
-    stepper: Stepper,
+    stepper: AnyStepper,
     domain: Rect,
     fault: Option<Fault>,
 }
@@ -88,10 +88,8 @@ pub(super) struct Arrival {
 }
 
 impl Walker {
-    async fn begin(subject: &DeviceRun, pattern: &Arc<Pattern>) -> Result<Self, GpuError> {
-        let gpu = Arc::clone(&subject.gpu);
-        // The device computes all stages from the blocks on. The pattern alone comes from the CPU.
-        let stepper = Stepper::new(gpu, &subject.parameters, pattern, Stage::Blocks).await?;
+    async fn begin(subject: &DeviceRun, observer: &mut dyn Observer) -> Result<Self, GpuError> {
+        let stepper = AnyStepper::new(&subject.gpu, &subject.parameters, observer).await?;
         let domain = subject.parameters.validate().map_err(SampleError::from)?;
         Ok(Self {
             stepper,
@@ -135,7 +133,7 @@ impl Walker {
         monitor: &Monitor,
     ) -> Result<Vec<(BufferRows, RowPlaces)>, Stop> {
         // The places and the tables are read between the same two passes.
-        let locator = self.stepper.row_locator(stage).await?;
+        let locator = self.stepper.rows(stage).await?;
 
         let mut side = Vec::with_capacity(names.len());
         for &name in names {
@@ -178,9 +176,9 @@ impl Survey {
         };
 
         monitor.set_activity("making the pattern");
-        let pattern = Pattern::of_spec(&parameters.pattern, &mut observer)?;
-        let mut cpu = CpuReference::new(parameters, &pattern)?;
-        let walker = self.walker.insert(Walker::begin(subject, &pattern).await?);
+        let mut cpu = AnyReference::new(parameters, &mut observer)?;
+        let begun = Walker::begin(subject, &mut observer).await?;
+        let walker = self.walker.insert(begun);
 
         loop {
             continue_unless_cancelled(monitor)?;
@@ -192,15 +190,14 @@ impl Survey {
                 // The run was restarted with more memory or a wider halo, so that its stages come again.
                 self.restarts = walker.stepper.restarts();
                 self.passes.clear();
-                cpu = CpuReference::new(parameters, &pattern)?;
+                cpu = AnyReference::new(parameters, &mut observer)?;
             }
 
             let mut badge = Badge::Intermediate;
             // In the middle of a stage the CPU has no state to compare with.
             if let Some(stage) = walker.stepper.ended_stage() {
-                cpu.advance(stage, &mut observer)?;
-                let run = walker.stepper.run().await?;
-                let difference = cpu.compare(stage, &run);
+                let compared = cpu.compare(stage, &walker.stepper, &mut observer);
+                let difference = compared.await?;
                 badge = difference.map_or(Badge::Equal, Badge::Differs);
             }
 
@@ -276,8 +273,8 @@ impl Arrival {
             // `of_spec` keeps the last few patterns, usually with this one, which the survey has made: there is little
             // to wait for, so that the work need not be stopped here.
             let observer = &mut |_: Progress| ControlFlow::Continue(());
-            let pattern = Pattern::of_spec(&subject.parameters.pattern, observer)?;
-            self.walker.insert(Walker::begin(subject, &pattern).await?)
+            let begun = Walker::begin(subject, observer).await?;
+            self.walker.insert(begun)
         };
 
         while walker.passed() < goal.pass {

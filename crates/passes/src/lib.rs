@@ -8,6 +8,7 @@ pub mod filter;
 pub mod model;
 pub mod placed;
 pub mod shown;
+mod stepper;
 pub mod table;
 mod work;
 

@@ -31,6 +31,7 @@ macro_rules! tasks {
 
 tasks! {
     tilescope_session::sampling::PatternTask,
+    tilescope_session::sampling::ArrivalsTask,
     tilescope_session::sampling::SampleTask,
     tilescope_session::sampling::GpuSessionTask,
     tilescope_session::combining::CombineTask,

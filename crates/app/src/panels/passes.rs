@@ -35,7 +35,7 @@ pub const NO_TIMES: &str = "no timestamps on this adapter";
 
 /// How a pass is compared with the CPU.
 const COMPARED: &str = "After the last pass of a stage everything is compared with the CPU's sequential engine: \
-     blocks, tiles, samples, origins, fates, iterations, result.";
+     blocks, tiles, samples, origins, fates, iterations, result. Of an exact tiling these are its samples.";
 
 pub const CONTENT: Content = Content::of_state(Room::Whole, |ui, state, commands| {
     let refusal = state.gpu().passes_refusal(&state.runs().first);

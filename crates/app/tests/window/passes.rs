@@ -3,7 +3,7 @@
 
 use std::sync::{Arc, OnceLock, RwLock};
 
-use tilescope_core::{Boundary, Insertion, Parameters, Stage};
+use tilescope_core::{Boundary, Insertion, Parameters, PatternSpec, Stage, TilingMethod};
 use tilescope_gpu::layout::Name;
 use tilescope_gpu::{Choice, Gpu};
 use tilescope_session::jobs::Wake;
@@ -56,14 +56,24 @@ fn go(passes: &mut Passes, command: PassCommand) {
 }
 
 #[test]
-fn every_stage_of_two_variants_ends_equal_to_the_cpu() {
+fn every_stage_of_two_variants_and_of_exact_tiling_ends_equal_to_the_cpu() {
     let periodic = small();
     let uniform = Parameters {
         boundary: Boundary::Bounded,
         insertion: Insertion::Uniform,
         ..small()
     };
-    for parameters in [periodic, uniform] {
+    let exact = Parameters {
+        method: TilingMethod::Exact,
+        radius: 0.06,
+        leaf: 8.0,
+        pattern: PatternSpec {
+            side: 20.0,
+            ..PatternSpec::default()
+        },
+        ..Parameters::default()
+    };
+    for parameters in [periodic, uniform, exact] {
         let passes = opened(&parameters);
         assert_eq!(passes.notice(), None);
         let entries = passes.entries();

@@ -72,6 +72,7 @@ impl ExactPlan {
         room: DartRoom,
     ) -> Result<Self, SampleError> {
         let domain = parameters.validate()?;
+        // Blocks are found by the host: their tree is cut one node after the other.
         let (placed, blocks) = exact_pieces(parameters, arrived.pattern())?;
         let (pieces, marks) = laid(&placed);
         let (pattern, pattern_points) = pattern_words(arrived);
@@ -81,6 +82,7 @@ impl ExactPlan {
         let ground = Ground {
             end_x: end.x,
             end_y: end.y,
+            // The last cells may reach beyond the domain.
             columns,
             cells: columns * rows,
             periodic: domain.is_periodic().into(),
@@ -119,9 +121,11 @@ impl ExactPlan {
             ..
         } = self.ground;
         let darts = u64::from(dart_capacity) * size_of::<Dart>() as u64;
+        // Three lists of cells: those marked, those of the level, those of the next.
         let listed = u64::from(cell_capacity) * size_of::<PieceCell>() as u64;
         // One entry more is the end of the last cell's samples.
         let starts = 4 * (u64::from(cells) + 1);
+
         vec![
             (Name::Ground, size_of::<Ground>() as u64),
             (Name::LaidPieces, size_of_val(&*self.pieces) as u64),
@@ -129,6 +133,7 @@ impl ExactPlan {
             (Name::Heads, words(cells)),
             (Name::Darts, darts),
             (Name::States, words(dart_capacity)),
+            // No dart is listed twice in a throw, so that as much room as for darts is enough.
             (Name::Questions, words(dart_capacity)),
             (Name::Verdicts, words(dart_capacity)),
             (Name::Marks, words(marks)),
@@ -161,6 +166,7 @@ impl ExactPlan {
         let most = (f64::from(cells) * MAXIMAL_DENSITY) as u32;
         let mut lengths = self.lengths();
         lengths.extend(Self::result_lengths(most));
+        // Each buffer is bound as a whole.
         let longest = lengths.iter().map(|(_, length)| *length).max().unwrap_or(0);
         let sum = lengths.iter().map(|(_, length)| length).sum();
 
@@ -195,12 +201,15 @@ fn laid(placed: &[ExactPiece]) -> (Vec<LaidPiece>, u32) {
     let mut pieces: Vec<LaidPiece> = Vec::with_capacity(placed.len());
     let mut marks = 0;
     let of_block = |a: &ExactPiece, b: &ExactPiece| a.block == b.block;
+
+    // A lost sample marks cells in all pieces of its block, which each piece therefore names.
     for block in placed.chunk_by(of_block) {
         let first_piece = pieces.len() as u32;
         for piece in block {
             let (sources, rect) = (&piece.sources, &piece.block_rect);
             let cells =
                 |min: i32, max: i32| (((max - 1) >> CELL_BITS) - (min >> CELL_BITS) + 1) as u32;
+            // Cells are those of the pattern, so that a piece has parts of cells at its ends.
             let mark_columns = cells(sources.min.x, sources.max.x);
             pieces.push(LaidPiece {
                 source_min_x: sources.min.x,
@@ -243,12 +252,14 @@ fn pattern_words(arrived: &PatternArrivals) -> (Vec<u32>, u32) {
     for row in 0..rows as i32 {
         for column in 0..columns as i32 {
             words.push(first as u32);
+            // Canonical order has the cells one after the other, and the samples of each together.
             let is_here = |at: &&tilescope_core::Point| (at.x / R, at.y / R) == (column, row);
             first += samples[first..].iter().take_while(is_here).count();
         }
     }
     words.push(first as u32);
 
+    // A sample keeps its index, by which sources name it.
     let points = words.len() as u32;
     for (arrival, place) in arrived.arrivals().iter().zip(samples) {
         let throw = 4 * arrival.level() + arrival.throw();

@@ -240,11 +240,13 @@ pub(crate) fn begin(throw: Throw, own: u32) -> Vec<Command> {
             prepare_darts(0),
             clear_counter(counter::NEXT_OPEN_CELLS),
             run_with(&CUT_CELLS, job, argument("ARGUMENT_OPEN_CELLS")),
+            // The cells that were cut are the open ones from here on.
             prepare_darts(PREPARE_NEXT_CELLS),
             Command::SwapOpen,
         ]);
     }
 
+    // The pattern's samples of this throw come first, then its darts.
     commands.extend([
         clear_counter(counter::QUESTIONS),
         run_with(
@@ -260,6 +262,7 @@ pub(crate) fn begin(throw: Throw, own: u32) -> Vec<Command> {
 /// Records the darts of the cells that have not thrown theirs, of which those marked last are cut before.
 fn thrown(throw: Throw, flags: u32) -> Vec<Command> {
     let Throw { side_bits, key, .. } = throw;
+    // Only samples of earlier throws leave a cell out, since those of this one may still be lost.
     let cut = [
         throw.label(),
         // Marked cells have sides of R.
@@ -268,6 +271,8 @@ fn thrown(throw: Throw, flags: u32) -> Vec<Command> {
         counter::FRESH_CELLS,
     ];
     let [a, b] = key;
+
+    // Workgroups are computed anew before each pass over a list that the pass before has made longer.
     vec![
         prepare_darts(0),
         run_with(&CUT_FRESH_CELLS, cut, argument("ARGUMENT_FRESH_CELLS")),
@@ -278,6 +283,7 @@ fn thrown(throw: Throw, flags: u32) -> Vec<Command> {
             [a, b, side_bits, throw.label()],
             argument("ARGUMENT_THROWN"),
         ),
+        // Darts are linked only now, since searches follow the links while darts are thrown.
         prepare_darts(PREPARE_THROWN),
         run(&LINK_DARTS, argument("ARGUMENT_LINKED")),
         prepare_darts(PREPARE_LINKED | flags),
@@ -288,12 +294,14 @@ fn thrown(throw: Throw, flags: u32) -> Vec<Command> {
 pub(crate) fn rounds_of(throw: Throw, rounds: u32) -> Vec<Command> {
     let judged = || argument("ARGUMENT_JUDGED");
     let round = |_| {
+        // All questions are judged by the same states, so that no answer depends on the sequence of invocations.
         let mut commands = vec![
             clear_counter(counter::CHANGED),
             run(&JUDGE, judged()),
             run(&WARN, judged()),
             run(&DECIDE, judged()),
         ];
+        // Losses have marked cells, whose darts are questions of the next round.
         let no_flags = 0;
         commands.extend(thrown(throw, no_flags));
         commands

@@ -227,10 +227,6 @@ impl GpuState {
                 "A page shows the passes of runs of up to {most} samples; the native program has no such limit."
             ));
         }
-        if session.is_exact() {
-            let text = "This is an exact tiling; the passes that can be inspected one by one are those of KDRT.";
-            return Some(text.to_owned());
-        }
 
         self.device.not_ready()
     }

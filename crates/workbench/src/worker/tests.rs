@@ -268,7 +268,7 @@ fn another_memory_returns_what_a_thread_returns() {
     }
     let log = other.log.borrow();
     // Tasks of a GPU, one for larger sets, and one that has a test of its own, with a folder for the page.
-    let others = ["difference", "pattern", "twin", "package"];
+    let others = ["difference", "pattern", "arrivals", "twin", "package"];
     for name in NAMES.iter().filter(|name| !others.contains(name)) {
         let is_carried = log.iter().any(|(other, _)| other == name);
         assert!(is_carried, "{name} of {log:?}");

@@ -4,10 +4,14 @@ use std::sync::Arc;
 
 use proptest::prelude::*;
 use tilescope_core::{
-    Boundary, Parameters, PatternHistory, PatternSpec, Progress, Run, SampleError, Stage,
+    Boundary, Parameters, PatternHistory, PatternSpec, Point, Progress, Run, SampleError, Stage,
     TilingMethod, Unobserved, exact_sample,
 };
-use tilescope_gpu::{Gpu, GpuError, exact_on_gpu, exact_with_reports};
+use tilescope_gpu::layout::Name;
+use tilescope_gpu::{
+    ExactReference, ExactStepper, Gpu, GpuError, RowPlace, Unplaced, exact_on_gpu,
+    exact_with_reports,
+};
 
 use crate::support::device::{checked_gpu, gpu};
 
@@ -120,6 +124,105 @@ fn passes_are_reported_in_the_order_of_throws() {
     };
     // Level 0 has four throws, which count as iteration 1 together with that of level 1.
     assert!(judged(1) >= 5 && judged(7) >= 1);
+}
+
+/// Steps through a run pass by pass. After each stage its samples are compared with the CPU's; returns the stages that were
+/// compared, each with whether it was equal. `change` may change words after a pass, by its number from 1.
+fn inspect(parameters: &Parameters, change: impl Fn(&ExactStepper, usize)) -> Vec<(Stage, bool)> {
+    let history = history(parameters);
+    let reference = ExactReference::new(parameters, &history, &mut Unobserved).unwrap();
+    pollster::block_on(async {
+        let stepper = ExactStepper::new(Arc::clone(gpu()), parameters, history.arrived());
+        let mut stepper = stepper.await.unwrap();
+        let mut compared = Vec::new();
+        while stepper.step_pass().await.unwrap().is_some() {
+            change(&stepper, stepper.reports().len());
+            if let Some(stage) = stepper.ended_stage() {
+                let samples = stepper.samples().await.unwrap();
+                compared.push((stage, reference.compare(stage, &samples).is_none()));
+            }
+        }
+        assert_eq!(stepper.restarts(), 0);
+        compared
+    })
+}
+
+#[test]
+fn every_stage_of_an_inspected_run_is_equal_and_a_changed_word_is_noticed() {
+    let parameters = parameters(14.0, 8.0);
+    let compared = inspect(&parameters, |_, _| ());
+    let stages: Vec<Stage> = compared.iter().map(|(stage, _)| *stage).collect();
+    let levels = (1..=15).map(Stage::Iterate);
+    let expected: Vec<Stage> = [Stage::Tile]
+        .into_iter()
+        .chain(levels)
+        .chain([Stage::Finish])
+        .collect();
+    assert_eq!(stages, expected);
+    assert!(
+        compared.iter().all(|(_, is_equal)| *is_equal),
+        "{compared:?}"
+    );
+
+    // The first sample that was laid down moves by a unit.
+    let is_spoilt = inspect(&parameters, |stepper, passes| {
+        if passes == 1 {
+            stepper.set_word(Name::Darts, 0, 7);
+        }
+    });
+    assert!(
+        is_spoilt.iter().all(|(_, is_equal)| !is_equal),
+        "{is_spoilt:?}"
+    );
+}
+
+#[test]
+fn rows_of_an_inspected_run_lie_where_its_darts_do() {
+    let parameters = parameters(14.0, 8.0);
+    let history = history(&parameters);
+    let domain = parameters.validate().unwrap().rect();
+    pollster::block_on(async {
+        let stepper = ExactStepper::new(Arc::clone(gpu()), &parameters, history.arrived());
+        let mut stepper = stepper.await.unwrap();
+        // Far enough that all lists are in use: into the rounds of the first throw.
+        while stepper.reports().len() < 14 {
+            stepper.step_pass().await.unwrap();
+        }
+        let rows = stepper.rows().await.unwrap();
+        for name in [
+            Name::Darts,
+            Name::Questions,
+            Name::OpenCells,
+            Name::LaidPieces,
+            Name::Heads,
+        ] {
+            let table = stepper.table(name, 50).await.unwrap();
+            let places = rows.locate(name, &table);
+            assert_eq!(places.unplaced(), None);
+            let [place] = places.of(0) else {
+                panic!("{name:?} has no place");
+            };
+            match *place {
+                RowPlace::Point(point) => assert!(domain.contains(point), "{name:?}"),
+                RowPlace::Rect(rect) => {
+                    assert!(domain.contains(rect.min) && rect.width() > 0, "{name:?}");
+                }
+                RowPlace::Link(_) => panic!("{name:?} has links"),
+            }
+        }
+        // A dart's row has its place in the first two columns.
+        let table = stepper.table(Name::Darts, 1).await.unwrap();
+        let at = Point::new(table.rows[0][0] as i32, table.rows[0][1] as i32);
+        assert_eq!(
+            rows.locate(Name::Darts, &table).of(0),
+            [RowPlace::Point(at)]
+        );
+        let numbers = rows.locate(
+            Name::Counters,
+            &stepper.table(Name::Counters, 1).await.unwrap(),
+        );
+        assert_eq!(numbers.unplaced(), Some(Unplaced::Numbers));
+    });
 }
 
 #[test]
