@@ -85,6 +85,15 @@ impl Default for NearSamples {
 }
 
 impl NearSamples {
+    /// Returns room for some lists, all of them empty.
+    pub fn for_lists(lists: usize) -> Self {
+        // A fifth of the lists has more than eight samples where the radius hardly varies.
+        Self {
+            groups: Vec::with_capacity(lists + lists / 4),
+            ..Self::default()
+        }
+    }
+
     /// Appends a sample to a list.
     pub fn push(&mut self, list: &mut NearList, offset: IVec2, radius: i32) {
         let lane = list.count as usize % LANES;

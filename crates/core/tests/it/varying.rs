@@ -352,6 +352,45 @@ proptest! {
     }
 }
 
+/// Domains of many parcels of base cells, which the cases above are too small for.
+#[test]
+fn a_large_domain_has_the_recorded_set() {
+    for (boundary, bits) in [
+        (Boundary::Bounded, 13),
+        (Boundary::Bounded, 17),
+        (Boundary::Periodic, 15),
+    ] {
+        let domain = Domain::from_size([72.0, 52.0], 1.0, boundary).unwrap();
+        let [columns, rows] = RadiusField::node_counts(&domain, bits).unwrap();
+        let node = |index: usize| {
+            let (column, row) = ((index % columns) as f64, (index / columns) as f64);
+            let wave = (9.0 * column / columns as f64).sin() * (7.0 * row / rows as f64).cos();
+            R + ((0.5 + 0.5 * wave) * f64::from(3 * R)) as i32
+        };
+        let nodes: Vec<i32> = (0..columns * rows).map(node).collect();
+        let field = RadiusField::from_nodes(domain, bits, &nodes).unwrap();
+
+        let pixels: Vec<bool> = (0..36 * 26).map(|pixel| pixel % 7 != 3).collect();
+        for shape in [Shape::rectangle(), Shape::mask(16, 36, &pixels).unwrap()] {
+            let locality = Arc::new(Locality {
+                field: field.clone(),
+                shape,
+            });
+            let mut events = tilescope_core::Unrecorded;
+            let parameters = Parameters::default();
+            let recorded =
+                varying_recorded(&locality, &parameters, &mut Unobserved, &mut events).unwrap();
+            let sample = varying_sample(
+                &locality.field,
+                &locality.shape,
+                parameters.seed,
+                &mut Unobserved,
+            );
+            assert_eq!(sample.unwrap(), recorded.samples.points);
+        }
+    }
+}
+
 #[test]
 fn with_one_radius_the_set_is_that_of_the_reference_sampler() {
     for boundary in [Boundary::Periodic, Boundary::Bounded] {

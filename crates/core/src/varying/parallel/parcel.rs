@@ -11,7 +11,8 @@ use crate::stages::disks::Cell;
 use crate::varying::crowd::OpenDart;
 use crate::varying::field::{RadiusField, RadiusRange};
 use crate::varying::near::{NearList, NearSamples, QuarterTest};
-use crate::varying::quadtree::{VaryingCell, add_base_cells};
+use crate::varying::octaves::Sight;
+use crate::varying::quadtree::add_base_cells;
 use crate::varying::rule::is_thinned;
 use crate::varying::shape::Class;
 
@@ -20,7 +21,10 @@ const NO_FAMILY: u32 = u32::MAX;
 
 /// A base cell, and what is known of its places.
 struct Family {
-    base: VaryingCell,
+    min: Point,
+    /// The binary logarithm of the base cell's side.
+    bits: u8,
+    sight: Sight,
     /// The least and the greatest radius in the base cell.
     range: RadiusRange,
     /// The samples that can be near its places.
@@ -74,33 +78,35 @@ pub(super) struct Parcel {
 impl Parcel {
     /// Returns the parcel of a square before the first throw.
     pub fn new(square: Cell, surroundings: Surroundings<'_>) -> Self {
-        let mut families = Vec::new();
+        let (mut families, mut parts) = (Vec::new(), Vec::new());
         let Surroundings { field, shape } = surroundings;
         add_base_cells(field, shape, vec![square], &mut |base, range| {
+            parts.push(ActivePart {
+                min: base.min,
+                family: families.len() as u32,
+                class: base.class,
+            });
             families.push(Family {
-                base,
+                min: base.min,
+                bits: base.bits,
+                sight: base.sight,
                 range,
                 near: NearList::EMPTY,
                 is_active: true,
             });
         });
 
-        let widths = families.iter().map(|family| u32::from(family.base.bits));
+        let widths = families.iter().map(|family| u32::from(family.bits));
         let bits = widths.min().unwrap_or_else(|| square.side.ilog2());
-        let part = |(number, family): (u32, &Family)| ActivePart {
-            min: family.base.min,
-            family: number,
-            class: family.base.class,
-        };
         let radii = families.iter().map(|family| family.range.greatest);
         Self {
             square,
             family_at: map_of(&families, square, bits),
             bits,
             greatest: radii.max().unwrap_or(0),
-            near: NearSamples::default(),
+            near: NearSamples::for_lists(families.len()),
             new_samples: Vec::new(),
-            parts: (0..).zip(&families).map(part).collect(),
+            parts,
             darts: Vec::new(),
             families,
         }
@@ -171,8 +177,8 @@ impl Parcel {
                         column += 1;
                         continue;
                     };
-                    let corner = family.base.min - min;
-                    let side = 1 << family.base.bits;
+                    let corner = family.min - min;
+                    let side = 1 << family.bits;
                     // The next family of the row.
                     column = (corner.x + side) >> self.bits;
                     // A family is met in each of its rows, and counts in the first one.
@@ -211,8 +217,8 @@ impl Parcel {
             let first = self.parts.len();
 
             // A part of one point has thrown that point.
-            if level <= u32::from(family.base.base_bits) {
-                let half = 1 << (u32::from(family.base.base_bits) - level);
+            if level <= u32::from(family.bits) {
+                let half = 1 << (u32::from(family.bits) - level);
                 for part in parts {
                     family.cut(simd, part, half, surroundings, &self.near, &mut self.parts);
                 }
@@ -235,10 +241,8 @@ impl Parcel {
     ) {
         let Surroundings { field, shape } = surroundings;
         let rect = field.domain().rect();
-        let bits = |part: &ActivePart| {
-            let base_bits = self.families[part.family as usize].base.base_bits;
-            u32::from(base_bits) - throw.level
-        };
+        let bits =
+            |part: &ActivePart| u32::from(self.families[part.family as usize].bits) - throw.level;
 
         for parts in self.parts.chunks(DrawnDarts::PARTS) {
             drawn.draw(simd, throw.key, parts, bits);
@@ -251,7 +255,7 @@ impl Parcel {
 
                 // Most darts are covered, and that is found sooner than whether they exist at all.
                 let radius = family.radius_at(dart.at, field);
-                let offset = dart.at - family.base.min;
+                let offset = dart.at - family.min;
                 if self.near.covers(simd, family.near, offset, radius) {
                     continue;
                 }
@@ -259,7 +263,7 @@ impl Parcel {
                     continue;
                 }
                 // The dart of a cell of one point always stays, which makes the set maximal.
-                let base_bits = family.base.base_bits;
+                let base_bits = family.bits;
                 let coin = || dart.cell_key.draw(Stream::Thin, dart.index)[0];
                 if throw.level < u32::from(base_bits) && is_thinned(radius, base_bits, coin) {
                     continue;
@@ -268,7 +272,7 @@ impl Parcel {
                     rank: dart.rank,
                     at: dart.at,
                     radius,
-                    sight: family.base.sight,
+                    sight: family.sight,
                 });
             }
         }
@@ -308,7 +312,7 @@ impl Family {
             field.quarter_bounds(cell).0
         };
         let test = QuarterTest {
-            corner: part.min - self.base.min,
+            corner: part.min - self.min,
             half,
             least,
         };
@@ -352,8 +356,8 @@ fn map_of(families: &[Family], square: Cell, bits: u32) -> Vec<u32> {
 
     let mut map = vec![NO_FAMILY; columns * columns];
     for (number, family) in (0..).zip(families) {
-        let corner = (family.base.min - square.min) >> bits as i32;
-        let width = 1 << (u32::from(family.base.bits) - bits);
+        let corner = (family.min - square.min) >> bits as i32;
+        let width = 1 << (u32::from(family.bits) - bits);
         for row in corner.y as usize..corner.y as usize + width {
             let start = row * columns + corner.x as usize;
             map[start..start + width].fill(number);
