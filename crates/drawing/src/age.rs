@@ -42,8 +42,9 @@ impl Ages {
             } else {
                 session.summary.inserted.len() as u32
             },
+            // All samples, and not those of the result: a run that is cut off before an open question has none.
             ordered: (session.nested.is_some() || session.has_own_disks())
-                .then_some(session.summary.count),
+                .then_some(origins.len()),
         }
     }
 
