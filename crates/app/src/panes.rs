@@ -19,7 +19,9 @@ use tilescope_canvas::{hint, hover, overlay};
 use tilescope_drawing::palette::Palette;
 use tilescope_drawing::subject::Subject;
 use tilescope_session::look::Look;
+use tilescope_session::moment::ShownMoment;
 use tilescope_session::sentence::happened;
+use tilescope_session::words::{counted, grouped, significant};
 use tilescope_ui::language::Worded;
 use tilescope_ui::widgets::Known;
 use tilescope_workbench::command::{Command, ViewCommand, Which};
@@ -181,9 +183,25 @@ struct PaneSide<'a> {
 
 /// Describes a picture by its moment, for those who do not see it. A pointer over it names the object there instead.
 fn describe(ui: &Ui, response: &egui::Response, subject: &Subject<'_>) {
-    let moment = ui.words(happened(Some(&subject.shown)));
+    let mut moment = ui.words(happened(Some(&subject.shown)));
+    if let Some(plane) = in_plane(&subject.shown) {
+        moment = format!("{moment} {}", ui.words(plane));
+    }
     ui.ctx()
         .accesskit_node_builder(response.id, |node| node.set_description(moment));
+}
+
+/// Returns what the plane through a set in space shows, where the words for the moment are those of an event; `None` where they
+/// are about the plane already, and of planar sets.
+fn in_plane(shown: &ShownMoment<'_>) -> Option<String> {
+    let (solid, plane) = shown.session.solid.as_ref().zip(shown.plane)?;
+    let debugger = shown.debugger.filter(|_| !shown.ends_stage())?;
+    // Samples of darts stay once they are there, in the order of their ids.
+    let count = debugger.state().counts().kept;
+    let place = significant(solid.users_from_plane(plane));
+    let cut = grouped(solid.count_cut_of(count, plane));
+    let balls = counted(count, "ball", "balls");
+    Some(format!("The plane z = {place} cuts {cut} of {balls}."))
 }
 
 impl PaneSide<'_> {
