@@ -440,9 +440,10 @@ impl NestedPlane {
             }
         }
 
-        // States the halo that the coarsest level adds, without `MORE_HALO`, in radii of the finest level.
+        // How far the frame of the coarsest level, the widest, reached beyond the window, in whole radii of the finest level.
+        let widest = self.halo(0, HALO << MAX_REPAIRS);
         Err(SampleError::Entangled {
-            radii: (HALO << MAX_REPAIRS) as f64 * self.radius(0) / self.radius(self.levels - 1),
+            radii: (widest / i64::from(R)) as f64,
         })
     }
 

@@ -180,11 +180,24 @@ impl LevelRegion {
                 inner >= 0 && offset.as_i64vec2().length_squared() <= inner * inner
             });
 
-            if self.frame.rect.contains(unknown.at) && !covered {
-                self.doubt(unknown);
-                let reach = radius.units + unknown.radius;
+            // The frame is convex, so that every place of it is at least as near to its place nearest to the centre as to the
+            // centre itself: around that place a disk of the same radius holds what the frame has of the disk. A disk
+            // that does not reach into the frame is left out.
+            let Rect { min, max } = self.frame.rect;
+            let x = unknown.at.x.clamp(min.x, max.x - 1);
+            let y = unknown.at.y.clamp(min.y, max.y - 1);
+            let beyond = (Point::new(x, y) - unknown.at).as_i64vec2();
+            let reaches_in = beyond.length_squared() <= i64::from(unknown.radius).pow(2);
+
+            if reaches_in && !covered {
+                let within = UnknownDisk {
+                    at: Point::new(x, y),
+                    radius: unknown.radius,
+                };
+                self.doubt(within);
+                let reach = radius.units + within.radius;
                 self.flags
-                    .set_near(&self.grid, unknown.at, reach, flag::CONTESTED, |_| ());
+                    .set_near(&self.grid, within.at, reach, flag::CONTESTED, |_| ());
             }
         }
     }
@@ -384,5 +397,38 @@ impl Claimant {
         let [left, bottom] = block.rect.min.to_array();
         let (x, y) = (left + i64::from(self.column), bottom + i64::from(self.row));
         frame.wrap(Point::new(x as i32, y as i32))
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// A disk whose centre lies outside of a narrower frame still counts in it, if it reaches in.
+    #[test]
+    fn unknowns_reach_into_narrower_frames() {
+        let side = 1 << 20;
+        let frame = |strip: i32| LevelFrame {
+            rect: Rect {
+                min: Point::new(strip, strip),
+                max: Point::new(side - strip, side - strip),
+            },
+            goes_on: [[true; 2]; 2],
+            ..LevelFrame::default()
+        };
+        let strip = 1 << 16;
+
+        // The centre is 3 units outside on one axis, and on the other 4 units: the frame's corner is 5 away.
+        for (radius, reaches_in) in [(4, false), (5, true)] {
+            let mut region = LevelRegion::default();
+            region.begin(frame(0), Radius::before(1));
+            let at = Point::new(strip - 3, side - strip + 3);
+            region.doubt(UnknownDisk { at, radius });
+            region.ends.push(0);
+            region.begin(frame(strip), Radius::FINEST);
+
+            let corner = Point::new(strip, side - strip - 1);
+            assert_eq!(region.touches_unknown(corner, 0), reaches_in, "{radius}");
+        }
     }
 }
