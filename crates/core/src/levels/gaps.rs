@@ -177,13 +177,13 @@ impl LevelRegion {
 
             // A candidate that was not inserted is covered by one that was, so that only pixels near an insertion can have a
             // candidate in the next iteration. The cells of pixels that see an insertion from no farther than `gathered` are
-            // marked; pixels that see farther are searched in any case.
+            // marked; pixels that see farther are searched in any case. The others stay open: a sample of a later iteration
+            // may come near them and make a candidate there.
             let marked_to = f64::from(gathered(self.grid.radius()));
-            pixels.retain_mut(|pixel| {
-                pixel.is_due = true;
+            for pixel in &mut pixels {
                 let cell = self.grid.layout().cell_at(pixel.min);
-                self.flags.has(cell, flag::CHANGED) || pixel.sight > marked_to
-            });
+                pixel.is_due = self.flags.has(cell, flag::CHANGED) || pixel.sight > marked_to;
+            }
         }
 
         Ok(())
@@ -445,3 +445,6 @@ impl LevelRegion {
         inserted
     }
 }
+
+#[cfg(test)]
+mod tests;
