@@ -107,7 +107,8 @@ impl EngineArguments {
         let engine = match self.engine {
             // An adapter that is named asks for a GPU, too.
             EngineArgument::Auto if !self.wants_gpu() => {
-                let choice = Choice::default();
+                // Without a name this chooses the fastest GPU.
+                let choice = self.adapter.choice();
                 return Ok(block_on(Backend::fastest(&choice, variant, expected)));
             }
             EngineArgument::Auto | EngineArgument::Gpu => {
@@ -124,6 +125,10 @@ impl EngineArguments {
         ensure!(
             self.adapter.gpu_adapter.is_none(),
             "--gpu-adapter needs --engine gpu or auto: the others compute on the CPU"
+        );
+        ensure!(
+            !self.adapter.checked_shaders,
+            "--checked-shaders needs --engine gpu or auto: the others have no shaders"
         );
         Ok(Backend::new(engine, ASKED_FOR))
     }
@@ -208,5 +213,26 @@ mod tests {
         assert!(error.contains("sequential engine"), "{error}");
         let error = refusal(EngineArgument::Sequential, Variant::AsPrinted, 1e9);
         assert!(error.contains("--gpu-adapter"), "{error}");
+    }
+
+    #[test]
+    fn checks_of_shaders_are_for_engines_that_may_use_a_gpu() {
+        let choose = |engine, checked_shaders| {
+            let mut arguments = arguments(engine);
+            arguments.adapter = AdapterArguments {
+                gpu_adapter: None,
+                checked_shaders,
+            };
+            let chosen = arguments.choose(Variant::Staged, 1e3);
+            chosen.map(|backend| backend.engine.name().to_owned())
+        };
+
+        for engine in [EngineArgument::Parallel, EngineArgument::Sequential] {
+            let error = choose(engine, true).unwrap_err().to_string();
+            assert!(error.contains("--checked-shaders"), "{error}");
+            assert!(choose(engine, false).is_ok());
+        }
+        // A set that is too small for a GPU may still be asked for with the option.
+        assert_eq!(choose(EngineArgument::Auto, true).unwrap(), "parallel");
     }
 }
