@@ -121,9 +121,13 @@ fn source(arguments: &PackageArguments) -> Result<Shipped> {
         text,
         translation,
     } = asked;
-    // In an English package German can be chosen, if there is a translation: an error means that there is none.
-    let in_german = || lesson_texts(&arguments.lesson, "de").ok()?.translation;
-    let german = translation.or_else(in_german);
+    // In an English package German can be chosen, if there is a translation: with a lesson of the program, or beside a file.
+    let beside = Path::new(&arguments.lesson).with_file_name(format!("{name}.de.md"));
+    let has_german = super::shipped_lesson(&arguments.lesson).is_some() || beside.exists();
+    let german = match translation {
+        None if has_german => lesson_texts(&arguments.lesson, "de")?.translation,
+        translation => translation,
+    };
     Ok(Shipped {
         name: name.into(),
         text: text.into(),

@@ -426,6 +426,12 @@ fn what_cannot_be_packed_is_named_and_leaves_no_file() {
         "---\ntitle: T\nobjective: O\n---\n# S\n```run\nradius: 0.1\nleaf: 6\n```\nWords.\n",
     )
     .unwrap();
+    // A translation that is there is not left out if it cannot be read, even if the package begins in English.
+    let translated = folder.path().join("translated.md");
+    fs::copy(&plain, &translated).unwrap();
+    fs::write(folder.path().join("translated.de.md"), [0xff, 0xfe, 0xfd]).unwrap();
+    let translated = named(&translated);
+
     let empty = tempfile::tempdir().unwrap();
     let (plain, empty_folder) = (named(&plain), named(empty.path()));
 
@@ -443,6 +449,7 @@ fn what_cannot_be_packed_is_named_and_leaves_no_file() {
             vec!["--cmi5", "--language", "de"],
             "plain.de.md",
         ),
+        (translated.as_str(), vec!["--cmi5"], "translated.de.md"),
     ] {
         let error = package(&arguments(&folder, lesson, &others)).unwrap_err();
         assert!(format!("{error:#}").contains(said), "{error:#}");
