@@ -46,7 +46,9 @@ pub(super) fn add(list: &mut List, state: &State) {
     let learner = &open.learner;
     let is_last = learner.index() + 1 == learner.lesson().steps.len();
     let last = is_last.then_some("This is the last step.");
-    let waits = (learner.is_open()).then_some("The question is open: answer it, or give up.");
+    // The question of a form stays open after its answer is taken, and then keeps nobody from going on.
+    let waits = (learner.is_open() && !learner.is_taken())
+        .then_some("The question is open: answer it, or give up.");
 
     // At the last step an open question is the first reason, as the learner can answer it.
     let next = LessonCommand::Step(Direction::Forwards);

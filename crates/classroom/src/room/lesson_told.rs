@@ -291,10 +291,16 @@ impl Classroom {
             return;
         }
 
-        self.apply(LessonCommand::Open(wanted.name), context);
+        self.apply(LessonCommand::Open(wanted.name.clone()), context);
 
-        // Without an open lesson, the one of this name could not be read, and its fault is shown.
-        if let (Some(step), true) = (wanted.step, self.lessons.open.is_some()) {
+        // If the lesson could not be read, its fault is shown, and one that was open before stays: the step and the seed are not
+        // meant for that one.
+        let open = self.lessons.open.as_ref();
+        if open.is_none_or(|open| open.learner.lesson().name != wanted.name) {
+            return;
+        }
+
+        if let Some(step) = wanted.step {
             self.apply(LessonCommand::Go(step), context);
         }
 

@@ -1,7 +1,7 @@
 //! Lessons in the state.
 
 use tilescope_classroom::lesson_labels::lesson_labels;
-use tilescope_classroom::lessons::LessonCommand;
+use tilescope_classroom::lessons::{LessonCommand, WantedLesson};
 use tilescope_debugger::{Direction, Recording};
 use tilescope_session::layers::Layers;
 use tilescope_session::selection::Selection;
@@ -224,6 +224,36 @@ fn a_lesson_that_a_page_delivers_is_named_without_its_ending() {
         Some("a.md")
     );
     assert_eq!(by_the_sheet(&["mine.txt"]), None);
+}
+
+#[test]
+fn a_step_of_a_lesson_that_cannot_be_read_is_not_shown_in_another() {
+    let mut state = settled();
+    let shelf = &mut state.classroom.lessons.shelf;
+    let mut broken = shelf[0].clone();
+    broken.name = "broken".into();
+    broken.text = "no lesson".into();
+    shelf.push(broken);
+
+    let open = |state: &mut State, name: &str, step: Option<String>| {
+        let wanted = WantedLesson {
+            name: name.to_owned(),
+            step,
+            ..WantedLesson::default()
+        };
+        state.in_class(|class, context| class.open_wanted(wanted, context));
+        state.settle();
+        let learner = &state.classroom.lessons.open.as_ref().unwrap().learner;
+        (learner.lesson().name.clone(), learner.step().name.clone())
+    };
+    let first = open(&mut state, "survivors", None);
+    let last = {
+        let open = state.classroom.lessons.open.as_ref().unwrap();
+        open.learner.lesson().steps.last().unwrap().name.clone()
+    };
+    // The open lesson stays at its step, which is not the one that was wanted of the other lesson.
+    assert_eq!(open(&mut state, "broken", Some(last.clone())), first);
+    assert_eq!(open(&mut state, "survivors", Some(last.clone())).1, last);
 }
 
 #[test]
