@@ -14,6 +14,7 @@ use tilescope_sets::region_in_radii;
 use crate::error::LessonError;
 
 /// A point set in r.
+#[derive(Debug)]
 pub(crate) struct PointSet {
     /// The ids of its samples; empty if it was not taken from a recording.
     pub ids: Vec<u32>,

@@ -13,6 +13,7 @@ use crate::draws::{Dice, shuffle};
 use crate::error::LessonError;
 use crate::fields::{Field, Fields};
 use crate::scene::Scene;
+use crate::sets::PointSet;
 use crate::text::Text;
 use crate::translation::Translation;
 
@@ -71,12 +72,21 @@ impl GateKind for PlaceGate {
 
         // The right place is the first one until they are shuffled.
         shuffle(&mut candidates, asking.draws());
-        Ok(Arc::new(Place {
+        let mut place = Place {
+            right_candidates: Vec::with_capacity(candidates.len()),
             candidates,
             right,
             within: self.within,
             region: self.region.clone(),
-        }))
+            set: asking.valid()?,
+        };
+
+        // Several of the list may be right: other right places, and those of the region.
+        for &candidate in &place.candidates {
+            let is_right = place.is_right(candidate, asking.scene)?;
+            place.right_candidates.push(is_right);
+        }
+        Ok(Arc::new(place))
     }
 }
 
@@ -84,17 +94,32 @@ impl GateKind for PlaceGate {
 struct Place {
     /// Places to choose from without a pointer, in r.
     candidates: Vec<[f64; 2]>,
+    /// Which of them are right.
+    right_candidates: Vec<bool>,
     /// The right places, in r.
     right: Vec<[f64; 2]>,
     within: f64,
     region: Option<Text>,
-}
-
-fn is_same([x, y]: [f64; 2], [u, v]: [f64; 2]) -> bool {
-    (x - u).abs() < SAME_PLACE && (y - v).abs() < SAME_PLACE
+    /// The valid samples, in whose domain distances are measured.
+    set: Arc<PointSet>,
 }
 
 impl Place {
+    /// Returns whether an answer would be fully right: near a right place, or in the region of right places.
+    fn is_right(&self, place: [f64; 2], scene: &Scene) -> Result<bool, LessonError> {
+        let mut right = self.right.iter();
+        if right.any(|at| self.set.distance(*at, place) <= self.within) {
+            return Ok(true);
+        }
+        let Some(region) = &self.region else {
+            return Ok(false);
+        };
+        scene.truth(region, |scope| {
+            scope.push_constant("x", place[0]);
+            scope.push_constant("y", place[1]);
+        })
+    }
+
     /// Returns about how far a place is from the region of right places, in r, if that is at most [`REACH`] and less
     /// than `off`, its distance from the single right places; otherwise `None`.
     fn off_region(
@@ -142,12 +167,7 @@ impl Interaction for Place {
             return Err(given.fault("a place has two numbers"));
         }
 
-        let set = given
-            .scene
-            .now
-            .set()
-            .map_err(|error| given.fault(error.to_string()))?;
-        let distances = self.right.iter().map(|at| set.distance(*at, place));
+        let distances = self.right.iter().map(|at| self.set.distance(*at, place));
         let nearest = distances.fold(f64::INFINITY, f64::min);
 
         // Up to `within` from a right place an answer is fully right. Beyond, the score falls to 0 over the length
@@ -204,10 +224,10 @@ impl Interaction for Place {
     fn controls(&self, view: &View<'_>) -> Vec<Control> {
         let items = self.candidates.iter().enumerate().map(|(index, place)| {
             let id = format!("place-{}", index + 1);
-            let is_right = self.right.iter().any(|right| is_same(*right, *place));
+            let is_right = self.right_candidates[index];
             // The same place may have been put by a click.
             let put = view.draft.place();
-            let chosen = put.is_some_and(|put| is_same(put, *place));
+            let chosen = put.is_some_and(|put| self.set.distance(put, *place) < SAME_PLACE);
             view.item(id, letter(index).to_string(), index, chosen, is_right)
         });
         let items = items.collect();
@@ -227,7 +247,7 @@ impl Interaction for Place {
 
     fn is_wrong_as(&self, known: &Answer, answer: &Answer) -> bool {
         match (known, answer) {
-            (Answer::Place(a), Answer::Place(b)) => (a[0] - b[0]).hypot(a[1] - b[1]) <= NEAR_WRONG,
+            (Answer::Place(a), Answer::Place(b)) => self.set.distance(*a, *b) <= NEAR_WRONG,
             _ => false,
         }
     }
