@@ -139,9 +139,14 @@ fn json(bytes: &[u8], kept: &[bool]) -> Result<Vec<u8>, FormatError> {
                 list.retain(|_| flags_of_list.next().is_none_or(|kept| *kept));
             }
         }
-        // The document itself stays, whether a point is left in it or not.
+        // A collection stays without the features that are left out. Of another document without any point left an empty
+        // collection takes the place, since one that is itself a point cannot be without it.
         object => {
-            keep_geo(object, &mut flags);
+            let is_left = keep_geo(object, &mut flags);
+            let is_collection = object.get("features").is_some();
+            if !is_left && !is_collection && !kept.is_empty() {
+                *object = serde_json::json!({ "type": "FeatureCollection", "features": [] });
+            }
         }
     }
     let mut out = serde_json::to_vec(&document)?;

@@ -21,13 +21,14 @@ pub(super) fn read_text(bytes: &[u8]) -> Result<Raw, FormatError> {
     // Two digits, each with a blank or a line end, make a point take at least four bytes: a false count reserves no more.
     let mut points = Vec::with_capacity(stated.min(bytes.len() as u64 / 4) as usize);
 
-    // The x of a point whose y is still to come. A point may go on in the next line, as psa reads number by number.
+    // The x of a point whose y is still to come, and its place. A point may go on in the next line, as psa reads number by
+    // number.
     let mut lone_x = None;
     for (place, token) in tokens {
         let value = number(token, FORMAT, place)?;
         match lone_x.take() {
-            Some(x) => points.push([x, value]),
-            None => lone_x = Some(value),
+            Some((x, _)) => points.push([x, value]),
+            None => lone_x = Some((value, place)),
         }
     }
 
@@ -41,9 +42,9 @@ pub(super) fn read_text(bytes: &[u8]) -> Result<Raw, FormatError> {
         });
     }
 
-    // The place is that of the stated count, which may be the number that is wrong.
-    if let Some(x) = lone_x {
-        return Err(FormatError::Header {
+    // The count agrees with the points, so that the fault is where the coordinate is.
+    if let Some((x, place)) = lone_x {
+        return Err(FormatError::Row {
             format: FORMAT,
             place,
             reason: format!("after the {stated} points stated, a lone coordinate {x} is left"),
@@ -125,7 +126,7 @@ mod tests {
         assert_eq!(message(&format!("{vast}\n0 0\n")), stated(&vast, 1));
         assert_eq!(
             message("1\n0 0\n1\n"),
-            "psa text: header, line 1: after the 1 points stated, a lone coordinate 1 is left"
+            "psa text: line 3: after the 1 points stated, a lone coordinate 1 is left"
         );
         assert_eq!(
             message("-4\n0 0\n"),

@@ -100,6 +100,13 @@ fn json_keeps_properties_and_lists_of_points() {
     let found = kept("a.geojson", &all, &[true, false, true]);
     assert!(found.contains("[1,2,9]") && found.contains("[[5,6]]") && found.contains("[1,2,3]"));
     assert!(!kept("a.geojson", &all, &[true, false, false]).contains("MultiPoint"));
+
+    // Documents that are a point themselves.
+    for lone in [r#"{"type":"Point","coordinates":[1,2]}"#, &point] {
+        assert!(kept("a.geojson", lone, &[true]).contains("[1,2"));
+        assert!(!kept("a.geojson", lone, &[false]).contains("[1,2"));
+    }
+
     let column = read_column(all.as_bytes(), &hint("a.geojson"), "height").expect("numbers");
     assert_eq!(column, [4.0, 5.0, 5.0]);
 }
