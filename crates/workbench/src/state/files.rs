@@ -37,8 +37,13 @@ impl SaveTask {
     /// Returns the current session in saved form, with its view: a run with its events, or a combination.
     #[must_use]
     pub fn of(state: &State) -> Self {
-        let view = SavedView::of(state).to_json();
+        let mut view = SavedView::of(state).to_json();
+        // Neither a session of the debugger nor a saved combination has a field for the record of a talk, which is stored with
+        // the view.
         let record = state.classroom.saved_record();
+        if let (Some(record), Some(view)) = (record, view.as_object_mut()) {
+            view.insert("talk".to_owned(), json!(record));
+        }
         let first = &state.runs.first;
         let session = first.session.as_ref();
         let run = first.debugger.as_ref().zip(session);
@@ -52,11 +57,6 @@ impl SaveTask {
             run: run.map(|(debugger, session)| {
                 let mut saved = debugger.session();
                 saved.view = view;
-                // A session of the debugger has no field for the record of a talk, which is stored with the view. The
-                // file of a combination does not keep it.
-                if let (Some(record), Some(view)) = (record, saved.view.as_object_mut()) {
-                    view.insert("talk".to_owned(), json!(record));
-                }
                 saved.pattern = session.own.as_ref().map(|own| own.file.clone());
                 if let Some(made) = &session.ground {
                     // The field is made again from the parameters that were asked for, not from those of the run.
@@ -588,7 +588,7 @@ impl RunView {
         };
         let events = "Only a session with events can be saved; a larger run is reproduced by its parameters.";
         let files = "This combination has sets from files, which a saved session would not contain; keep its layout instead.";
-        let image = "A run from an image is not saved as a session, which would not contain the image; an export of the set names it.";
+        let image = "A run from an image, from a grid of radii or in a polygon of very many corners is not saved as a session, which would not contain it; an export of the set names it.";
         let levels = "Nested levels are not saved as a session: a link to them, or an export of the set, gives them again.";
         let solid = "A set in space is not saved as a session: a link to it gives it again.";
         match &session.combination {

@@ -350,6 +350,7 @@ impl State {
             SavedContent::Combination(Some(saved)) => {
                 let stage_count = run.session.as_ref().map_or(0, |made| made.stages.len());
                 run.set_stage(saved.stage.min(stage_count.saturating_sub(1)));
+                self.classroom.take_record(&saved.view);
                 saved.view
             }
             // A layout has no view.

@@ -3,6 +3,7 @@
 use tilescope_classroom::lessons::LessonCommand;
 use tilescope_classroom::talk::{Cover, Talk, TalkCommand, advised};
 use tilescope_lessons::{DraftCommand, Question, Vote, shipped};
+use tilescope_session::combination::CombineCommand;
 
 use super::*;
 use crate::scenes::{SceneCommand, SceneList};
@@ -164,6 +165,12 @@ fn lines_belong_to_their_step_and_are_kept_only_on_request() {
         .classroom
         .take_record(&serde_json::json!({ "talk": 7 }));
     assert_eq!(other.classroom.talks.record, state.classroom.talks.record);
+
+    // A saved combination keeps them, too.
+    other.apply(Command::Combine(CombineCommand::Nine));
+    other.settle();
+    let combination = SaveTask::of(&other).combination.unwrap();
+    assert_eq!(combination.view["talk"], view["talk"]);
 }
 
 #[test]
