@@ -125,6 +125,9 @@ impl Runs {
             return Some("The second run is not ready yet.");
         };
         match comparison.divergence(first, second) {
+            None if comparison.failure().is_some() => {
+                Some("The search for where they diverge has failed.")
+            }
             None => Some("The search for where they diverge is still running."),
             Some(Divergence::Same) => Some("They never diverge."),
             Some(Divergence::Domain { .. }) => Some("Their domains differ from the start."),

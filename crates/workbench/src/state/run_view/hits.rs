@@ -5,11 +5,11 @@ use std::sync::Arc;
 
 use serde::{Deserialize, Serialize};
 use tilescope_debugger::{DEFAULT_BUDGET, Debugger, Direction, LineId, Recording, Stop};
-use tilescope_session::jobs::Monitor;
+use tilescope_session::jobs::{Job, Monitor};
 use tilescope_session::task::{self, SessionRef, Task};
 use tilescope_session::words::counted;
 
-use super::{FoundEvents, RunView};
+use super::RunView;
 use crate::state::effects::Context;
 
 /// The most events that are marked. Chosen, not measured.
@@ -25,7 +25,27 @@ type Key = (u64, Vec<(LineId, String)>);
 #[derive(Default)]
 pub struct Hits {
     key: Option<Key>,
-    found: FoundEvents,
+    counting: Counting,
+}
+
+/// The count in the background.
+#[derive(Default)]
+enum Counting {
+    /// No breakpoint is enabled.
+    #[default]
+    Nothing,
+    Running(Job<FoundHits>),
+    /// The events, or why they could not be found.
+    Ended(Result<FoundHits, String>),
+}
+
+/// Events before which a run would stop.
+#[derive(Debug, PartialEq, Serialize, Deserialize)]
+pub struct FoundHits {
+    /// The events, in order.
+    events: Vec<usize>,
+    /// Whether there are no others: counting ends early at [`MAX_HITS`], and where conditions fail too often.
+    are_all: bool,
 }
 
 impl Hits {
@@ -33,18 +53,16 @@ impl Hits {
     /// enabled breakpoints.
     #[must_use]
     pub fn description(&self) -> Option<String> {
-        match &self.found {
-            FoundEvents::Nothing => None,
-            FoundEvents::Pending(_) => Some("Being counted\u{2026}".to_owned()),
-            FoundEvents::Failed(why) => Some(why.clone()),
-            // Where conditions fail too often, counting ends early, and the number is that of the stops up to there.
-            FoundEvents::Events(events) => {
-                let times = counted(events.len(), "time", "times");
-                Some(match events.len() {
-                    MAX_HITS => {
-                        format!("They stop a run {times} or more; the first are on the timeline.")
-                    }
-                    _ => format!("They stop a run {times}."),
+        match &self.counting {
+            Counting::Nothing => None,
+            Counting::Running(_) => Some("Being counted\u{2026}".to_owned()),
+            Counting::Ended(Err(why)) => Some(why.clone()),
+            Counting::Ended(Ok(found)) => {
+                let times = counted(found.events.len(), "time", "times");
+                Some(if found.are_all {
+                    format!("They stop a run {times}.")
+                } else {
+                    format!("They stop a run {times} or more; the first are on the timeline.")
                 })
             }
         }
@@ -53,12 +71,26 @@ impl Hits {
     /// Returns the first [`MAX_HITS`] events before which a run would stop.
     #[must_use]
     pub fn events(&self) -> &[usize] {
-        self.found.events()
+        match &self.counting {
+            Counting::Ended(Ok(found)) => &found.events,
+            Counting::Nothing | Counting::Running(_) | Counting::Ended(Err(_)) => &[],
+        }
+    }
+
+    /// Takes the events when the count has ended.
+    fn poll(&mut self) {
+        if let Counting::Running(job) = &self.counting
+            && let Some(outcome) = job.poll()
+        {
+            self.counting = Counting::Ended(outcome);
+        }
     }
 
     #[cfg(not(target_arch = "wasm32"))]
     pub(in crate::state) fn settle(&mut self) {
-        self.found.settle();
+        if let Counting::Running(job) = &self.counting {
+            self.counting = Counting::Ended(job.wait());
+        }
     }
 }
 
@@ -66,7 +98,7 @@ impl RunView {
     /// Takes the events that were found, and starts to look for them again if the enabled breakpoints or the session have
     /// changed.
     pub(in crate::state) fn want_hits(&mut self, context: &Context) {
-        self.hits.found.poll();
+        self.hits.poll();
         let (Some(session), Some(debugger)) = (&self.session, &self.debugger) else {
             self.hits = Hits::default();
             return;
@@ -89,11 +121,11 @@ impl RunView {
             .map(|(line, text)| (line, text.to_owned()))
             .collect();
         self.hits.key = Some((session.generation, breakpoints.clone()));
-        self.hits.found = if breakpoints.is_empty() {
-            FoundEvents::Nothing
+        self.hits.counting = if breakpoints.is_empty() {
+            Counting::Nothing
         } else {
             let session = SessionRef(Arc::clone(session));
-            FoundEvents::Pending(task::start(
+            Counting::Running(task::start(
                 &context.wake,
                 CountHitsTask {
                     session,
@@ -113,14 +145,18 @@ pub struct CountHitsTask {
 }
 
 impl Task for CountHitsTask {
-    type Outcome = Vec<usize>;
+    type Outcome = FoundHits;
     const NAME: &'static str = "hits";
 
     fn run(self, monitor: &Monitor) -> Self::Outcome {
-        let recording = self.session.recording();
-        recording.map_or_else(Vec::new, |recording| {
-            hits(recording, &self.breakpoints, monitor)
-        })
+        match self.session.recording() {
+            Some(recording) => hits(recording, &self.breakpoints, monitor),
+            // A run without events has none at which it could stop.
+            None => FoundHits {
+                events: Vec::new(),
+                are_all: true,
+            },
+        }
     }
 }
 
@@ -129,7 +165,7 @@ fn hits(
     recording: &Arc<Recording>,
     breakpoints: &[(LineId, String)],
     monitor: &Monitor,
-) -> Vec<usize> {
+) -> FoundHits {
     // A new debugger stands at the start of the run, from which all hits are counted.
     let mut debugger = Debugger::new(Arc::clone(recording), DEFAULT_BUDGET);
     for (line, condition) in breakpoints {
@@ -138,15 +174,65 @@ fn hits(
 
     let go_on = || !monitor.is_cancelled();
 
-    let (mut found, mut unclear) = (Vec::new(), 0);
-    while found.len() < MAX_HITS && unclear < MAX_UNCLEAR && go_on() {
+    let (mut events, mut unclear, mut are_all) = (Vec::new(), 0, false);
+    while events.len() < MAX_HITS && unclear < MAX_UNCLEAR && go_on() {
         match debugger.run_while(Direction::Forwards, &go_on) {
             // `run_while` has no target, so that it never stops at one.
-            Stop::Breakpoint(_) | Stop::Target => found.push(debugger.state().cursor()),
+            Stop::Breakpoint(_) | Stop::Target => events.push(debugger.state().cursor()),
             // A condition that cannot be evaluated stops a run, but is not counted as a hit.
             Stop::BadCondition(..) => unclear += 1,
-            Stop::End => break,
+            Stop::End => {
+                are_all = true;
+                break;
+            }
         }
     }
-    found
+    FoundHits { events, are_all }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use std::collections::BTreeMap;
+    use tilescope_core::Parameters;
+    use tilescope_debugger::Event;
+    use tilescope_session::session::Session;
+
+    /// A count that conditions end early is no count of all stops.
+    #[test]
+    fn a_count_that_ended_early_says_so() {
+        let parameters = Parameters {
+            radius: 0.02,
+            ..Parameters::default()
+        };
+        let wake: tilescope_session::jobs::Wake = Arc::new(|| {});
+        let job = Job::start(&wake, move |monitor| {
+            let session = Session::sample(&parameters.into(), 1, monitor).unwrap();
+            let recording = session.recording().unwrap();
+            let mut counts = BTreeMap::new();
+            for line in (0..recording.len()).filter_map(|at| recording.event(at).map(Event::line)) {
+                *counts.entry(line).or_insert(0) += 1;
+            }
+            let is_between = |count: usize| (MAX_UNCLEAR + 1..MAX_HITS).contains(&count);
+            let line = *counts
+                .iter()
+                .find(|(_, count)| is_between(**count))
+                .unwrap()
+                .0;
+
+            // `p` is a place, and no condition.
+            let conditions = ["", "p", "false"];
+            conditions.map(|condition| hits(recording, &[(line, condition.to_owned())], monitor))
+        });
+
+        let described = job.wait().unwrap().map(|found| {
+            let hits = Hits {
+                key: None,
+                counting: Counting::Ended(Ok(found)),
+            };
+            hits.description().unwrap()
+        });
+        let is_open = described.each_ref().map(|text| text.contains("or more"));
+        assert_eq!(is_open, [false, true, false], "{described:?}");
+    }
 }
