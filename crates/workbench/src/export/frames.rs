@@ -39,6 +39,7 @@ pub fn frames(
     every: usize,
 ) -> Result<Vec<usize>, ExportRefusal> {
     let number_of_frames = count(session, range, clock, every)?;
+    let range = &within(session, range)?;
     let mut cursors = Vec::with_capacity(number_of_frames);
     cursors.push(range.start);
     // The first frame after the start is that of tick number `every`, and the others follow at the same distance.
@@ -55,15 +56,8 @@ pub fn count(
     clock: Clock,
     every: usize,
 ) -> Result<usize, ExportRefusal> {
-    let recording = session.recording().ok_or(ExportRefusal::NoEvents)?;
-    // A range that begins at the end of the run or behind it is empty, too.
-    let (start, end) = (range.start, range.end.min(recording.len()));
-
-    if start >= end {
-        return Err(ExportRefusal::EmptyRange { start, end });
-    }
-
-    let ticks = number_of_ticks(session, range, clock);
+    let range = within(session, range)?;
+    let ticks = number_of_ticks(session, &range, clock);
     // The start and the end of the range are frames, too.
     let frames = ticks / every + 2;
     if frames > MAX_FRAMES {
@@ -74,6 +68,18 @@ pub fn count(
     }
 
     Ok(frames)
+}
+
+/// Returns the part of a range within the run, or why there is none.
+fn within(session: &Session, range: &Range<usize>) -> Result<Range<usize>, ExportRefusal> {
+    let recording = session.recording().ok_or(ExportRefusal::NoEvents)?;
+    // A range that begins at the end of the run or behind it is empty, too.
+    let (start, end) = (range.start, range.end.min(recording.len()));
+
+    if start >= end {
+        return Err(ExportRefusal::EmptyRange { start, end });
+    }
+    Ok(start..end)
 }
 
 /// Returns the number of ticks between frames to propose.
@@ -187,6 +193,11 @@ mod tests {
         let events = session.recording().unwrap().len();
         let refused = frames(&session, &(7..7), Clock::Event, 1).unwrap_err();
         assert_eq!(refused, ExportRefusal::EmptyRange { start: 7, end: 7 });
+        // A range that goes on beyond the run ends with it.
+        for clock in Clock::ALL {
+            let beyond = frames(&session, &(events - 9..events + 9), clock, 1);
+            assert_eq!(beyond, frames(&session, &(events - 9..events), clock, 1));
+        }
         let all = 0..events;
         let Err(ExportRefusal::TooManyFrames { frames, enough }) =
             count(&session, &all, Clock::Event, 1)
