@@ -160,12 +160,18 @@ impl Passes {
             PassCommand::First => self.select(0),
             PassCommand::Last => self.select(last),
             PassCommand::Buffer(index) => {
-                // The result of the last export is about another buffer.
+                // The result of the last export is about another buffer, and below about other rows.
                 self.export_result = None;
                 self.shown.show(self.visit.as_ref(), index);
             }
-            PassCommand::Side(side) => self.shown.set_side(self.visit.as_ref(), side),
-            PassCommand::Filter(text) => self.shown.set_filter(self.visit.as_ref(), text),
+            PassCommand::Side(side) => {
+                self.export_result = None;
+                self.shown.set_side(self.visit.as_ref(), side);
+            }
+            PassCommand::Filter(text) => {
+                self.export_result = None;
+                self.shown.set_filter(self.visit.as_ref(), text);
+            }
             PassCommand::PickRow(row) => self.shown.pick(row),
             PassCommand::PointRow(row) => self.shown.point(row),
             PassCommand::OnCanvas(is_on_canvas) => self.is_on_canvas = is_on_canvas,
@@ -222,7 +228,8 @@ impl Passes {
             self.go_on();
         }
         if let Some(job) = self.export.take() {
-            self.export_result = Some(job.wait().unwrap_or_else(Err));
+            let outcome = job.wait();
+            self.export_result = Some(outcome.unwrap_or_else(|failure| Err(sentence(&failure))));
         }
     }
 
