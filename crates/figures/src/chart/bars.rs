@@ -80,6 +80,8 @@ const TICK_ROOM: f64 = 9.0;
 const LABEL_BASELINE: f64 = 40.0;
 /// The most ticks along the axis.
 const MAX_TICKS: usize = 9;
+/// Bars that are all shorter are drawn without a length: their scale, in pixels, would not be finite.
+const MIN_LENGTH: f64 = 1e-300;
 
 impl BarChart {
     fn bars(&self) -> impl Iterator<Item = &Bar> {
@@ -113,8 +115,10 @@ impl BarChart {
 
         let left = MARGIN + widest(|bar| &bar.name) + BESIDE;
         let right = WIDTH - MARGIN - widest(|bar| &bar.text) - BESIDE;
-        // Bars that all have no length still need a scale, whose divisor is not zero.
-        let farthest = self.bars().map(Bar::end).fold(f64::MIN_POSITIVE, f64::max);
+        let longest = self.bars().map(Bar::end).fold(0.0, f64::max);
+        // Bars that all have no length still need a scale. A divisor near zero would give an infinite one, at which zero has
+        // no place.
+        let farthest = if longest > MIN_LENGTH { longest } else { 1.0 };
         let bar_scale = BarScale {
             left,
             scale: (right - left) / farthest,

@@ -162,11 +162,14 @@ fn tile_row(
     let [head, foot] = tiles::room(&all);
     let column = (WIDTH - 2.0 * MARGIN) / all.len() as f64;
 
-    let mut below = top;
+    let (mut below, mut next_left) = (top, first_tile);
     for (index, tile) in (0..).map(f64::from).zip(all) {
         let (left, side) = match tile.side {
-            // The tiles of a row are taken to have one side: those before this one have its side as well.
-            Some(side) => (first_tile + index * (side + tiles::GAP), side),
+            Some(side) => {
+                let left = next_left;
+                next_left += side + tiles::GAP;
+                (left, side)
+            }
             // Without a side of its own, a tile is as wide as the plots of charts above and below it.
             None => (MARGIN + index * column + LEFT, column - LEFT - RIGHT),
         };

@@ -422,6 +422,11 @@ fn bars_are_as_long_as_their_values_and_their_texts_stay_inside() {
         let end = text.at.x + crate::text_width(&text.text, text.font, text.size);
         assert!(end < drawn.width, "{end}");
     }
+
+    // Bars that all have no length are drawn, too.
+    let none = scene(Panel::Bars(chart(vec![bar(0.0, "0"), bar(0.0, "0")])));
+    none.unwrap().validate().unwrap();
+
     let empty = scene(Panel::Bars(chart(Vec::new())));
     assert!(matches!(empty, Err(ChartError::Empty(_))));
     let infinite = scene(Panel::Bars(chart(vec![bar(f64::INFINITY, "")])));
@@ -461,6 +466,24 @@ fn tiles_of_a_given_side_make_the_figure_as_wide_as_they_are_and_keep_their_pixe
     assert_eq!(at(49.0, 49.0), Some(0));
     assert_eq!(at(50.0, 49.0), Some(255));
     assert_eq!(at(50.0, 50.0), Some(0));
+
+    // Tiles of several sides stand side by side with the same gap.
+    let sides = [100.0, 60.0, 80.0];
+    let of_side = |side: f64| {
+        Panel::Tile(TileChart {
+            side: Some(side),
+            ..tile("a")
+        })
+    };
+    let drawn = figure_scene(&figure(sides.map(of_side).to_vec()), &Palette::LIGHT).unwrap();
+    let frames: Vec<_> = (drawn.groups.iter())
+        .filter(|group| group.name == "tile")
+        .filter_map(|group| group.clip)
+        .collect();
+    assert_eq!(frames.len(), 3);
+    let gaps = [0, 1].map(|left| frames[left + 1].min.x - frames[left].max.x);
+    assert!((gaps[0] - gaps[1]).abs() < 1e-9, "{gaps:?}");
+
     let mixed = figure(vec![Panel::Tile(tile("a")), Panel::Image(image())]);
     let mixed = figure_scene(&mixed, &Palette::LIGHT);
     assert!(matches!(mixed, Err(ChartError::Mixed(_))));
