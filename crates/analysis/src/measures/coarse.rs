@@ -87,7 +87,7 @@ pub(crate) struct CoarseSums {
 impl CoarseSums {
     /// Returns the sums of no row, of the multiples of `step` up to `reach`, in at most `most` parts along an axis.
     pub fn new(reach: [i64; 2], most: usize, step: i64) -> Self {
-        let divisions = reach.map(|reach| division(reach, most));
+        let divisions = reach.map(|reach| division(reach, most, step));
         let parts = [0, 1].map(|axis| {
             let (half, side) = divisions[axis];
             let lowest = -(reach[axis] / step);
@@ -179,14 +179,15 @@ impl CoarseSums {
     }
 }
 
-/// Returns the parts on either side of the middle one and their length, for frequencies up to `reach`.
-fn division(reach: i64, most: usize) -> (i64, i64) {
+/// Returns the parts on either side of the middle one and their length, for the multiples of `step` up to `reach`.
+fn division(reach: i64, most: usize, step: i64) -> (i64, i64) {
     // The middle part takes half of its side from the reach. With those on both sides there are 2 parts + 1, at most
     // `most`.
     let parts = |side: i64| (reach - (side - 1) / 2) / side;
+    // A part shorter than the step may have no multiple of it, and so no mean.
     let side = (1..=2 * reach + 1)
         .step_by(2)
-        .find(|side| 2 * parts(*side) < most as i64)
+        .find(|side| *side >= step && 2 * parts(*side) < most as i64)
         .unwrap_or(2 * reach + 1);
     (parts(side), side)
 }
@@ -247,6 +248,25 @@ mod tests {
             let [x, y] = [index % 5, index / 5].map(|i| i as f64 - 2.0);
             let expected = 3.0 * x + 100.0 * y;
             assert!((power - expected).abs() < 1e-9, "{index}: {power}");
+        }
+    }
+
+    /// Few frequencies leave room for a part each, also where only every third of them is there.
+    #[test]
+    fn every_part_has_a_mean_at_any_step() {
+        for step in [1, 2, 3] {
+            let mut sums = CoarseSums::new([10, 7], 121, step);
+            let [columns, rows] = [10, 7].map(|reach| 2 * (reach / step) as usize + 1);
+            for row in 0..rows {
+                sums.add_row(row, &vec![5.0; columns]);
+            }
+
+            let found = sums.picture();
+            let middle = found.power.len() / 2;
+            for (part, power) in found.power.iter().enumerate() {
+                // Nothing is added for zero, which is alone in the middle part.
+                assert!(part == middle || *power == 5.0, "{step}, {part}: {power}");
+            }
         }
     }
 
