@@ -61,7 +61,8 @@ pub fn draw(scene: &Scene<'_>, surface: &mut impl Surface) {
         let stroke = Stroke::new(1.2, color.gamma_multiply(0.8));
         surface.dashes([from, from.lerp(to, share)], stroke);
     } else {
-        fly(scene, surface, &inset, tile, block_rect, color);
+        let whole = whole_window(tile, leaf, [extent.x, extent.y]);
+        fly(scene, surface, &inset, whole, block_rect, color);
     }
 
     // The label stands four points below the frame, and begins or ends at its side.
@@ -185,12 +186,13 @@ fn draw_copied(
     last
 }
 
-/// Draws a clip on its way from the pattern to the block, while its event is animated.
+/// Draws a clip on its way from the pattern to the block, while its event is animated. `window` has two opposite corners of
+/// the clip in the pattern.
 fn fly(
     scene: &Scene<'_>,
     surface: &mut impl Surface,
     inset: &Inset,
-    tile: &Tile,
+    window: [[i32; 2]; 2],
     block: Rect,
     color: Color32,
 ) {
@@ -200,15 +202,15 @@ fn fly(
         return;
     }
 
-    // The clip is the block enlarged by r. It grows on its way from the pattern's scale to the picture's scale.
-    let from = inset.at(tile.start.x, tile.start.y);
+    // The clip is the block enlarged by r. It grows on its way from the pattern's scale to the picture's scale, and a clip that
+    // was turned on its side gets the block's proportions.
+    let [one, opposite] = window.map(|[x, y]| inset.at(x, y));
+    let from = Rect::from_two_pos(one, opposite);
     let clip = block.expand(scene.scale());
-    let corner = from.lerp(clip.left_bottom(), share);
-    let in_pattern = clip.size() * (inset.scale / scene.scale());
-    let grown = in_pattern + (clip.size() - in_pattern) * share;
-
-    // The corner is the lower left one, and the screen's y points down.
-    let rect = Rect::from_min_size(corner - vec2(0.0, grown.y), grown);
+    let rect = Rect::from_min_max(
+        from.min.lerp(clip.min, share),
+        from.max.lerp(clip.max, share),
+    );
     surface.rect(
         rect,
         Some(color.gamma_multiply(0.18)),
@@ -219,10 +221,8 @@ fn fly(
 /// Returns the part of the pattern that a tile was clipped from, in lattice units: rectangles, each by two opposite
 /// corners, more than one where the clip reaches across the border of a periodic pattern.
 fn window(tile: &Tile, block: &LatticeRect, extent: [i32; 2]) -> Vec<[[i32; 2]; 2]> {
-    let symmetry = tile.symmetry.0;
     // The clip's position is given in the pattern after it was turned and mirrored.
-    let is_swapped = symmetry & 4 != 0;
-    let turned = if is_swapped {
+    let turned = if tile.symmetry.0 & SWAPPED != 0 {
         [extent[1], extent[0]]
     } else {
         extent
@@ -242,18 +242,40 @@ fn window(tile: &Tile, block: &LatticeRect, extent: [i32; 2]) -> Vec<[[i32; 2]; 
     let columns = ranges(tile.start.x, block.width() + 2 * R, turned[0]);
     let rows = ranges(tile.start.y, block.height() + 2 * R, turned[1]);
 
-    // Bit 2 of a symmetry swaps the axes last, so that it is undone first; bits 0 and 1 mirror x and y.
-    let back = |[x, y]: [i32; 2]| {
-        let [x, y] = if is_swapped { [y, x] } else { [x, y] };
-        let mirrored =
-            |at: i32, bit: u8, extent: i32| if symmetry & bit == 0 { at } else { extent - at };
-        [mirrored(x, 1, extent[0]), mirrored(y, 2, extent[1])]
-    };
-
     let pieces = columns
         .iter()
         .flat_map(|x| rows.iter().map(move |y| [[x[0], y[0]], [x[1], y[1]]]));
-    pieces.map(|corners| corners.map(back)).collect()
+    pieces
+        .map(|corners| corners.map(|at| turned_back(tile, at, extent)))
+        .collect()
+}
+
+/// Returns two opposite corners of the part of the pattern that a tile was clipped from, in lattice units, without a cut at
+/// the border of a periodic pattern.
+fn whole_window(tile: &Tile, block: &LatticeRect, extent: [i32; 2]) -> [[i32; 2]; 2] {
+    let start = [tile.start.x, tile.start.y];
+    let end = [
+        start[0] + block.width() + 2 * R,
+        start[1] + block.height() + 2 * R,
+    ];
+    [start, end].map(|at| turned_back(tile, at, extent))
+}
+
+/// The bit of a symmetry that swaps the axes. Bits 0 and 1 mirror x and y.
+const SWAPPED: u8 = 4;
+
+/// Returns a place of the pattern, in lattice units, that lies at `at` after the tile's symmetry was applied.
+fn turned_back(tile: &Tile, [x, y]: [i32; 2], extent: [i32; 2]) -> [i32; 2] {
+    let symmetry = tile.symmetry.0;
+    // The axes are swapped last, so that this is undone first.
+    let [x, y] = if symmetry & SWAPPED != 0 {
+        [y, x]
+    } else {
+        [x, y]
+    };
+    let mirrored =
+        |at: i32, bit: u8, extent: i32| if symmetry & bit == 0 { at } else { extent - at };
+    [mirrored(x, 1, extent[0]), mirrored(y, 2, extent[1])]
 }
 
 #[cfg(test)]
@@ -280,6 +302,11 @@ mod tests {
                 let whole =
                     i64::from(block.rect.width() + 2 * R) * i64::from(block.rect.height() + 2 * R);
                 assert_eq!(pieces.iter().map(area).sum::<i64>(), whole);
+                // A window that does not reach across the border is one piece, and the clip begins its way there.
+                if let [piece] = pieces[..] {
+                    let all = whole_window(tile, &block.rect, [extent.x, extent.y]);
+                    assert_eq!(piece, all);
+                }
                 let holds = |[a, b]: &[[i32; 2]; 2], p: Point| {
                     let within =
                         |at: i32, k: usize| (a[k].min(b[k])..=a[k].max(b[k])).contains(&at);

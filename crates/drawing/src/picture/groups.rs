@@ -29,7 +29,9 @@ pub(super) fn groups(
     let layers = shown
         .session
         .drawable(view.layers(shown.session.kind(), shown.stage));
-    let shows_gaps = layers.has(Layer::Gaps) && view.camera.scale >= MIN_DISK_SCALE;
+    // As in `Scene::is_fine`, which decides whether gaps are drawn: at a moment of nested levels disks are larger than r.
+    let radius = shown.disk_radius() * shown.session.largest_radius();
+    let shows_gaps = layers.has(Layer::Gaps) && view.camera.scale * radius >= MIN_DISK_SCALE;
     let needs_geometry = shows_gaps || layers.has(Layer::CoveredCircles) || layers.has_net();
     // A triangulation takes longer than the drawing, so that it is made only for layers that need it. Before tiling there is
     // nothing to triangulate.
