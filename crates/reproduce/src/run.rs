@@ -56,17 +56,17 @@ pub fn plan(experiments: &[Experiment], settings: &Settings, out: Option<&Path>)
     let made_by = build_and_machine(&Machine::this());
     let planned = |&experiment: &Experiment| {
         let stamp = stamp_of(experiment, settings, &made_by);
-        let kept = out
+        let units = experiment.units(settings);
+        let mut kept = out
             .map(|out| Parts::kept(&folder(out, experiment), &stamp))
             .unwrap_or_default();
+        // A run with the setting `many` leaves more batches of density than these settings may have.
+        kept.truncate(units);
 
-        let units = experiment.units(settings);
         Planned {
             experiment,
             units,
-            // A run with the setting `many` leaves more batches of density than these settings may have. The seconds
-            // are those of all that it left.
-            kept: kept.len().min(units),
+            kept: kept.len(),
             seconds: kept.iter().sum(),
         }
     };
