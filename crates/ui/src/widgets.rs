@@ -471,7 +471,9 @@ pub fn primary_button(
     let size = vec2(ui.available_width(), row_height(ui.ctx(), 34.0));
     let (rect, response) = allocate_button(ui, size, text, enabled);
 
-    let strength = match (enabled, response.hovered()) {
+    // Also where the keyboard is, as other buttons show it.
+    let hot = response.hovered() || response.has_focus();
+    let strength = match (enabled, hot) {
         (false, _) => 0.25,
         (true, false) => 0.92,
         (true, true) => 1.0,
