@@ -231,12 +231,18 @@ impl Pool {
 
         let (pool, from) = (self.clone(), worker.clone());
         // An error in the script is an event with a message. A script that cannot be loaded, and data that cannot be read, are
-        // events without a message, of which the text below names the first alone. All have the same type here, so that
-        // the message is looked up by its name.
+        // events without a message, which their names tell apart. All have the same type here, so that the message is
+        // looked up by its name.
         let on_error = Closure::<dyn FnMut(Event)>::new(move |event: Event| {
             let message = (Reflect::get(&event, &"message".into()).ok())
                 .and_then(|message| message.as_string());
-            let why = message.unwrap_or_else(|| "its script cannot be loaded".to_owned());
+            let why = message.unwrap_or_else(|| {
+                let why = match event.type_().as_str() {
+                    "messageerror" => "its answer cannot be read",
+                    _ => "its script cannot be loaded",
+                };
+                why.to_owned()
+            });
             pool.remove_broken(&from, &Break::Fault(why));
         });
         worker.set_onerror(Some(on_error.as_ref().unchecked_ref()));
