@@ -17,15 +17,15 @@ impl OpenLesson {
         self.learner.right_answer(&in_language(language))
     }
 
-    /// Returns the right answer as a learner reads it: after giving up, and where an answer can be right without being
-    /// exact. Of a place it says that the picture marks it, by [`MarkKind::Right`](tilescope_lessons::MarkKind::Right).
-    /// `None` while the question is open, and after an answer that was exactly right.
+    /// Returns the right answer as a learner reads it: after giving up, and after a right answer to a question that has a
+    /// tolerance. Of a place it says that the picture marks it, by [`MarkKind::Right`](tilescope_lessons::MarkKind::Right).
+    /// `None` while the question is open, and after a right answer to a question that takes only the exact one.
     #[must_use]
     pub fn told_answer(&self, language: &str) -> Option<String> {
         let question = self.learner.question()?;
         let is_shown = match self.learner.progress() {
             Progress::Open => false,
-            // An inexact answer was right within its tolerance; the exact number is still news.
+            // With a tolerance a right answer may be off by it, so that the exact one is still news.
             Progress::Right => question.interaction.is_inexact(),
             Progress::GivenUp => true,
         };

@@ -43,8 +43,7 @@ impl Ages {
                 session.summary.inserted.len() as u32
             },
             // All samples, and not those of the result: a run that is cut off before an open question has none.
-            ordered: (session.nested.is_some() || session.has_own_disks())
-                .then_some(origins.len()),
+            ordered: (session.nested.is_some() || session.has_own_disks()).then_some(origins.len()),
         }
     }
 

@@ -558,7 +558,9 @@ impl Classroom {
         match open.learner.arrive(run, now) {
             Ok(Arrival::Here) => {
                 self.show_moment(context);
-                // A talk that another window continues reveals its answer only now, as the question is there.
+                // Where this window continues a talk, a lesson presented in another one, the step gets the answer that was
+                // revealed and the camera that was set there. The question is there only from here on. Other steps stay as they
+                // are.
                 self.restore_step(context);
             }
             Ok(Arrival::NoMoment)

@@ -166,14 +166,15 @@ pub fn gap_borders(scene: &Scene<'_>, surface: &mut impl Surface) {
 }
 
 impl<S: Surface> Net<'_, S> {
-    /// Calls `draw` with every shift by whole periods that moves something of the box from `low` to `high` both
-    /// into the domain and into view.
+    /// Calls `draw` with each shift by at most one period along each axis that moves something of the box from `low` to
+    /// `high` both into the domain and into view. The middle of the box lies in the domain, unshifted.
     fn shifts(&mut self, low: DVec2, high: DVec2, mut draw: impl FnMut(&mut Self, DVec2)) {
         let steps = |k: usize| -> RangeInclusive<i32> {
             if !self.periodic {
                 return 0..=0;
             }
-            // A box across a border of the domain is drawn at both sides.
+            // A box across a border of the domain is drawn at both sides. One period is enough for a box that is smaller than
+            // the domain; of a larger circle, which only sets far from maximal have, its nearest images are drawn.
             -i32::from(high[k] > self.size[k])..=i32::from(low[k] < 0.0)
         };
 

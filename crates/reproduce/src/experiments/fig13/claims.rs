@@ -213,8 +213,8 @@ fn detectable(each: &[Against], apart: f64) -> String {
     } else {
         "fig13/detectable"
     };
-    // Anisotropy is a variance in decibels. This is the share of it by which the variance exceeds that of reference
-    // sets.
+    // The excess is a ratio in decibels: of the variance that is the set's anisotropy to that of reference sets. The first is
+    // larger by this share of the second.
     let more = 10_f64.powf(0.1 * most) - 1.0;
     text(
         id,
