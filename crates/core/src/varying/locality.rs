@@ -86,8 +86,7 @@ impl Locality {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::lattice::{Domain, R};
-    use crate::parameters::Boundary;
+    use crate::lattice::{Boundary, Domain, R};
 
     #[test]
     fn the_base_side_is_that_of_the_cell_in_which_darts_fall() {
