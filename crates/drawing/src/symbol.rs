@@ -106,17 +106,20 @@ pub(crate) fn rect(width: f32, height: f32) -> [Vec2; 4] {
     [vec2(-x, -y), vec2(x, -y), vec2(x, y), vec2(-x, y)]
 }
 
+/// Returns whether sets of a kind are made by darts into active cells or cubes.
+const fn throws_darts(kind: SessionKind) -> bool {
+    matches!(
+        kind,
+        SessionKind::Exact | SessionKind::Varying | SessionKind::Solid
+    )
+}
+
 /// Returns the symbol of a layer as on the canvas of a kind of session, within 7 points of its middle.
 #[must_use]
 pub fn symbol(layer: Layer, kind: SessionKind, palette: &Palette) -> Vec<SymbolShape> {
     match layer {
         // Active cells stand in the place of detectors.
-        Layer::Detectors
-            if matches!(
-                kind,
-                SessionKind::Exact | SessionKind::Varying | SessionKind::Solid
-            ) =>
-        {
+        Layer::Detectors if throws_darts(kind) => {
             let (corners, color) = (rect(10.0, 10.0), palette.detector);
             vec![
                 filled(corners, color.gamma_multiply(0.3)),

@@ -9,6 +9,7 @@ use tilescope_core::{Fate, Origin, Standing};
 use tilescope_debugger::{Debugger, Recording, why};
 use tilescope_drawing::palette::Palette;
 use tilescope_session::moment::ShownMoment;
+use tilescope_session::solid::MadeSolid;
 use tilescope_session::units::radii;
 use tilescope_session::words::{counted, event_number, grouped, significant};
 use tilescope_ui::widgets::{Known, heading, row};
@@ -262,18 +263,8 @@ fn sample(
         return;
     }
 
-    // A sample in space lies somewhere along the third axis, too, and was made by a dart.
     if let Some(solid) = &session.solid {
-        let z = solid.height(id);
-        row(ui, "z", &format!("{:.4} r", radii(z)), palette);
-        let in_files = significant(solid.users_from_plane(z));
-        row(ui, "z in files", &in_files, palette);
-        let cut = match shown.cut(id) {
-            Some(cut) => format!("radius {:.4} r", cut.radius),
-            None => "none: over r away".to_owned(),
-        };
-        row(ui, "Cut by the plane", &cut, palette);
-        return;
+        return sample_in_space(ui, solid, shown, id, palette);
     }
 
     let own_radius = || significant(session.radius_of(id) * run.domain.radius());
@@ -321,6 +312,30 @@ fn sample(
         Fate::Kept => row(ui, "In the end", "kept", palette),
         Fate::Dropped => row(ui, "In the end", "dropped", palette),
         Fate::Eliminated { by } => others(ui, "Eliminated by", &[by], palette, commands),
+    }
+}
+
+/// Shows where a sample in space lies along the third axis, and how the plane cuts its ball.
+fn sample_in_space(
+    ui: &mut Ui,
+    solid: &MadeSolid,
+    shown: &ShownMoment<'_>,
+    id: u32,
+    palette: &Palette,
+) {
+    let z = solid.height(id);
+    row(ui, "z", &format!("{:.4} r", radii(z)), palette);
+    let in_files = significant(solid.users_from_plane(z));
+    row(ui, "z in files", &in_files, palette);
+    // The cut of a sample that has not arrived yet is that of its place.
+    let cut = match shown.cut(id) {
+        Some(cut) => format!("radius {:.4} r", cut.radius),
+        None => "none: over r away".to_owned(),
+    };
+    row(ui, "Cut by the plane", &cut, palette);
+    // A dart of a recorded run has its throw.
+    if let Origin::Inserted { iteration, .. } = shown.session.run().samples.origins[id as usize] {
+        row(ui, "From throw", &iteration.to_string(), palette);
     }
 }
 

@@ -165,7 +165,8 @@ impl Exports {
 
         // The kind is checked before the name of the file, since a name does not help where there is nothing to export.
         let refusal = source.kind_refusal(form.kind);
-        if let Some(refusal) = refusal.or_else(|| form.name_refusal()) {
+        let of_name = || form.name_refusal().or_else(|| lacks_third(form, session));
+        if let Some(refusal) = refusal.or_else(of_name) {
             return Err(refusal);
         }
 
@@ -543,6 +544,15 @@ fn check_measured(
 ) -> Result<(), ExportRefusal> {
     let refusal = too_much(session, pictures).filter(|_| form.analysis);
     refusal.map_or(Ok(()), Err)
+}
+
+/// Returns why the format of a sheet cannot hold the set, if that is in space.
+fn lacks_third(form: &ExportForm, session: &Session) -> Option<ExportRefusal> {
+    // Pictures show its plane.
+    session.solid.as_ref().filter(|_| form.kind.is_set())?;
+    let format = Format::from_path(&form.file())?;
+    let refused = check_solid_format(format).err()?;
+    Some(ExportRefusal::NotInSpace(sentence(&refused.to_string())))
 }
 
 /// Returns the size of a picture in words.

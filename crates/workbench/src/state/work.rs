@@ -4,12 +4,14 @@
 use std::sync::Arc;
 
 use tilescope_classroom::Classroom;
+use tilescope_core::Parameters;
 use tilescope_debugger::Debugger;
 use tilescope_session::jobs::Wake;
 use tilescope_session::layers::{Layer, SessionKind};
 use tilescope_session::recipe::Recipe;
 use tilescope_session::selection::Selection;
 use tilescope_session::session::{MakeError, Session};
+use tilescope_session::solid::MadeSolid;
 use tilescope_session::words::sentence;
 
 use super::effects::Effect;
@@ -325,10 +327,7 @@ impl State {
 
         match &saved {
             SavedContent::Run(saved) => {
-                let ground = session.ground.as_ref().map(|made| &made.asked.1);
-                self.form.draft = Draft::from_parameters(saved.parameters)
-                    .with_ground(ground)
-                    .with_depth(session.recipe().depth);
+                self.form.draft = draft_of(saved.parameters, &session);
                 self.form.own_pattern.clone_from(&session.own);
             }
             // Opening a layout can be undone. After a session is opened, the steps are dropped below.
@@ -498,6 +497,15 @@ impl State {
         self.in_exports(|exports, _, _, context| exports.settle(context));
         self.with(|state, context| state.files.settle(&mut state.runs, context));
     }
+}
+
+/// Returns the draft of a session with these parameters: with its field and its shape, or its third side.
+fn draft_of(parameters: Parameters, session: &Session) -> Draft {
+    let ground = session.ground.as_ref().map(|made| &made.asked.1);
+    let depth = session.solid.as_ref().map(MadeSolid::depth);
+    Draft::from_parameters(parameters)
+        .with_ground(ground)
+        .with_depth(depth)
 }
 
 /// Returns whether a recipe makes the run that is shown. Combinations, and levels from a file, come from no recipe.
