@@ -27,8 +27,8 @@ use tilescope_ui::widgets::Kebab;
 use tilescope_workbench::analysis::AnalysisCommand;
 use tilescope_workbench::arrangement::DrawerCommand;
 use tilescope_workbench::command::{
-    AppearanceCommand, Command, DebugCommand, FormCommand, TimeCommand, ViewCommand, Which,
-    WindowCommand,
+    AppearanceCommand, Brush, Command, DebugCommand, FormCommand, PaintCommand, TimeCommand,
+    ViewCommand, Which, WindowCommand,
 };
 use tilescope_workbench::curve::CurveNumber;
 use tilescope_workbench::finder::Finder;
@@ -387,6 +387,7 @@ fn edit(list: &mut List, state: &State) {
     let redo = list.add("Redo", Command::Redo);
     redo.on_keys(COMMAND | SHIFT, Key::Z).refused(no_future);
     list.add("Reset parameters", Command::Form(FormCommand::Reset));
+    painting(list, state);
 
     let run = &state.runs().first;
     // A selection is a sample, or a place without one.
@@ -406,6 +407,38 @@ fn edit(list: &mut List, state: &State) {
     let finder = Command::Window(WindowCommand::ToggleFinder);
     list.add("All actions\u{2026}", finder)
         .on_keys(COMMAND, Key::K);
+}
+
+/// Adds painting radii: with the pointer, and with the keyboard in the middle of the view.
+fn painting(list: &mut List, state: &State) {
+    let form = state.form();
+    let paint = |command| Command::Form(FormCommand::Paint(command));
+    let refusal = form.draft.paint_refusal().or_else(|| no_session(state));
+
+    list.group();
+    let tool = list.add("Paint radii", paint(PaintCommand::Tool(!form.paints)));
+    tool.refused(refusal.filter(|_| !form.paints))
+        .marked(form.paints);
+    let off = "Choose Paint radii first.";
+    list.add("Paint in the middle of the view", paint(PaintCommand::Dab))
+        .on_key(Key::K)
+        .refused(refusal.or_else(|| (!form.paints).then_some(off)));
+
+    let brush = form.brush;
+    let other = Brush {
+        is_larger: !brush.is_larger,
+        ..brush
+    };
+    list.add(
+        "Brush makes radii larger",
+        paint(PaintCommand::Brush(other)),
+    )
+    .marked(brush.is_larger);
+    let unpainted = (!form.draft.ground.is_painted()).then_some("No radii were painted.");
+    list.add("Radii as before painting", paint(PaintCommand::Reset))
+        .refused(unpainted);
+    list.add("Save painted radii as an image", paint(PaintCommand::Save))
+        .refused(unpainted);
 }
 
 fn help(list: &mut List) {

@@ -5,6 +5,7 @@ mod buffers;
 mod input;
 mod menu;
 mod objects;
+mod painting;
 mod titles;
 
 use eframe::egui_wgpu::RenderState;
@@ -13,6 +14,7 @@ use egui::{Rect, Sense, Ui, vec2};
 use crate::ENABLED;
 pub(crate) use input::has_focus;
 pub use input::leads_zoom;
+use painting::CanvasBrush;
 use tilescope_canvas::pane::Pane;
 use tilescope_canvas::sprites::Sprites;
 use tilescope_canvas::{hint, hover, overlay};
@@ -45,6 +47,8 @@ pub struct CanvasContext<'a> {
     is_compact: bool,
     /// What the list of objects has.
     listing: Listing,
+    /// The brush that paints radii on run A, if it is chosen.
+    brush: Option<CanvasBrush>,
 }
 
 /// What the list of the objects in view has.
@@ -91,6 +95,7 @@ impl<'a> CanvasContext<'a> {
             is_stage: state.talks().open.is_some(),
             is_compact: window.drawer.arrangement.is_compact(),
             listing,
+            brush: CanvasBrush::of(state),
         }
     }
 }
@@ -237,7 +242,12 @@ impl PaneSide<'_> {
         };
 
         let mut moves = Vec::new();
-        let pointer = input::handle(ui, &response, subject, context, &mut moves);
+        let brush = context
+            .brush
+            .as_ref()
+            .filter(|_| self.which == Which::First);
+        let is_painted = brush.is_some();
+        let pointer = input::handle(ui, &response, subject, (context, is_painted), &mut moves);
         let moves = moves.into_iter();
         commands.extend(moves.map(|command| Command::View(self.which, command)));
         // The entries of the menu lead to panels, which an embedded window and the stage of a talk lack.
@@ -252,6 +262,9 @@ impl PaneSide<'_> {
             None => note_on_samples,
         };
 
+        if let Some(brush) = brush {
+            brush.follow(ui, &response, subject, commands);
+        }
         overlay::scale_bar(&painter, rect, subject, palette);
         // The stage of a talk has no texts that explain the picture: the lecturer does.
         if context.is_stage {

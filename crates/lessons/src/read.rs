@@ -3,7 +3,9 @@
 
 use std::fmt::Write as _;
 
-use tilescope_core::{MAX_LEVELS, MAXIMAL_DENSITY, NestedRequest, Parameter, WithinLevel};
+use tilescope_core::{
+    Boundary, MAX_LEVELS, MAXIMAL_DENSITY, NestedRequest, Parameter, WithinLevel,
+};
 use tilescope_sets::Expression;
 use unicode_segmentation::UnicodeSegmentation;
 
@@ -521,6 +523,9 @@ fn check_field(scene: &SceneSpec, radius: &Expression) -> Result<(), String> {
         return Err(format!(
             "a field is measured in r: \"radius: 1\", and a longer side that is a power of two, such as 32 or 64, not {longer}"
         ));
+    }
+    if scene.parameters.boundary != Boundary::Bounded {
+        return Err("a field is in a bounded domain: \"boundary: bounded\"".to_owned());
     }
     let along =
         |side: f64| (0..=FIELD_LOOKS).map(move |at| side * f64::from(at) / f64::from(FIELD_LOOKS));

@@ -23,6 +23,8 @@ pub struct StepRun {
 /// The places of a row and of a column at which two fields are compared. Chosen, not measured: a lesson has few fields, and those
 /// of different steps differ in most places.
 const COMPARED: i32 = 32;
+/// The nodes of a formula along the longer side of a bounded domain.
+const NODES: i32 = 1024;
 
 impl StepRun {
     /// Returns whether a recording is that of this run, and not a painted one.
@@ -58,11 +60,15 @@ impl StepRun {
 
         let size = [run.domain.width(), run.domain.height()];
         let places = (0..COMPARED * COMPARED).map(|place| [place % COMPARED, place / COMPARED]);
-        let mut places = places.map(|at| [0, 1].map(|axis| size[axis] / COMPARED * at[axis]));
+        // At nodes alone the field has the values of the formula, and between them their mean: `read.rs` sees to it that nodes are a
+        // thousandth of the longer side apart.
+        let pitch = size[0].max(size[1]) / NODES;
+        let step = size.map(|side| side / COMPARED / pitch * pitch);
+        let mut places = places.map(|at| [0, 1].map(|axis| step[axis] * at[axis]));
         places.all(|[x, y]| {
             let unit = f64::from(R);
             let wanted = radius.at(f64::from(x) / unit, f64::from(y) / unit) * unit;
-            // Radii are rounded down at nodes and between them, by less than two units.
+            // Radii are rounded down, by less than two units with the rounding of the formula's values.
             (wanted - f64::from(locality.radius_at(Point::new(x, y)))).abs() < 2.0
         })
     }

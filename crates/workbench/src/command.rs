@@ -13,6 +13,7 @@ use tilescope_session::layers::{Colouring, Layer};
 use tilescope_session::look::Look;
 use tilescope_session::selection::Selection;
 use tilescope_session::verification::Witness;
+pub use tilescope_sets::Brush;
 
 use crate::analysis::AnalysisCommand;
 use crate::arrangement::DrawerCommand;
@@ -140,6 +141,26 @@ pub enum FormCommand {
     CoverImage,
     /// Covers the whole domain again, instead of a shape.
     WholeDomain,
+    /// Paints radii on the canvas.
+    Paint(PaintCommand),
+}
+
+/// A command of the brush that paints radii.
+#[derive(Clone, Debug, PartialEq, serde::Serialize, serde::Deserialize)]
+#[serde(rename_all = "kebab-case")]
+pub enum PaintCommand {
+    /// Chooses whether the pointer paints on the canvas, and does not move the picture.
+    Tool(bool),
+    /// Sets the brush.
+    Brush(Brush),
+    /// Paints a stroke through places from the lower corner of the domain, in its unit, and makes the run again.
+    Stroke(Vec<[f64; 2]>),
+    /// Paints a dab in the middle of the view.
+    Dab,
+    /// Returns to the radii from before they were painted.
+    Reset,
+    /// Saves the painted radii as an image, beside where the program runs; on a page, downloads it.
+    Save,
 }
 
 /// A choice of the engine.

@@ -19,8 +19,8 @@ use tilescope_session::selection::Selection;
 use crate::analysis::AnalysisCommand;
 use crate::arrangement::DrawerCommand;
 use crate::command::{
-    AppearanceCommand, Command, DebugCommand, FormCommand, GpuCommand, LinkCommand, TimeCommand,
-    ViewCommand, Which, WindowCommand,
+    AppearanceCommand, Command, DebugCommand, FormCommand, GpuCommand, LinkCommand, PaintCommand,
+    TimeCommand, ViewCommand, Which, WindowCommand,
 };
 use crate::compare::CompareCommand;
 use crate::export::ExportCommand;
@@ -174,6 +174,11 @@ const fn form(command: &FormCommand) -> Rules {
     let undo = match command {
         // Whether runs begin by themselves is no parameter of a run.
         FormCommand::Live(_) => None,
+        // Neither is the brush, and a saved file changes nothing. A dab issues its stroke.
+        FormCommand::Paint(
+            PaintCommand::Tool(_) | PaintCommand::Brush(_) | PaintCommand::Dab | PaintCommand::Save,
+        ) => None,
+        FormCommand::Paint(PaintCommand::Stroke(_) | PaintCommand::Reset) => Some(UndoPart::Form),
         FormCommand::Type(..)
         | FormCommand::Nudge(..)
         | FormCommand::Count(_)

@@ -1,6 +1,7 @@
 //! The parameters: the fields, and below them the button that runs or cancels, which stays in view. The fields are in
 //! [`form`]. Sizes are in screen points, and chosen, not measured, where no reason stands beside them.
 
+mod brush;
 mod form;
 
 use egui::{Button, FontId, Label, RichText, Sense, Ui, UiBuilder, vec2};

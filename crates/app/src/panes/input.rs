@@ -26,12 +26,13 @@ const PICK_BY_FINGER: f64 = 24.0;
 /// How far an arrow key pans the view, in screen points.
 const PAN: f32 = 80.0;
 
-/// Pans, zooms, hovers and selects; returns the pointer's position, if it hovers.
+/// Pans, zooms, hovers and selects; returns the pointer's position, if it hovers. Where a brush paints the canvas, its button and a
+/// single finger do neither.
 pub fn handle(
     ui: &Ui,
     response: &Response,
     subject: &Subject<'_>,
-    context: &CanvasContext<'_>,
+    (context, is_painted): (&CanvasContext<'_>, bool),
     commands: &mut Vec<ViewCommand>,
 ) -> Option<Pos2> {
     let touch = Touch::follow(ui, response);
@@ -40,12 +41,18 @@ pub fn handle(
         return None;
     }
 
-    move_view(ui, response, &touch, context.is_embedded, commands);
-    let is_picked = pick(response, subject, &touch, commands);
+    move_view(
+        ui,
+        response,
+        &touch,
+        (context.is_embedded, is_painted),
+        commands,
+    );
+    let is_picked = !is_painted && pick(response, subject, &touch, commands);
     keys(ui, response, commands);
 
     // Two fingers that are lifted one after the other make no double tap.
-    let flies = response.double_clicked() && touch.hand != Hand::Gesture;
+    let flies = response.double_clicked() && touch.hand != Hand::Gesture && !is_painted;
     if flies && let Some(pos) = response.interact_pointer_pos() {
         let position = subject.camera.domain_from_screen(response.rect, pos);
         commands.push(ViewCommand::FlyToBlock(position));
@@ -104,11 +111,11 @@ fn move_view(
     ui: &Ui,
     response: &Response,
     touch: &Touch,
-    is_embedded: bool,
+    (is_embedded, is_painted): (bool, bool),
     commands: &mut Vec<ViewCommand>,
 ) {
-    let is_dragged =
-        response.dragged_by(PointerButton::Primary) || response.dragged_by(PointerButton::Middle);
+    let by_primary = response.dragged_by(PointerButton::Primary) && !is_painted;
+    let is_dragged = by_primary || response.dragged_by(PointerButton::Middle);
     // In an embedded window one finger scrolls the page around it: a hint says that two fingers move the picture.
     if is_embedded && is_dragged && touch.hand == Hand::Finger {
         hint::give(ui, Hint::Fingers);

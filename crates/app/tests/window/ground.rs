@@ -8,7 +8,7 @@ use tilescope_session::layers::Layer;
 use tilescope_session::selection::Selection;
 use tilescope_workbench::Command;
 use tilescope_workbench::command::{
-    AppearanceCommand, FormCommand, TimeCommand, ViewCommand, Which, WindowCommand,
+    AppearanceCommand, FormCommand, PaintCommand, TimeCommand, ViewCommand, Which, WindowCommand,
 };
 use tilescope_workbench::draft::{Choice, Preset, RadiusBy, StippleNumber};
 use tilescope_workbench::export::{ExportCommand, ExportKind};
@@ -16,7 +16,7 @@ use tilescope_workbench::files::FileCommand;
 use tilescope_workbench::layout::Panel;
 
 use crate::canvas::{apply, drawn};
-use crate::support::{debugger, find, is_disabled, node, session, text};
+use crate::support::{debugger, find, is_disabled, node, session, settle, text};
 
 /// A window with the set of a preset.
 fn made(preset: Preset) -> Harness<'static, App> {
@@ -139,6 +139,80 @@ fn a_stipple_has_its_fields_a_slider_of_dots_and_ink_on_paper() {
     let open = ExportCommand::Open(ExportKind::Picture);
     apply(&mut harness, Command::Export(open));
     assert!(find(&harness, "export.paper").is_some() && find(&harness, "export.scale").is_none());
+}
+
+/// Drags the pointer from one place to another, both in the unit of the domain, with its button down.
+fn drag(harness: &mut Harness<'_, App>, [from, to]: [[f64; 2]; 2]) {
+    let on_screen = |harness: &Harness<'_, App>, at: [f64; 2]| {
+        let run = &harness.state().state.runs().first;
+        let unit = session(harness).run().domain.radius();
+        run.camera
+            .screen_from_domain(run.viewport, glam::DVec2::from(at) / unit)
+    };
+    let button = |pos, pressed| egui::Event::PointerButton {
+        pos,
+        button: egui::PointerButton::Primary,
+        pressed,
+        modifiers: egui::Modifiers::NONE,
+    };
+
+    let [from, to] = [from, to].map(|at| on_screen(harness, at));
+    for event in [
+        egui::Event::PointerMoved(from),
+        button(from, true),
+        egui::Event::PointerMoved(from.lerp(to, 0.5)),
+        egui::Event::PointerMoved(to),
+        button(to, false),
+    ] {
+        harness.event(event);
+        harness.step();
+    }
+}
+
+#[test]
+fn a_drag_paints_where_the_brush_is_chosen_and_moves_the_picture_otherwise() {
+    let mut harness = made(Preset::Ramp);
+    let camera = |harness: &Harness<'_, App>| harness.state().state.runs().first.camera;
+    let strokes =
+        |harness: &Harness<'_, App>| harness.state().state.form().draft.ground.is_painted();
+    let places = [[0.3, 0.5], [0.6, 0.5]];
+
+    drag(&mut harness, places);
+    settle(&mut harness);
+    let moved = camera(&harness);
+    assert!(!strokes(&harness));
+    assert!(find(&harness, "brush-size").is_none() && find(&harness, "painted").is_none());
+
+    node(&harness, "paint-radii").click();
+    settle(&mut harness);
+    assert!(find(&harness, "brush-size").is_some() && find(&harness, "brush-strength").is_some());
+    let before = session(&harness).generation;
+    drag(&mut harness, places);
+    settle(&mut harness);
+    assert!(strokes(&harness));
+    assert_eq!(camera(&harness), moved, "the picture stays");
+    assert!(session(&harness).generation > before);
+    let said = text(&harness, "painted");
+    assert!(said.contains("512 \u{d7} 512 pixels of 16 bits"), "{said}");
+    let said = text(&harness, "painted-command");
+    assert!(
+        said.starts_with("tilescope sample --radius-image painted.png"),
+        "{said}"
+    );
+
+    node(&harness, "unpaint").click();
+    settle(&mut harness);
+    assert!(!strokes(&harness) && find(&harness, "painted").is_none());
+}
+
+#[test]
+fn a_key_paints_in_the_middle_of_the_view() {
+    let mut harness = made(Preset::Ramp);
+    let tool = FormCommand::Paint(PaintCommand::Tool(true));
+    apply(&mut harness, Command::Form(tool));
+    harness.key_press(egui::Key::K);
+    settle(&mut harness);
+    assert!(harness.state().state.form().draft.ground.is_painted());
 }
 
 #[test]

@@ -125,6 +125,7 @@ fn faults_of_fields_are_named() {
         ),
         ("radius-expression: 1 + 9*x", "times as much"),
         ("radius-expression: 1\nwidth: 40", "a power of two"),
+        ("radius-expression: 1\nboundary: periodic", "bounded domain"),
         ("radius-expression: 1\nradius: 0.5", "\"radius: 1\""),
         (
             "radius-expression: 1\nlevels: 2",
@@ -135,7 +136,11 @@ fn faults_of_fields_are_named() {
     ] {
         let mut text = lesson(fields);
         // A field may stand once: the one of the test takes the place of the usual one.
-        for (key, usual) in [("width: ", "width: 32\n"), ("radius: ", "radius: 1\n")] {
+        for (key, usual) in [
+            ("width: ", "width: 32\n"),
+            ("radius: ", "radius: 1\n"),
+            ("boundary: ", "boundary: bounded\n"),
+        ] {
             if fields.contains(&format!("\n{key}")) {
                 text = text.replacen(usual, "", 1);
             }

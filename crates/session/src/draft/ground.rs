@@ -3,7 +3,8 @@
 use serde::{Deserialize, Serialize};
 use tilescope_core::{Boundary, Parameter, Parameters};
 use tilescope_sets::{
-    Expression, GrayImage, RadiusSource, ShapeSource, VaryingError, check_pixels,
+    BrushStroke, Expression, GrayImage, PAINTED, PaintedRadii, RadiusSource, ShapeSource,
+    VaryingError, check_pixels,
 };
 
 use super::polygon::samples_in_polygon;
@@ -56,6 +57,18 @@ pub struct GroundDraft {
     pub shape: Option<ShapeSource>,
     /// Where the lower corner of the domain lies.
     pub origin: [f64; 2],
+    /// What the radius was before it was painted, if it was painted.
+    pub unpainted: Option<Box<Unpainted>>,
+}
+
+/// How the radius was given before it was painted.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Unpainted {
+    by: RadiusBy,
+    image: Option<GrayImage>,
+    white: String,
+    /// The radius of the form, as typed.
+    radius: String,
 }
 
 impl Default for GroundDraft {
@@ -68,11 +81,19 @@ impl Default for GroundDraft {
             stipple: StippleDraft::default(),
             shape: None,
             origin: [0.0; 2],
+            unpainted: None,
         }
     }
 }
 
 impl GroundDraft {
+    /// Returns whether the radius is that of a field that was painted.
+    #[must_use]
+    pub fn is_painted(&self) -> bool {
+        let is_of_brush = |image: &GrayImage| image.name() == PAINTED;
+        self.by == RadiusBy::Image && self.image.as_ref().is_some_and(is_of_brush)
+    }
+
     /// Returns whether a field or a shape is asked for.
     #[must_use]
     pub fn is_asked(&self) -> bool {
@@ -345,6 +366,106 @@ impl Draft {
             // measured.
             self.ground.white = short(4.0 * radius);
         }
+    }
+
+    /// Paints a stroke on the radii of the form, which become those of an image.
+    ///
+    /// Fails with a sentence where there are no radii to paint, or no pixels fill the domain.
+    pub fn paint(&mut self, stroke: &BrushStroke) -> Result<(), String> {
+        if let Some(refusal) = self.paint_refusal() {
+            return Err(refusal.to_owned());
+        }
+        let request = self.ground_request().unwrap_or(GroundRequest {
+            radius: None,
+            shape: None,
+            origin: self.ground.origin,
+            stipple: None,
+        });
+
+        let told = |error: VaryingError| sentence(&error.to_string());
+        let mut radii = PaintedRadii::of(&request.recipe(&self.parameters)).map_err(told)?;
+        radii.paint(stroke);
+        // Painted radii are always those of an image.
+        let RadiusSource::Image {
+            image,
+            radii: [black, white],
+        } = radii.source().map_err(told)?
+        else {
+            return Ok(());
+        };
+
+        if !self.ground.is_painted() {
+            self.ground.unpainted = Some(Box::new(Unpainted {
+                by: self.ground.by,
+                image: self.ground.image.clone(),
+                white: self.ground.white.clone(),
+                radius: self.text(Parameter::Radius).to_owned(),
+            }));
+        }
+        (self.ground.by, self.ground.image) = (RadiusBy::Image, Some(image));
+        // Numbers are written such that they are read back exactly.
+        self.ground.white = white.to_string();
+        self.set_text(Parameter::Radius, black.to_string());
+        Ok(())
+    }
+
+    /// Returns why the radii of the form cannot be painted, if they cannot.
+    #[must_use]
+    pub fn paint_refusal(&self) -> Option<&'static str> {
+        if self.levels.is_some() {
+            return Some("Nested levels have one radius, which cannot be painted.");
+        }
+        if self.ground.by == RadiusBy::Stipple {
+            return Some(
+                "The dots of a stipple follow its image: choose another radius to paint it.",
+            );
+        }
+        // A radius, a formula or a side that is wrong gives no radii.
+        (!self.refusals().is_empty())
+            .then_some("Something in the form is wrong: mend it, then paint.")
+    }
+
+    /// Returns to the radii from before they were painted.
+    pub fn unpaint(&mut self) {
+        let Some(before) = self.ground.unpainted.take() else {
+            return;
+        };
+        // Another choice of the radius was made since, and stays.
+        if self.ground.is_painted() {
+            let Unpainted {
+                by,
+                image,
+                white,
+                radius,
+            } = *before;
+            (self.ground.by, self.ground.image, self.ground.white) = (by, image, white);
+            self.set_text(Parameter::Radius, radius);
+        }
+    }
+
+    /// Returns the command that makes the set of the painted field, without a shape, from the saved file.
+    #[must_use]
+    pub fn painted_command(&self) -> Option<String> {
+        if !self.ground.is_painted() {
+            return None;
+        }
+        let Parameters {
+            width,
+            height,
+            radius,
+            seed,
+            boundary,
+            ..
+        } = self.parameters;
+        let periodic = match boundary {
+            Boundary::Periodic => " --boundary periodic",
+            // A field on the command line is bounded unless it says otherwise.
+            Boundary::Bounded => "",
+        };
+        let white = &self.ground.white;
+        Some(format!(
+            "tilescope sample --radius-image {PAINTED} --radius {radius}..{white} --width {width} --height {height}{periodic} --seed {seed} --out set.csv"
+        ))
     }
 
     /// Covers the whole domain again.

@@ -130,7 +130,14 @@ impl PaintedRadii {
 
         let unit = domain.radius() / f64::from(tilescope_core::R);
         let extremes = field.extremes().map(|radius| f64::from(radius) * unit);
-        let radii = range(extremes);
+        let is_periodic = recipe.boundary == Boundary::Periodic;
+        // A periodic domain is wider than four of its largest radii; a little less is never refused.
+        let most = if is_periodic {
+            size[0].min(size[1]) / 4.01
+        } else {
+            f64::INFINITY
+        };
+        let radii = range(extremes, most);
         let pitch = size[0] / columns as f64;
         let middle = |at: usize| (at as f64 + 0.5) * pitch;
         let places =
@@ -145,7 +152,7 @@ impl PaintedRadii {
             grey: grey.collect(),
             radii,
             size,
-            is_periodic: recipe.boundary == Boundary::Periodic,
+            is_periodic,
         })
     }
 
@@ -257,11 +264,11 @@ fn squares(size: [f64; 2]) -> Option<[usize; 2]> {
     Some(counts(along).map(|count| count.round() as usize))
 }
 
-/// Returns the radii of black and of white for a field of these extremes.
-fn range([least, greatest]: [f64; 2]) -> [f64; 2] {
+/// Returns the radii of black and of white for a field of these extremes; that of white is at most `most`, if the field allows.
+fn range([least, greatest]: [f64; 2], most: f64) -> [f64; 2] {
     // The room is the same at both ends. A field that fills the whole range has none, and is painted within it.
     let room = (MAX_RANGE * least / greatest).sqrt().clamp(1.0, ROOM);
-    [least / room, greatest * room]
+    [least / room, (greatest * room).min(most).max(greatest)]
 }
 
 fn radius_of(grey: u16, [black, white]: [f64; 2]) -> f64 {
@@ -407,6 +414,24 @@ mod tests {
         };
         assert!(dark_at_far_side(Boundary::Periodic));
         assert!(!dark_at_far_side(Boundary::Bounded));
+    }
+
+    #[test]
+    fn no_stroke_makes_radii_too_large_for_a_periodic_domain() {
+        let boundary = Boundary::Periodic;
+        let of_large = VaryingRecipe {
+            boundary,
+            ..recipe(RadiusSource::Constant(0.1))
+        };
+        let mut painted = PaintedRadii::of(&of_large).expect("a field");
+        for _ in 0..4 {
+            painted.paint(&dab([0.5, 0.5], true));
+        }
+        let radius = painted.source().expect("an image");
+        let made = VaryingRecipe { radius, ..of_large };
+        made.ground().expect("a field");
+        // The control: in a bounded domain the radius would be four times as large, which goes around no side of 1.
+        assert!(range([0.1; 2], f64::INFINITY)[1] * 4.0 > 1.0);
     }
 
     #[test]

@@ -256,8 +256,8 @@ impl Runs {
                     .with_ground(recipe.ground.as_deref())
                     .with_depth(recipe.depth),
                 own_pattern: session.own.clone(),
-                // The effect does not take this switch: whether runs start at once stays as it is.
-                live: false,
+                // The effect does not take the rest: whether runs start at once, and the brush stay as they are.
+                ..Form::default()
             })));
             // The steps to undo belong to the run that was the first one before.
             context.ask(Effect::Forget);

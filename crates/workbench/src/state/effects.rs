@@ -4,6 +4,7 @@
 use std::sync::Arc;
 
 use tilescope_classroom::lessons::OpenLesson;
+use tilescope_classroom::room::NewFile;
 use tilescope_classroom::{self as classroom, Classroom};
 use tilescope_debugger::Stops;
 use tilescope_drawing::camera::Camera;
@@ -40,6 +41,8 @@ pub(crate) enum Effect {
     Inspect,
     /// Download a file through the browser.
     Download(NamedBytes),
+    /// Write a new file, beside where the program runs; on a page, download it.
+    Save(Box<NewFile>),
     /// Show a notice that only confirms a command: it goes with the next move in time or the next scene.
     TellBriefly(String),
     /// Carry out a command.
@@ -217,6 +220,9 @@ impl State {
                 Effect::CloseNotice => self.messages.notice = None,
                 Effect::Copy(text) => self.window.copied = Some(text),
                 Effect::Download(file) => self.files.downloads.push(file),
+                Effect::Save(file) => {
+                    self.with(|state, context| state.files.save_new(*file, context));
+                }
                 Effect::CloseFileSheet => self.files.sheet = None,
                 Effect::Issue(command) => self.dispatch(*command),
 

@@ -1,12 +1,14 @@
 //! The input of the next run.
 
+use tilescope_classroom::room::NewFile;
 use tilescope_session::ground::GroundRequest;
 use tilescope_session::layers::SessionKind;
 use tilescope_session::recipe::{OwnPattern, Recipe};
+use tilescope_sets::{Brush, BrushStroke, PAINTED};
 
 use super::effects::{Context, Effect};
 use super::{GpuState, RunView};
-use crate::command::{Command, FormCommand, GpuCommand};
+use crate::command::{Command, FormCommand, GpuCommand, PaintCommand};
 use crate::device::EngineChoice;
 use crate::draft::{Draft, DraftRefusal};
 
@@ -19,10 +21,14 @@ pub struct Form {
     pub own_pattern: Option<OwnPattern>,
     /// Whether small runs start at once when a parameter changes.
     pub live: bool,
+    /// Whether the pointer paints radii on the canvas.
+    pub paints: bool,
+    /// The brush that it paints with.
+    pub brush: Brush,
 }
 
 impl Form {
-    /// Takes the input of another form; whether small runs start at once stays.
+    /// Takes the input of another form; whether small runs start at once, and the brush stay.
     pub(super) fn take(&mut self, other: Self) {
         (self.draft, self.own_pattern) = (other.draft, other.own_pattern);
     }
@@ -148,12 +154,57 @@ impl Form {
             FormCommand::CoverImage => self.draft.cover_image(),
             FormCommand::WholeDomain => self.draft.remove_shape(),
 
+            FormCommand::Paint(command) => self.paint(command, context),
+
             FormCommand::Reset => {
                 self.take(Self::default());
                 // The engine is shown among the parameters, and returns to its default with them.
                 let automatic = Command::Gpu(GpuCommand::Engine(EngineChoice::Auto));
                 context.ask(Effect::Issue(Box::new(automatic)));
             }
+        }
+    }
+}
+
+impl Form {
+    /// Applies a command of the brush. A stroke and a reset change the radii; the state then makes the run again.
+    fn paint(&mut self, command: PaintCommand, context: &mut Context) {
+        match command {
+            PaintCommand::Tool(paints) => {
+                let refusal = self.draft.paint_refusal().filter(|_| paints);
+                self.paints = paints && refusal.is_none();
+                if let Some(why) = refusal {
+                    context.tell(why.to_owned());
+                }
+            }
+            PaintCommand::Brush(brush) => self.brush = brush.limited(),
+            PaintCommand::Stroke(path) => {
+                let brush = self.brush;
+                if let Err(why) = self.draft.paint(&BrushStroke { brush, path }) {
+                    context.tell_error(why);
+                }
+            }
+            // The state knows the view, and paints the stroke that it is.
+            PaintCommand::Dab => {}
+            PaintCommand::Reset => self.draft.unpaint(),
+            PaintCommand::Save => self.save_painted(context),
+        }
+    }
+
+    /// Saves the painted radii as a file that the command line reads.
+    fn save_painted(&self, context: &mut Context) {
+        let ground = &self.draft.ground;
+        let Some(image) = ground.image.as_ref().filter(|_| ground.is_painted()) else {
+            return context.tell("No radii were painted.".to_owned());
+        };
+        match image.to_png() {
+            Ok(bytes) => context.ask(Effect::Save(Box::new(NewFile {
+                stem: PAINTED.trim_end_matches(".png").to_owned(),
+                extension: "png",
+                path: None,
+                bytes,
+            }))),
+            Err(error) => context.tell_error(error.to_string()),
         }
     }
 }

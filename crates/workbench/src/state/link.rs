@@ -179,8 +179,7 @@ impl<'a> LinkSource<'a> {
                 let made = recipe.ground.as_deref().cloned();
                 content.ground = made.filter(link::carries);
                 if recipe.ground.is_some() && content.ground.is_none() {
-                    let what =
-                        "the field or the shape, which has an image or is too long for a link";
+                    let what = "the field or the shape, which has an image, such as painted radii, or is too long for a link";
                     left_out.push(what.to_owned());
                     // The moment is one of the set that is left out.
                     content.moment = NamedMoment::End;

@@ -1,5 +1,6 @@
 //! The state driven by commands, without a window.
 
+mod lesson_fields;
 mod lesson_levels;
 mod lesson_told;
 mod lessons;

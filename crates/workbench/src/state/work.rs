@@ -19,7 +19,7 @@ use super::link::{Arriving, LinkSource};
 use super::run_view::{self, Asked, RunView, TRANSITION_SECS};
 use super::undo::{History, Made, Memento};
 use super::{Messages, Notice, State, Which};
-use crate::command::Command;
+use crate::command::{Command, FormCommand, PaintCommand};
 use crate::draft::Draft;
 use crate::files::{FileCommand, LAST_SESSION, Opened, SavedContent};
 use crate::layout::Panel;
@@ -47,11 +47,19 @@ impl State {
         self.start_sampling(Which::First, recipe, self.gpu.engine);
     }
 
-    /// Runs after a change of the parameters, if live runs were chosen and the run is small.
+    /// Runs after a change of the parameters, if live runs were chosen and the run is small, and after each stroke of the brush.
     pub(super) fn run_live(&mut self, command: &Command) {
         let expected = self.form.draft.expected_samples();
         let is_small = expected.is_some_and(|count| count <= MAX_LIVE);
-        if !self.form.live || !is_small || self.form.refusal(&self.gpu).is_some() {
+        let is_painted = matches!(
+            command,
+            Command::Form(FormCommand::Paint(
+                PaintCommand::Stroke(_) | PaintCommand::Reset
+            ))
+        );
+        // A stroke without its samples would show nothing. The next one cancels a run that is still being made.
+        let is_wanted = is_painted || self.form.live && is_small;
+        if !is_wanted || self.form.refusal(&self.gpu).is_some() {
             return;
         }
         let recipe = self.form.recipe();

@@ -17,6 +17,7 @@ mod indices;
 mod link;
 mod live;
 mod nested;
+mod painting;
 mod parts;
 mod runs;
 mod script;

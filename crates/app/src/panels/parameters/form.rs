@@ -15,7 +15,7 @@ use super::super::choices::{
     FORMULA, LEVELS, Listed, RADIUS_BY, WITHIN, WITHOUT_IMAGE, meaning, options,
 };
 use super::super::engine;
-use super::{FormContext, changed_mark, field_width, labelled};
+use super::{FormContext, brush, changed_mark, field_width, labelled};
 use tilescope_workbench::command::{Command, FormCommand};
 use tilescope_workbench::draft::{
     self, Choice, DraftRefusal, FormPart, Preset, RadiusBy, StippleNumber,
@@ -115,7 +115,8 @@ impl Fields<'_> {
             }
             RadiusBy::Constant => {
                 self.number(ui, Parameter::Radius);
-                return self.samples(ui);
+                self.samples(ui);
+                return brush::show(ui, self.context, self.commands);
             }
             RadiusBy::Expression => self.expression(ui),
             RadiusBy::Image => {
@@ -134,6 +135,7 @@ impl Fields<'_> {
             }
         }
         self.expected(ui);
+        brush::show(ui, self.context, self.commands);
     }
 
     /// Shows the third side, which makes a set one in space.

@@ -1,0 +1,119 @@
+//! The brush that paints radii, in the form below the radius. Sizes are in screen points, and chosen, not measured.
+
+use egui::{Label, RichText, Slider, Ui};
+use tilescope_ui::widgets::Known;
+use tilescope_workbench::command::{Brush, Command, FormCommand, PaintCommand};
+
+use super::{FormContext, labelled};
+
+/// How wide the sliders are: with their numbers they fit in the narrowest panel.
+const SLIDER_WIDTH: f32 = 70.0;
+
+/// What is said of the tool while the pointer is over its switch.
+const WHY: &str = "Strokes on the canvas make the radius smaller or larger in a soft disk, and the run is made again after each. The image stays on this machine.";
+
+/// Shows the switch of the tool, the brush, and what can be done with painted radii.
+pub(super) fn show(ui: &mut Ui, context: &FormContext<'_>, commands: &mut Vec<Command>) {
+    let form = context.form;
+    let mut issue = |command| commands.push(Command::Form(FormCommand::Paint(command)));
+
+    let mut paints = form.paints;
+    let switch = ui.checkbox(&mut paints, "Paint radii");
+    switch.known_as("paint-radii");
+    if switch.on_hover_text(WHY).changed() {
+        issue(PaintCommand::Tool(paints));
+    }
+
+    if form.paints {
+        let mut brush = form.brush;
+        sliders(ui, context, &mut brush);
+        ui.horizontal(|ui| {
+            for (is_larger, name, id) in [
+                (false, "Smaller", "brush-smaller"),
+                (true, "Larger", "brush-larger"),
+            ] {
+                let choice = ui.radio_value(&mut brush.is_larger, is_larger, name);
+                choice.known_as(id);
+            }
+        });
+        if brush != form.brush {
+            issue(PaintCommand::Brush(brush));
+        }
+    }
+
+    if form.draft.ground.is_painted() {
+        painted(ui, context, commands);
+    }
+}
+
+/// Shows the sliders of the brush.
+fn sliders(ui: &mut Ui, context: &FormContext<'_>, brush: &mut Brush) {
+    let [least, most] = Brush::SIZES.map(|size| 100.0 * size);
+    let mut percent = 100.0 * brush.size;
+    let size = (
+        "Brush",
+        "The radius of the brush, as a share of the longer side of the domain.",
+    );
+    labelled(ui, size, context.palette, |ui, label| {
+        ui.spacing_mut().slider_width = SLIDER_WIDTH;
+        let slider = Slider::new(&mut percent, least..=most)
+            .logarithmic(true)
+            .suffix("%")
+            .max_decimals(0);
+        ui.add(slider).labelled_by(label).known_as("brush-size");
+    });
+    // A slider that was not moved leaves the size as it is, bit by bit.
+    if percent.to_bits() != (100.0 * brush.size).to_bits() {
+        brush.size = percent / 100.0;
+    }
+
+    let [least, most] = Brush::STRENGTHS;
+    let strength = (
+        "Strength",
+        "By which power of two a stroke changes the radius in its middle: 1 halves or doubles it.",
+    );
+    labelled(ui, strength, context.palette, |ui, label| {
+        ui.spacing_mut().slider_width = SLIDER_WIDTH;
+        let slider = Slider::new(&mut brush.strength, least..=most).max_decimals(1);
+        ui.add(slider).labelled_by(label).known_as("brush-strength");
+    });
+}
+
+/// Shows what is kept of painted radii, the way back, and the file for the command line.
+fn painted(ui: &mut Ui, context: &FormContext<'_>, commands: &mut Vec<Command>) {
+    let muted = |text: &str| RichText::new(text).color(context.palette.muted);
+    let Some(image) = &context.form.draft.ground.image else {
+        return;
+    };
+
+    let [columns, rows] = image.pixels();
+    let text = format!(
+        "Painted in {columns} \u{d7} {rows} pixels of 16 bits, with radii between them in proportion: a brush of 2% is some 20 pixels wide, so that its edge is smooth. Links do not hold an image."
+    );
+    ui.add(Label::new(muted(&text)).wrap()).known_as("painted");
+
+    for (name, why, id, command) in [
+        (
+            "Save painted.png",
+            "Saves the painted radii as an image, with which the command line makes the same set.",
+            "save-painted",
+            PaintCommand::Save,
+        ),
+        (
+            "Radii as before painting",
+            "Removes all strokes.",
+            "unpaint",
+            PaintCommand::Reset,
+        ),
+    ] {
+        let command = Command::Form(FormCommand::Paint(command));
+        ui.link(name)
+            .on_hover_text(why)
+            .issues(id, command, commands);
+    }
+    if let Some(command) = context.form.draft.painted_command() {
+        // It can be selected and copied.
+        let text = muted(&command).monospace().size(10.5);
+        ui.add(Label::new(text).wrap()).known_as("painted-command");
+    }
+}
