@@ -68,7 +68,8 @@ impl Moment {
     pub(crate) fn cursors(&self, recording: &Recording) -> Vec<usize> {
         let found = |query: &Query| query.find_all(recording, MAX_TRIED);
         match self {
-            Self::Start => vec![0],
+            // In a field of radii the first throw has begun: a run that is cut off before it has no stage that could be shown.
+            Self::Start => vec![usize::from(recording.run().locality.is_some())],
             Self::End => vec![recording.len()],
             Self::EndOf(stage) => recording.end_of(*stage).into_iter().collect(),
             Self::Before(query) => found(query),

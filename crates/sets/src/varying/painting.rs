@@ -164,8 +164,22 @@ impl PaintedRadii {
         let rows = self.grey.len() / self.columns;
         let pitch = self.size[0] / self.columns as f64;
 
-        for row in 0..rows {
-            for column in 0..self.columns {
+        // In a bounded domain only pixels near the rectangle around the path are changed; a periodic one has images of the path.
+        let around = |axis: usize, count: usize| {
+            let places = stroke.path.iter().map(|at| at[axis]);
+            let low = places.clone().fold(f64::INFINITY, f64::min) - reach;
+            let high = places.fold(f64::NEG_INFINITY, f64::max) + reach;
+            if self.is_periodic {
+                return 0..count;
+            }
+            // A path without places has no rectangle: `low` is above `high`, and the range empty.
+            ((low / pitch).max(0.0) as usize).min(count)
+                ..((high / pitch).max(0.0) as usize + 1).min(count)
+        };
+        let (across, up) = (around(0, self.columns), around(1, rows));
+
+        for row in up {
+            for column in across.clone() {
                 let at = [column, row].map(|index| (index as f64 + 0.5) * pitch);
                 let distance = self.distance_to(at, &stroke.path);
                 if distance >= reach {

@@ -196,7 +196,11 @@ fn the_saved_image_makes_and_judges_the_exported_set() {
     other.settle();
     other.settle();
     assert_eq!(session_digest(&other), digest, "{}", notice_text(&other));
-    assert!(other.form().draft.ground.is_painted());
+    let radius = |state: &State| {
+        let session = state.runs().first.session.as_ref().unwrap();
+        session.recipe().ground.expect("a field").radius
+    };
+    assert_eq!(radius(&other), radius(&state));
 }
 
 fn session_digest(state: &State) -> String {

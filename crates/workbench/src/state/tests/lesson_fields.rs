@@ -37,7 +37,7 @@ fn steps_show_the_set_of_their_field_and_give_the_window_back() {
     );
     let ground = session.ground.as_ref().expect("a field");
     assert!(
-        ground.varies() && ground.radii_text().starts_with("1 to 3.5"),
+        ground.varies() && ground.radii_text().starts_with("1.000 to 3.5"),
         "{}",
         ground.radii_text()
     );
