@@ -40,7 +40,8 @@ pub const SCAN_PART: u32 = SCAN_EACH * WORKGROUP;
 /// Sides of a pixel, in units: an eighth of a cell.
 const PIXEL_BITS: u32 = CELL_BITS - 3;
 
-/// The largest distance of a point in a pixel from its centre: 2048 units on each axis.
+/// The largest distance of a point in a pixel from its centre: 2048 units on each axis, which make 2896.3, and one unit
+/// to spare.
 const HALF_DIAGONAL: f32 = 2_897.5;
 
 /// How much farther from a candidate its own samples may be than the nearest sample. Their squared distances differ by
@@ -203,6 +204,7 @@ fn unsigned() -> Vec<(&'static str, u32)> {
         ("NO_SITE", NO_SITE),
         ("COUNT_MASK", COUNT_MASK),
         ("FLAG_UNSURE", FLAG_UNSURE),
+        // The cell is as near to an unsure one as the pass asks (spread.wgsl).
         ("FLAG_REACHED", 8),
         ("FLAG_HOT", FLAG_HOT),
         ("FLAG_LOST", FLAG_LOST),

@@ -19,7 +19,7 @@ use crate::setup::Setup;
 /// Bytes from one job to the next in their buffer: the alignment that every device supports.
 const JOB_STRIDE: u64 = 256;
 
-/// The most timestamps of one submission: two for each pass, before and after it.
+/// The most timestamps from one reading of the times to the next: two for each pass, before and after it.
 const MAX_TIMESTAMPS: u32 = 1024;
 
 /// The buffers of a window, and the commands run on them.
@@ -47,9 +47,10 @@ struct Times {
 }
 
 impl Device {
-    /// Returns the buffers for the first phase of a plan. Buffers of `before` are reused where they are long enough.
+    /// Returns the buffers for the first phase of a plan. Buffers of `before` are reused where they are long enough; it
+    /// keeps its reports, too, and must have the same `recording`, which only a new one takes.
     ///
-    /// Fails when the device has no memory for them.
+    /// Fails when the device has no memory for them, is lost or refuses a command.
     pub(crate) async fn new(
         gpu: &Arc<Gpu>,
         setup: &Setup,
@@ -143,7 +144,8 @@ impl Device {
 
     /// Makes a buffer in the place of the one of the same name.
     fn allocate(&mut self, name: Name, length: u64) -> Result<(), GpuError> {
-        // WebGPU does not allow bindings of length 0. 32 bytes hold an element of each list that may be empty.
+        // WebGPU does not allow bindings of length 0. 32 bytes hold an element of each list that may be empty. Buffers
+        // are read and written by words of 4 bytes.
         let length = length.max(32).next_multiple_of(4);
         let usage = if matches!(name, Name::Frame | Name::Ground) {
             wgpu::BufferUsages::UNIFORM
@@ -215,10 +217,11 @@ impl Device {
         Ok(bytemuck::pod_collect_to_vec(&bytes))
     }
 
-    /// Submits commands to the queue, in parts that their jobs and timestamps fit.
+    /// Submits commands to the queue, in parts whose jobs and timestamps have room.
     pub(crate) fn submit(&mut self, commands: &[Command], stage: Stage) -> Result<(), GpuError> {
         self.gpu.check()?;
-        // Each part has as many passes as fit the timestamps, two a pass, and the buffer of jobs.
+        // A part has no more passes than there are pairs of timestamps, and fewer than the buffer of jobs holds. Times
+        // are read later, so that passes of later parts may have none.
         for part in commands.chunks(MAX_TIMESTAMPS as usize / 2) {
             self.write_jobs(part);
             // A pass without its own job would use the job of another pass.
@@ -254,6 +257,7 @@ impl Device {
     ) {
         match *command {
             Command::Clear(name, words) => {
+                // A buffer that this phase does not hold has nothing to clear.
                 if let Some((buffer, _)) = self.buffers.get(&name) {
                     // Bounds are in bytes, four a word. Without a length all of the buffer is cleared.
                     let (first, length) = words.map_or((0, None), |(start, end)| {
@@ -265,7 +269,8 @@ impl Device {
 
             Command::SwapActive => {
                 // Passes find buffers by name as they are encoded, so swapping names swaps the lists, and nothing is
-                // copied.
+                // copied. The level of the active cells follows from the number of swaps; open cells have no such
+                // number.
                 self.swaps += 1;
                 self.swap(Name::Active, Name::NextActive);
             }
@@ -367,7 +372,8 @@ impl Device {
 
     /// Adds the report of a pass, if passes are reported.
     fn report(&mut self, pass: &'static Pass, size: Size, stage: Stage) {
-        // Lengths are read before the reports are borrowed.
+        // Lengths are read before the reports are borrowed. That of a job is 0, as the jobs of all passes share a
+        // buffer of their own.
         let bindings = pass
             .bindings
             .iter()

@@ -71,7 +71,8 @@ impl RowLocator {
     pub fn locate(&self, name: Name, table: &BufferRows) -> RowPlaces {
         let mut places = RowPlaces {
             unplaced: self.unplaced(name),
-            // The rows of these buffers are cells or tiles, and not samples.
+            // These buffers have a row for every cell or tile. The lists of some cells, which `row` places too, are not
+            // meant.
             are_cells: match name {
                 Name::Starts | Name::Grid | Name::TileImages => true,
                 Name::Heads => !self.heads_are_listed(),
@@ -190,6 +191,7 @@ impl RowLocator {
             Name::Proposals => in_list(counter::PROPOSALS, self.point(pair(0))),
             Name::Active => in_list(counter::ACTIVE, self.square(pair(0), self.level)),
             Name::NextActive => in_list(counter::NEXT_ACTIVE, self.square(pair(0), self.level + 1)),
+            // The result is in coordinates of the domain already, and not of the frame.
             Name::Result => in_list(counter::KEPT, point(pair(0)).map(RowPlace::Point)),
             Name::Tags => in_list(counter::KEPT, self.of_result(row)),
             Name::Frame
@@ -356,6 +358,7 @@ fn cells_of(starts: &[u32], rows: usize) -> Vec<u32> {
 fn written(work: &WindowRun) -> Vec<Name> {
     // Of the buffers that the host writes, these have places.
     let mut written = vec![Name::Images, Name::Pieces];
+    // With a base the CPU made the first stages, and their results were uploaded.
     if work.base.is_some() {
         // It is not recorded which buffers the upload filled, so count all of them.
         written.extend(work.device.lengths().into_iter().map(|(name, _)| name));

@@ -103,6 +103,7 @@ impl Checked {
     /// Adds the findings about a step, and the keys of its gate if it has one. `is_test` is whether the lesson is a form.
     fn add(&mut self, step: &Step, mut found: Findings, is_test: bool) {
         let Some(gate) = &step.gate else {
+            // No question of many runs: all faults are listed.
             self.faults.append(&mut found.faults);
             return;
         };
@@ -161,8 +162,8 @@ enum Purpose {
     Claims,
 }
 
-/// Returns the seeds and steps to ask, with no seed for the step's own run. They are sorted by seed, so that the steps of a
-/// seed share its runs.
+/// Returns the seeds and steps to ask, with no seed for the step's own run. A step without a gate is asked in its own
+/// run, too: its texts may have faults. They are sorted by seed, so that the steps of a seed share its runs.
 fn runs_asked(lesson: &Lesson, seeds: usize) -> Vec<(Option<u64>, usize, Purpose)> {
     let mut asked = Vec::new();
     for (index, step) in lesson.steps.iter().enumerate() {

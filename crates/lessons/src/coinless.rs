@@ -10,16 +10,17 @@ use tilescope_debugger::Recording;
 /// darts would make.
 const DARTS_A_CELL: f64 = 64.0;
 
-/// Returns the recording of the samples that darts make which no coin thins: all cells throw equally often, whatever the radius is
-/// inside them, so that time is the same in a whole octave of radii and jumps between two. A dart becomes a sample unless it is near an
-/// earlier one, as in the right process.
+/// Returns the recording of the samples that darts make which no coin thins: all cells throw equally often, whatever
+/// the radius is inside them, so that time is the same in a whole octave of radii and jumps between two. A dart becomes
+/// a sample unless it is near an earlier one, as in the right process. The coin that is missing leaves out a share of
+/// the darts where the radius is larger than the side of the cell.
 pub(crate) fn without_coin(locality: &Arc<Locality>, parameters: &Parameters) -> Recording {
     let domain = locality.field.domain();
     let [width, height] = [domain.width(), domain.height()].map(f64::from);
     let least_side = f64::from(1 << locality.field.extremes()[0].ilog2());
 
     // Darts fall everywhere as densely as in the smallest cells. Of those in larger cells a share stays, such that each cell has as
-    // many as any other.
+    // many as any other. This choice is by the side of the cell alone: it is not the coin.
     let count = DARTS_A_CELL * width * height / (least_side * least_side);
     let key = Key::from_seed(parameters.seed);
 
