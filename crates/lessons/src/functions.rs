@@ -611,7 +611,8 @@ impl Now {
         let takes = |event: &usize| {
             let event = self.recording.event(*event);
             event.is_some_and(|event| {
-                // Exact tiling takes no sample: one that arrives is kept, or lost, or was a dart until then.
+                // Elimination keeps uncontested samples without taking them. Exact tiling takes none at all: one that
+                // arrives is kept, or lost, or was a dart until then.
                 matches!(event.kind(), EventKind::Take | EventKind::Keep)
                     || is_exact && matches!(event.kind(), EventKind::Eliminate | EventKind::Insert)
             })
@@ -624,7 +625,8 @@ impl Now {
         events.find(takes)
     }
 
-    /// Returns the nearest place on an edge of a block, and its distance, in r.
+    /// Returns the nearest place on an edge of a block, and its distance, in r; without blocks the place itself,
+    /// infinitely far.
     fn seam(&self, at: DVec2) -> (DVec2, f64) {
         let leaves = &self.recording.run().blocks.leaves;
         let mut nearest = (at, f64::INFINITY);
@@ -724,7 +726,7 @@ fn register_samples(engine: &mut Engine, now: &Arc<Now>) {
         "inserted": |now, s: i64| now.is_inserted(s);
         "own": |now, s: i64| matches!(now.origin(s), Some(Origin::Tiled { own: true, .. }));
         "marked": |now, s: i64| now.is_marked(s);
-        // Lessons count events from 1. A sample that none takes has -1, on every machine.
+        // Lessons count events from 1. A sample that no event takes has the number -1, so that turns can be compared.
         "turn": |now, s: i64| now.turn_of(id(s)).map_or(-1, |event| event as i64 + 1);
         "first_unsure": |now| now.first_unsure();
         "unsure": |now, s: i64| now.unsure(s);
@@ -739,8 +741,9 @@ fn register_samples(engine: &mut Engine, now: &Arc<Now>) {
     }
 }
 
-/// Registers what expressions ask of the set at the moment: conflicts, gaps, places and measures. Lengths are in r, and a place
-/// on the edge of a disk is covered.
+/// Registers what expressions ask of the set at the moment: conflicts, gaps, places and measures. Lengths are in r, and
+/// a place on the edge of a disk is covered. Disks and gaps are those of r, even in a field of radii; "refusers",
+/// "packed" and "open_places" go by the radius of the field.
 fn register_sets(engine: &mut Engine, now: &Arc<Now>) {
     functions! { engine, now;
         "samples": |now| now.set().map(|set| set.points.len() as i64);

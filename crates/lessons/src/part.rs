@@ -65,6 +65,7 @@ fn runs_of<'a>(section: &[&'a str]) -> Vec<&'a str> {
             .take_while(|line| line.trim_end() != "```")
             .collect();
 
+        // As the reader of lessons (`read.rs`) allows more than three of these signs.
         if info.trim_start_matches('`').trim() == "run" {
             found.extend(["", line]);
             found.extend(directive);

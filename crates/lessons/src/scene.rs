@@ -44,7 +44,7 @@ impl Scene {
     ///
     /// # Errors
     ///
-    /// A fault of the condition.
+    /// A fault of the condition or of the density, or a field of radii whose r is not 1.
     pub fn find(recording: &Arc<Recording>, spec: &SceneSpec) -> Result<Option<Self>, LessonError> {
         let mut scene = Self::at(recording, 0);
         if let Some(density) = &spec.density {
@@ -93,6 +93,7 @@ impl Scene {
         let parsed =
             parsed.map_err(|error| wrong(without_position(&error.to_string()).to_owned()))?;
 
+        // The reader of lessons refuses a density without levels, so that there are ranks.
         let mut kept = Vec::new();
         for (sample, &rank) in (0..).zip(ranks) {
             let [x, y] = recording.point(sample).map(position).unwrap_or_default();
@@ -268,7 +269,8 @@ impl Scene {
         place.map_err(|message| text.wrong(message))
     }
 
-    /// Returns the places that an expression gives: one, or an array of them.
+    /// Returns the places that an expression gives: one, which may be a sample's, or an array of them. In an array a
+    /// number is a coordinate, and so no sample.
     pub(crate) fn places(&self, text: &Text) -> Result<Vec<[f64; 2]>, LessonError> {
         let value = self.value(text, |_| {})?;
 

@@ -115,7 +115,8 @@ pub struct PortableGround {
 }
 
 impl PortableGround {
-    /// Returns a request in this form; `None` if it has an image, a grid or a long polygon.
+    /// Returns a request in this form; `None` if it has an image, a grid, a long polygon or a constant radius of its
+    /// own.
     #[must_use]
     pub fn of(request: &GroundRequest) -> Option<Self> {
         // A stipple is of an image.
@@ -127,7 +128,7 @@ impl PortableGround {
             Some(RadiusSource::Expression { expression, scale }) => {
                 Some(scaled_text(expression, *scale))
             }
-            // An image or a grid; a constant radius is among the parameters instead.
+            // An image or a grid. A constant radius is not expected here: it is among the parameters instead.
             Some(_) => return None,
         };
 

@@ -133,9 +133,10 @@ impl Layer {
         }
     }
 
-    /// Returns whether a kind of session has this layer: seams belong to combinations, the tree to runs; nested levels have
-    /// samples alone, sets of varying radius those whose geometry depends on no radius, and their darts, and planes through sets
-    /// in space the balls that they cut.
+    /// Returns whether a kind of session has this layer: seams belong to combinations, the tree to runs; nested levels
+    /// have samples, disks and triangulations alone. Sets of varying radius have these, too, with their field, gaps,
+    /// darts and active cells; planes through sets in space have the balls that they cut, with gaps, darts and active
+    /// cubes.
     #[must_use]
     pub const fn is_of(self, kind: SessionKind) -> bool {
         match (self, kind) {

@@ -133,8 +133,9 @@ impl Task for GpuSessionTask {
 /// The first stage that runs on the GPU when all stages are kept.
 const FIRST_GPU_STAGE: Stage = Stage::Blocks;
 
-/// Samples by `recipe` on `gpu` and prepares the result, with all its stages if the CPU would keep them, too.
-/// If the device fails, the CPU makes the same session, which reports the failure.
+/// Samples by `recipe` on `gpu` and prepares the result, with all its stages if the CPU would keep them, too. If the
+/// device fails, the CPU makes the same session, which reports the failure. Callers refuse recipes of nested levels, of
+/// a ground and of space, which no device makes.
 ///
 /// Fails as [`Session::sample`] does, never because of the device.
 pub async fn on_gpu(

@@ -27,8 +27,9 @@ pub fn name_in(session: &Session, stage: Stage) -> String {
     }
 }
 
-/// Returns the last step at a moment, in words: the stage, if the moment is its end, otherwise the event; of nested levels the claims
-/// on the samples shown. Without a moment there is no session yet.
+/// Returns the last step at a moment, in words: the stage, if the moment is its end, otherwise the event; of nested
+/// levels the claims on the samples shown, of a stipple what its shown dots are, and of a set in space at the end of a
+/// stage what the plane shows. Without a moment there is no session yet.
 #[must_use]
 pub fn happened(shown: Option<&ShownMoment<'_>>) -> String {
     let Some(shown) = shown else {
@@ -165,6 +166,7 @@ pub fn stage_sentence(session: &Session, stage: Stage) -> String {
 
         Stage::Eliminate => elimination_sentence(session),
         Stage::Iterate(k) => iteration_sentence(session, k),
+        // No session stops at regions, which are a part of a parallel engine's run: the arm only completes the list.
         Stage::Regions | Stage::Finish => format!(
             "Finish: {} tiled \u{2212} {} eliminated + {} inserted = {}, in canonical order.",
             grouped(summary.tiled),
@@ -305,6 +307,7 @@ fn exact_sentence(session: &Session, stage: Stage) -> Option<String> {
 
 /// Returns the sentence for iteration `k`, counted from 1.
 fn iteration_sentence(session: &Session, k: u32) -> String {
+    // A stage that the session lacks has no numbers to be named.
     let Some(iteration) = session.iteration(k) else {
         return format!("Iteration {k}.");
     };

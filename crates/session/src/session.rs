@@ -109,7 +109,8 @@ pub struct Failure {
 }
 
 impl Session {
-    /// Samples by `recipe` on the CPU and prepares the result.
+    /// Samples by the parameters and the pattern of `recipe` on the CPU and prepares the result; its levels, ground and
+    /// depth are for other functions ([`crate::sampling::SampleTask`]).
     ///
     /// Fails as the engines of the core do, and when `monitor` is cancelled.
     pub fn sample(
@@ -609,7 +610,8 @@ impl Session {
         kept.get(index).or_else(last)
     }
 
-    /// Returns the number of samples that are valid (or, before elimination, tiled) after the stage at `index`.
+    /// Returns the number of samples that are valid (or, before elimination, tiled) after the stage at `index`; after
+    /// that of the pattern, those of the pattern.
     #[must_use]
     pub fn count_after(&self, index: usize) -> usize {
         let summary = &self.summary;
@@ -712,7 +714,8 @@ fn last_iteration(recording: &Recording) -> Option<Iteration> {
 
     Some(Iteration {
         detectors,
-        // An iteration that inserted nothing has an empty range.
+        // An iteration that inserted nothing has an empty range, and no candidates. Its open cells, if it has some, are
+        // not kept.
         inserted: all.end..all.end,
         ..Iteration::default()
     })

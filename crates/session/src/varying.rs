@@ -186,6 +186,7 @@ fn stated_stipple(
         None => 0.0,
         Some(ShapeSource::Polygon(_) | ShapeSource::Mask(_)) => return None,
     };
+    // The request has the image as it is in its file, and its tone apart.
     let stipple = StippleRequest {
         tone: image.tone(),
         image: image.toned(Tone::default()).ok()?,

@@ -208,7 +208,7 @@ impl Recipe {
         Ok(Made::of_run(&run, facts))
     }
 
-    /// Makes nested levels, which have a pattern of their own.
+    /// Makes nested levels, which have a pattern of their own. Callers refuse a given one.
     ///
     /// # Errors
     ///

@@ -86,7 +86,7 @@ impl VaryingRecipe {
             (None, None) => None,
         };
 
-        // Both sides and the corner are stated, so that nothing follows from the shape.
+        // Both sides are stated, and so is the corner unless it lies at 0: nothing follows from the shape.
         let region = stated.region;
         Ok(Self {
             radius,
@@ -130,6 +130,7 @@ impl VaryingRecipe {
         // An estimate of no sample at all would give a scale of 0, and radii that no further try could scale up again:
         // it counts as half a sample (chosen, not measured). A set that was made has samples.
         let scale_for = |found: f64| (found.max(0.5) / count.max(1) as f64).sqrt();
+        // The estimate does not check the source, as each attempt does. A count of 0 must not divide by 0.
         self.radius.check()?;
         let expected = self.expected(&self.radius)?;
         let mut radius = self.radius.scaled(scale_for(expected));

@@ -33,7 +33,7 @@
 /// How a shader is compiled.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 pub enum Checks {
-    /// With checks of indices and loops.
+    /// With checks of indices, loops and divisors.
     Checked,
     /// Without checks, as this crate argues that none would ever fail.
     Trusted,
@@ -57,7 +57,7 @@ pub fn shader_module(
         Checks::Checked => device.create_shader_module(descriptor),
         #[expect(unsafe_code, reason = "the argument is at the head of this crate")]
         Checks::Trusted => {
-            // SAFETY: all loops end and all indices are in range, as argued at the head of this crate.
+            // SAFETY: all loops end, all indices are in range and no divisor is 0, as argued at the head of this crate.
             unsafe {
                 let unchecked = wgpu::ShaderRuntimeChecks::unchecked();
                 device.create_shader_module_trusted(descriptor, unchecked)

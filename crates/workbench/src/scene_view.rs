@@ -57,6 +57,7 @@ pub(crate) fn view_of_scene(
         caption: scene.caption.clone(),
         legend: None,
         analysis: false,
+        // The plane is at the same height in another run, too.
         plane: session
             .solid
             .as_ref()

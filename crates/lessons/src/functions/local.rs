@@ -66,15 +66,15 @@ impl Now {
         all.map(move |[column, row]| self.lattice([middle(0, column), middle(1, row)]))
     }
 
-    /// Returns the number of valid samples times the square of their radius, divided by the area, of the places whose radius is from
-    /// `low` to below `high`.
+    /// Returns the sum of the squared radii of the valid samples where the radius is from `low` to below `high`,
+    /// divided by the area of these places.
     pub(super) fn packed(&self, low: f64, high: f64) -> Found<f64> {
         let set = self.set()?;
         self.spend(SET)?;
         let is_meant = |radius: f64| (low..high).contains(&radius);
 
-        let samples = set.points.iter().map(|&at| self.radius_at(at));
-        let squares: f64 = samples
+        let sample_radii = set.points.iter().map(|&at| self.radius_at(at));
+        let squares: f64 = sample_radii
             .filter(|&radius| is_meant(radius))
             .map(|radius| radius * radius)
             .sum();

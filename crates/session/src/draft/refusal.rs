@@ -77,6 +77,7 @@ impl Draft {
         let used = |field: &Parameter| self.uses(*field);
         let mut refusals: Vec<DraftRefusal> =
             numbers().filter(used).filter_map(unreadable).collect();
+        // Sets in space and on a ground get at most one refusal of the core, once all texts can be read.
         if self.is_in_space() {
             refusals.extend(self.solid_refusal().filter(|_| refusals.is_empty()));
             let part = FormPart::Field(Parameter::Radius);
@@ -146,6 +147,7 @@ impl Draft {
             return refused(FormPart::Depth, sentence(&error.to_string()));
         };
         let part = match of_parameters {
+            // Of a side in r `part_of` asks whether another radius would do, which it knows of planar domains alone.
             ParameterError::Side { name: "depth", .. }
             | ParameterError::SideTooShort { name: "depth", .. }
             | ParameterError::SideTooLong { name: "depth", .. } => FormPart::Depth,

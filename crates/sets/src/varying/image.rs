@@ -77,7 +77,8 @@ impl GrayImage {
     ///
     /// # Errors
     ///
-    /// [`VaryingError::Image`] for other files, animated images and damaged ones; [`VaryingError::Pixels`].
+    /// [`VaryingError::Image`] for other files, animated images and damaged ones; [`VaryingError::Pixels`] without
+    /// pixels, and with more than [`MAX_PIXELS`].
     pub fn read(name: &str, bytes: &[u8]) -> Result<Self, VaryingError> {
         let file = ImageFile { name, bytes };
         let pixels = if bytes.starts_with(png_file::SIGNATURE) {

@@ -77,7 +77,7 @@ pub(crate) fn parameter_map(session: &Session) -> Stated {
 #[must_use]
 pub fn provenance(session: &Session) -> Vec<(String, String)> {
     let run = session.run();
-    // Combinations and nested levels clip from no pattern of this kind.
+    // Combinations and nested levels clip from no pattern of this kind, and sets of darts from none.
     let pattern = session.kind().is_run();
     let recording = json!({
         "digest": digest(run),

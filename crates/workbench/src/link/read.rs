@@ -140,6 +140,7 @@ impl LinkReader {
         // A language counts without a lesson as well: for the lessons that are opened later.
         content.language = self.take("language", |text| known(text).map(str::to_owned));
 
+        // Without a lesson, a step and a practice ask for nothing, and are left out without a warning.
         let Some(lesson) = self.take("lesson", name) else {
             return;
         };

@@ -52,7 +52,8 @@ impl Runs {
             CombineCommand::Nine => NINE.to_owned(),
             CombineCommand::Text(text) => text,
         };
-        // A link that waits for its run would wait in vain: the combination takes the run's place.
+        // A link that waits for its run would wait in vain: the combination takes the run's place. A faulty layout ends
+        // the waiting, too.
         self.arriving = None;
         context.ask(Effect::CloseNotice);
 

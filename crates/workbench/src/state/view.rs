@@ -79,7 +79,7 @@ impl SavedView {
         time.playback.speed = self.playback.speed;
         time.playback.whole_run_secs = self.playback.whole_run_secs;
 
-        // A loop or a selection may be beyond the end of this run.
+        // A loop or a selection may be beyond the end of this run. Where the view has none, those of the window stay.
         if let Some(range) = &self.playback.range {
             if run.cursor().is_some_and(|(_, len)| range.end <= len) {
                 time.playback.range = Some(range.clone());

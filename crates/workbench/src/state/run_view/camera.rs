@@ -95,6 +95,7 @@ impl RunView {
             self.camera = self.fitting();
             self.flight = None;
         }
+        // In the same rectangle, as of a run that is put back, a framed place is shown already or being flown to.
         if before != viewport
             && let Some((center, radii)) = self.framed
         {
@@ -217,6 +218,8 @@ impl RunView {
                 self.camera = self.fitting();
             }
             (false, Some((camera, fitted))) => {
+                // A place that was framed before is shown by its camera, but is no longer framed when the window
+                // changes.
                 (self.before_pattern, self.flight) = (None, None);
                 self.fitted = fitted;
                 self.camera = self.within_scales(if fitted { self.fitting() } else { camera });
@@ -353,8 +356,8 @@ impl RunView {
         }
     }
 
-    /// Selects a place, and flies to the gap that contains it, otherwise to its block. Outside the domain it does
-    /// nothing.
+    /// Selects a place, and flies to the gap that contains it, otherwise to its block. Where there is neither, as
+    /// outside the domain and in sets without blocks, it does nothing.
     fn fly_to_block(&mut self, place: DVec2, context: &Context) {
         let gap = self.shown().and_then(|shown| {
             let is_gap = self.geometry.is_gap(&shown, place);
@@ -413,7 +416,7 @@ impl RunView {
             }
         };
 
-        // A verdict is about the end of the run, or about a prefix of nested levels.
+        // A verdict is about the end of the run, or about a prefix of nested levels. Of a stipple all dots are shown.
         match verdict.claim {
             Some(claim) => self.jump(claim.count),
             None => self.show_stage(session.stages.len() - 1),

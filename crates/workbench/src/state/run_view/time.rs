@@ -13,9 +13,10 @@ use crate::state::effects::Context;
 use tilescope_session::moment::Moment;
 
 impl RunView {
-    /// Returns the description of the moment: the number of blocks or samples, the event or stage, and the iteration.
-    /// Of a prefix it has the number of samples or dots; of nested levels also the radius of their disks, and the
-    /// number below which their ranks are, unless a question of a lesson is open (`is_veiled`).
+    /// Returns the description of the moment: the number of blocks or samples, the event or stage, and the iteration,
+    /// or in a plane through space how many cubes are active. Of a prefix it has the number of samples or dots; of
+    /// nested levels also the radius of their disks, and the number below which their ranks are, unless a question of a
+    /// lesson is open (`is_veiled`).
     #[must_use]
     pub fn moment_texts(&self, is_veiled: bool) -> Vec<String> {
         let Some(session) = &self.session else {
@@ -68,7 +69,7 @@ impl RunView {
         let stage = session.stages[self.stage];
         let plane = self.plane();
         if let Some([all, cut]) = plane.and_then(|plane| session.active_cubes(stage, plane)) {
-            // Nothing that glows here is not nothing that glows.
+            // Cubes may be active although this plane cuts none of them.
             texts.push(format!(
                 "{} active in all, {} in this plane",
                 grouped(all),
@@ -82,8 +83,8 @@ impl RunView {
         texts
     }
 
-    /// Returns the cursor, and how many events there are; `None` for a session without events. Of nested levels it is how
-    /// many samples are shown, and how many there are.
+    /// Returns the cursor, and how many events there are; `None` for a session without events. Of nested levels and of
+    /// a stipple it is how many samples are shown, and how many there are.
     #[must_use]
     pub fn cursor(&self) -> Option<(usize, usize)> {
         if let (Some(count), Some(session)) = (self.prefix(), &self.session) {
@@ -103,7 +104,8 @@ impl RunView {
         }
     }
 
-    /// Returns the name of a clock's tick: nested levels have samples and levels instead of events and stages.
+    /// Returns the name of a clock's tick: nested levels have samples and levels instead of events and stages, and
+    /// stipples have dots instead of events.
     #[must_use]
     pub fn clock_name(&self, clock: Clock) -> &'static str {
         match (clock, self.kind()) {
