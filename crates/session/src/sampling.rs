@@ -134,8 +134,8 @@ impl Task for GpuSessionTask {
 const FIRST_GPU_STAGE: Stage = Stage::Blocks;
 
 /// Samples by `recipe` on `gpu` and prepares the result, with all its stages if the CPU would keep them, too. If the
-/// device fails, the CPU makes the same session, which reports the failure. Callers refuse recipes of nested levels, of
-/// a ground and of space, which no device makes.
+/// device fails, the CPU makes the same session, which reports the failure. Callers leave recipes of nested levels, of
+/// a ground and of space to [`SampleTask`], as no device makes them.
 ///
 /// Fails as [`Session::sample`] does, never because of the device.
 pub async fn on_gpu(

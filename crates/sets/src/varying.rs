@@ -128,9 +128,10 @@ impl VaryingRecipe {
         };
 
         // An estimate of no sample at all would give a scale of 0, and radii that no further try could scale up again:
-        // it counts as half a sample (chosen, not measured). A set that was made has samples.
+        // it counts as half a sample (chosen, not measured). A set that was made has samples. A count of 0 counts as 1,
+        // so that nothing is divided by 0.
         let scale_for = |found: f64| (found.max(0.5) / count.max(1) as f64).sqrt();
-        // The estimate does not check the source, as each attempt does. A count of 0 must not divide by 0.
+        // The estimate does not check the source, as each attempt does.
         self.radius.check()?;
         let expected = self.expected(&self.radius)?;
         let mut radius = self.radius.scaled(scale_for(expected));
