@@ -1,4 +1,5 @@
-//! The buffers of a window on a device, and the execution of recorded commands on them.
+//! The buffers of a window on a device, and the execution of recorded commands on them. A *job* is the numbers that one
+//! dispatch of a pass is given.
 
 use std::collections::BTreeMap;
 use std::ops::Range;

@@ -329,6 +329,7 @@ fn uniform_of(setup: &Setup, frame: &CoreFrame) -> Frame {
         side_x: sides[0] as u32,
         side_y: sides[1] as u32,
         periodic: domain.is_periodic().into(),
+        // A bit for each side beyond which the plane goes on.
         goes_on: left | right << 1 | below << 2 | above << 3,
         tile_columns: tiles[0],
         tiles: tiles[0] * tiles[1],

@@ -1,5 +1,8 @@
 //! Checks a lesson before learners see it: its questions are asked of the runs of many seeds, and answered by a learner who
 //! knows everything, by one who guesses, and by one with the known misconceptions. Begin with [`check`].
+//!
+//! A *gate* is a step's question as its file states it; it is *practised* in runs of further seeds. A *claim* is a
+//! statement of a step about the runs of all seeds.
 
 mod asked;
 mod claims;

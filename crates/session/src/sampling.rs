@@ -1,4 +1,4 @@
-//! Makes sessions on the CPU or the GPU.
+//! Makes sessions on the CPU or the GPU. A session's *generation* is a number that no other session has.
 
 use std::sync::Arc;
 

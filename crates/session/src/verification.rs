@@ -105,7 +105,8 @@ impl Verdict {
                 ..VerifyOptions::default()
             };
 
-            // With a radius just above the smallest distance, the closest pair is a conflict, which the judge names.
+            // With a radius just above the smallest distance, the closest pair is a conflict, which the judge names. A
+            // single sample in a bounded region has no pair, and an infinite distance.
             if closest.is_none() && report.min_distance.is_finite() {
                 let sharper = ask(report.min_distance * (1.0 + HAIR), &exact)?;
                 closest = sharper.worst_conflicts.first().copied();

@@ -1,5 +1,5 @@
 //! What a set is made from, and the ways of making it on the CPU. What another engine computes ends in the same
-//! [`Made`] by [`Settled::made`].
+//! [`Made`] by [`Settled::made`]. A set's *facts* are how it was made, as its certificate states it.
 
 use std::sync::Arc;
 

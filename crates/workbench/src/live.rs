@@ -1,6 +1,7 @@
-//! The measures that move with a run: those of the moment that is shown, brought there in each frame by the samples that came
-//! or went. Begin with [`Live::follow`]. `tilescope_live` computes them; this module decides for which run and how much in a
-//! frame, and says why where there are none.
+//! The measures that move with a run: those of the moment that is shown, brought there in each frame by the samples
+//! that came or went. Begin with [`Live::follow`]. `tilescope_live` computes them; this module decides for which run
+//! and how much in a frame, and says why where there are none. Work is limited by *counted steps*, the same on every
+//! machine, and not by time.
 
 use std::sync::Arc;
 

@@ -220,7 +220,8 @@ impl GpuState {
             return Some(text.to_owned());
         }
 
-        // On a page the CPU computes its passes, with which those of the GPU are compared, on the thread that draws the window.
+        // Algorithm 4 as printed has no passes, either: that it is refused is said when they are to begin. On a page
+        // the CPU computes its passes, with which those of the GPU are compared, on the thread that draws the window.
         if cfg!(target_arch = "wasm32") && session.summary.count > MAX_PASSES_ON_A_PAGE {
             let most = grouped(MAX_PASSES_ON_A_PAGE);
             return Some(format!(
