@@ -141,7 +141,7 @@ impl Checked {
         // Scores are of the whole lesson, which line 1 stands for.
         let mut wrong = |message: String| self.faults.push(LessonError::new(1, message));
 
-        // Scores are sums of fractions, which are rounded.
+        // Scores are sums of fractions, which are rounded. A lesson without questions has no scores, and a mean of 0.
         if !scores[0].is_empty() && perfect < 0.999_999 {
             wrong(format!(
                 "the key of some question scores less than 1: {perfect}"

@@ -38,6 +38,7 @@ impl Lesson {
             }
         }
 
+        // The last line ends, too.
         kept.push("");
         Ok(kept.join("\n"))
     }

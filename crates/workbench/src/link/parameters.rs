@@ -75,6 +75,7 @@ pub fn differing(
 fn changed(p: &Parameters, parameter: Parameter, text: &str) -> Option<Parameters> {
     let value = match &parameter.row().kind {
         ParameterKind::Real { unit, limits, .. } => {
+            // All of these are lengths.
             let number = finite(text).filter(|number| *number > 0.0)?;
             // A length in r is corrected to the nearest limit later. The limits of other numbers are so far away that
             // the nearest one would be of no use: such a number is refused.

@@ -307,7 +307,8 @@ impl Writer {
         );
     }
 
-    /// Writes as many items as the limits allow, and returns how many. `what` names the items where some are left out.
+    /// Writes as many items as the limits allow, and returns how many. `what` names the items where some are left out;
+    /// `item` gives the text of one, or `None` for one that no link can have.
     fn list<T>(
         &mut self,
         key: &str,
@@ -319,8 +320,8 @@ impl Writer {
         let (mut text, mut taken, room) = (String::new(), 0, self.room(key));
 
         for written in all.iter().filter_map(item).take(most) {
-            // The first item that does not fit ends the list: without it, later items would be at other positions. The 1 is for the
-            // semicolon.
+            // The first item that does not fit ends the list: without it, later items would be at other positions,
+            // which counts for scenes and their views. The 1 is for the semicolon.
             if text.len() + written.len() + 1 > room {
                 break;
             }

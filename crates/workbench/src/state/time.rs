@@ -200,7 +200,8 @@ impl Time {
         }
 
         if run.prefix().is_some() {
-            // Nested levels have samples in the place of events, and levels in the place of stages.
+            // Nested levels have samples in the place of events, and levels in the place of stages. Every clock but
+            // that of events steps by levels.
             let by_sample = self.playback.clock == Clock::Event;
             return run.step_prefix(by_sample, direction);
         }

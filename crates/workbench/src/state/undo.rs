@@ -226,7 +226,8 @@ impl History {
         !self.future.is_empty()
     }
 
-    /// Adds a step for `command`, if it changed something between `before` and `now`.
+    /// Adds a step for `command`, if it changed something between `before` and `now`. Without a command it is a dragged
+    /// panel, an opened link or a pattern from a file.
     pub(super) fn remember(
         &mut self,
         before: Memento,
@@ -312,8 +313,9 @@ impl History {
         self.live = field.map(|field| (field, self.past.len()));
     }
 
-    /// Takes the last change back, or does it again. Before a large run is made again, asks; `asked` is the notice that is
-    /// shown. `typed` are the parameters of the panel, for which the run may still be being made.
+    /// Takes the last change back, or does it again. Before a large run is made again, asks; `asked` is the notice that
+    /// is shown. `typed` are the parameters of the panel, for which the run may still be being made; `None` where the
+    /// set that is shown was made from none, as a combination.
     pub(super) fn step(
         &mut self,
         step: HistoryStep,

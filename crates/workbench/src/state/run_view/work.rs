@@ -51,6 +51,7 @@ impl RunView {
 
         let box_of = |session: &Session| session.solid.as_ref().map(|solid| solid.domain);
         let is_same_box = self.session.as_deref().and_then(box_of) == box_of(session);
+        // In the same box the plane stays where it is.
         self.reset_plane(is_same_box);
 
         let selection = match (self.selected, self.place) {
