@@ -263,7 +263,7 @@ impl<'a> ShownMoment<'a> {
             .event(debugger.state().cursor().checked_sub(1)?)
     }
 
-    /// Returns whether the sample, a detector of the iteration that is shown, is marked as one by this moment.
+    /// Returns whether the sample, a detector of the iteration that is shown, has become one by this moment.
     #[must_use]
     pub fn is_marked(&self, id: u32) -> bool {
         // Without events only the ends of stages are shown, and by then every detector of the stage is marked.

@@ -204,6 +204,7 @@ pub(super) fn part_of(error: &ParameterError, parameters: &Parameters) -> FormPa
         | ParameterError::SideTooShort { name, .. }
         | ParameterError::SideTooLong { name, .. } => match *name {
             "height" => Parameter::Height,
+            // The width: `solid_refusal` takes the errors of the depth itself.
             _ => Parameter::Width,
         },
         ParameterError::Leaf { .. } => Parameter::Leaf,
