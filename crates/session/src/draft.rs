@@ -176,6 +176,7 @@ impl Draft {
                 seed.saturating_add_signed(i64::from(steps)).to_string()
             }
 
+            // A size below its limit is refused, as one that was typed.
             ParameterKind::Real { place, unit, .. } if *unit == "r" => {
                 (*place(&mut self.parameters) + f64::from(steps)).to_string()
             }
@@ -254,7 +255,7 @@ impl Draft {
     /// Changes the parameters that follow from the one just changed. With the change to exact tiling, those without a
     /// meaning there get their defaults. The pattern follows the size of the set and the seed, unless it was changed by hand.
     fn follow(&mut self, before: &Parameters, changed: Parameter) {
-        // A parameter that has no meaning in exact tiling gets its default.
+        // The parameters without a meaning there are chosen, so that no text changes with them.
         if self.parameters.method == TilingMethod::Exact && before.method == TilingMethod::Kdrt {
             self.parameters = self.parameters.as_exact();
         }

@@ -223,7 +223,8 @@ impl Layer {
         }
     }
 
-    /// Returns the explanation of its content, in a sentence or two.
+    /// Returns the explanation of its content, in a sentence or two: mostly that of the glossary, which is about
+    /// tilings. What differs in another kind of session, [`Self::meaning`] says.
     #[must_use]
     pub const fn explanation(self) -> &'static str {
         match self {

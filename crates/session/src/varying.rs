@@ -104,7 +104,8 @@ fn certified(
     incoming: &Incoming,
     generation: u64,
 ) -> Result<Session, VaryingError> {
-    // An image is no part of the certificate, and is looked for among the files that came with the set.
+    // An image is no part of the certificate, and is looked for among the files that came with the set. One that cannot
+    // be read counts as missing.
     let image_of = |name: &str| {
         let file = stated.parameters.get(name)?["file"].as_str()?;
         let found = incoming.companion(file)?;

@@ -156,7 +156,7 @@ impl GrayImage {
     ///
     /// # Errors
     ///
-    /// [`VaryingError::Grid`] unless there are whole rows, [`VaryingError::Pixels`].
+    /// [`VaryingError::Grid`] unless there are whole rows, [`VaryingError::Pixels`] with more than [`MAX_PIXELS`].
     pub fn from_grey(columns: usize, grey: Vec<u16>) -> Result<Self, VaryingError> {
         check_pixels(columns, grey.len())?;
         // Without the number of columns, arrays of other shapes and the same values would have one digest.
@@ -184,7 +184,7 @@ impl GrayImage {
     ///
     /// # Errors
     ///
-    /// [`VaryingError::Grid`] unless there are whole rows, [`VaryingError::Pixels`].
+    /// [`VaryingError::Grid`] unless there are whole rows, [`VaryingError::Pixels`] with more than [`MAX_PIXELS`].
     pub fn as_png(name: &str, columns: usize, grey: &[u16]) -> Result<Self, VaryingError> {
         check_pixels(columns, grey.len())?;
         let encoded = png_file::encoded(columns, &upside_down(grey, columns));

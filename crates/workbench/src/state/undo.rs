@@ -179,6 +179,8 @@ impl Change {
                 make_again(memento.made, made, context);
             }
 
+            // A link replaces all of these, so that its layout goes with all of its tabs. The look, which a link may
+            // change too, stays.
             UndoPart::Everything => {
                 context.ask(Effect::Form(Box::new(memento.form)));
                 context.ask(Effect::Layout(memento.layout));

@@ -319,6 +319,7 @@ impl RunView {
         let place = self.current_place()?;
         let event = self.shown()?.last_event()?;
         let session = self.session.as_ref()?;
+        // Only a notice that events were left out is no event of the run, and it has no place.
         Some(match event.run_event()? {
             RunEvent::Test {
                 pivot: a, other: b, ..
