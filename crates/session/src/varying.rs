@@ -29,7 +29,8 @@ pub fn sample(
     monitor: &Monitor,
 ) -> Result<Session, MakeError> {
     let wanted = request.recipe(&recipe.parameters);
-    // The field and the shape may be refused in these two lines; after that only the user stops the work.
+    // The field and the shape may be refused in these two lines; after that the user may stop the work, and a recorded set
+    // without samples is refused.
     let expected = wanted.expected_samples().map_err(of_ground)?;
     let locality = locality(&wanted)?;
     let observer = &mut Reporter { monitor };
