@@ -142,7 +142,7 @@ fn name_of(parameter: Parameter) -> String {
     }
 }
 
-/// Corrects parameters, each valid by itself, to the nearest ones that a link may ask for.
+/// Corrects parameters that could be read to the nearest ones that a link may ask for.
 fn fit(p: &mut Parameters, run: &str, warnings: &mut LinkWarnings) {
     if p.leaf < MIN_LEAF_RADII {
         warnings.add(format!(

@@ -216,7 +216,7 @@ impl RunView {
     }
 
     /// Runs until an event of `target` has happened or, if the target is a line of pseudocode, until that is the next
-    /// line.
+    /// line. Without recorded events it does nothing.
     pub(in crate::state) fn run_to(
         &mut self,
         target: Target,
