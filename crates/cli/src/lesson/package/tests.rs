@@ -429,7 +429,7 @@ fn what_cannot_be_packed_is_named_and_leaves_no_file() {
     // A translation that is there is not left out if it cannot be read, even if the package begins in English.
     let translated = folder.path().join("translated.md");
     fs::copy(&plain, &translated).unwrap();
-    fs::write(folder.path().join("translated.de.md"), [0xff, 0xfe, 0xfd]).unwrap();
+    fs::write(folder.path().join("translated.de.md"), b"\xc3\x28").unwrap();
     let translated = named(&translated);
 
     let empty = tempfile::tempdir().unwrap();
