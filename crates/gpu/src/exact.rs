@@ -77,8 +77,10 @@ async fn recorded(
 
     // Room is an estimate. With twice what was found too little, few tries are needed.
     for _ in 0..MAX_TRIES {
+        room.check(parameters, &limits)?;
         let plan = ExactPlan::new(parameters, arrived, room)?;
         plan.check(&limits, memory)?;
+
         let mut work = ExactWork::new(gpu, plan, arrived, recording).await?;
         if let Some(needed) = work.run(observer).await? {
             // A list was too short. Its counter went on, but what was left out may have brought up more.
@@ -316,6 +318,8 @@ impl ExactWork {
         for (counter, word) in self.counters.iter_mut().zip(words) {
             *counter = word;
         }
+        // A step has fewer passes than there are timestamps; a run has more.
+        self.device.read_times().await?;
         if let needed @ Some(_) = self.shortage() {
             return Ok(needed);
         }
@@ -347,10 +351,6 @@ impl ExactWork {
             ExactStep::Count => ExactStep::Collect,
             ExactStep::Collect | ExactStep::End => ExactStep::End,
         };
-        // There are more passes than timestamps between two readings of a whole run: later ones have no times.
-        if self.step == ExactStep::End {
-            self.device.read_times().await?;
-        }
         Ok(None)
     }
 

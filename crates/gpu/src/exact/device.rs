@@ -99,6 +99,8 @@ fn a_run_that_does_not_fit_is_refused_by_the_name_of_the_limit() {
         refused.contains("maxStorageBufferBindingSize allows 100000"),
         "{refused}"
     );
+    let refused = room.check(&parameters, &tight).unwrap_err().to_string();
+    assert!(refused.contains("maxStorageBufferBindingSize"), "{refused}");
     let refused = plan.check(&roomy, 100_000).unwrap_err().to_string();
     assert!(
         refused.contains("the memory to be used allows 100000"),

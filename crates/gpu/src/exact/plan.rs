@@ -17,6 +17,9 @@ pub(super) struct DartRoom {
     pub cells: u32,
 }
 
+/// The most bytes of darts: of 2^31 darts, which are half of those that 32 bits can count.
+const MOST_DART_BYTES: u64 = (1 << 31) * size_of::<Dart>() as u64;
+
 /// How many cells of side R a side has.
 const fn cells_along(side: i32) -> u32 {
     ((side - 1) / R + 1) as u32
@@ -38,9 +41,27 @@ impl DartRoom {
         let share = |most: f64, per_leaf: f64| area * (per_leaf / parameters.leaf).min(most);
         // In small domains numbers vary more, and 4,096 entries cost little.
         Ok(Self {
-            darts: (1.02 * density * area + share(0.9, 6.5)) as u32 + 4096,
-            cells: share(1.3, 10.0) as u32 + 4096,
+            darts: ((1.02 * density * area + share(0.9, 6.5)) as u32).saturating_add(4096),
+            cells: (share(1.3, 10.0) as u32).saturating_add(4096),
         })
+    }
+
+    /// Fails if the list of darts does not fit a buffer of a device: so large a domain is not planned, which would take minutes, and
+    /// whose cells might not fit 32 bits.
+    pub(super) fn check(self, parameters: &Parameters, limits: &Limits) -> Result<(), GpuError> {
+        let end = parameters.validate()?.rect().max;
+        let needed = u64::from(self.darts) * size_of::<Dart>() as u64;
+        // Room ends with the numbers of 32 bits, and binding limits may lie beyond.
+        let allowed = limits.max_storage_buffer_binding_size.min(MOST_DART_BYTES);
+        if needed > allowed {
+            return Err(GpuError::TooLittleMemory {
+                cells: cells_along(end.x.max(end.y)),
+                needed,
+                limit: "maxStorageBufferBindingSize",
+                allowed,
+            });
+        }
+        Ok(())
     }
 
     /// Returns twice the room.

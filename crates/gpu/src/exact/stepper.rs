@@ -155,6 +155,7 @@ async fn begin(
     arrived: &PatternArrivals,
     room: DartRoom,
 ) -> Result<ExactWork, GpuError> {
+    room.check(parameters, &gpu.report().limits)?;
     let plan = ExactPlan::new(parameters, arrived, room)?;
     let no_limit = None;
     plan.check(&gpu.report().limits, memory_of(gpu.report(), no_limit))?;
