@@ -11,7 +11,7 @@ use crate::moves::{self, Direction, Step, Target};
 use crate::recording::Recording;
 use crate::session::{
     PatternFile, SavedBreakpoint, SavedScene, Session, SessionError, VERSION, VERSION_OF_EXACT,
-    VERSION_OF_KDRT, digest,
+    VERSION_OF_GROUND, VERSION_OF_KDRT, digest,
 };
 use crate::state::State;
 
@@ -382,8 +382,10 @@ impl Debugger {
     pub fn session(&self) -> Session {
         Session {
             // The lowest version that holds such a run, so that older programs open the session where they can.
-            version: if self.recording.run().locality.is_some() {
+            version: if self.recording.is_in_space() {
                 VERSION
+            } else if self.recording.run().locality.is_some() {
+                VERSION_OF_GROUND
             } else if self.recording.is_exact() {
                 VERSION_OF_EXACT
             } else {
@@ -400,6 +402,8 @@ impl Debugger {
             pattern: self.pattern.clone(),
             // A recording does not hold what its field and its shape were made from: the caller adds that.
             ground: serde_json::Value::Null,
+            // Nor does it hold the third side.
+            depth: None,
         }
     }
 

@@ -13,8 +13,11 @@ use crate::anchor::Anchor;
 use crate::listing::{LineId, Listings};
 use crate::recording::Recording;
 
-/// The newest version of sessions that this program reads, and that of runs in a field or a shape, which it writes.
-pub const VERSION: u32 = 4;
+/// The newest version of sessions that this program reads, and that of sets in space, which it writes.
+pub const VERSION: u32 = 5;
+
+/// The version of sessions of runs in a field or a shape, which programs before sets in space read.
+pub(crate) const VERSION_OF_GROUND: u32 = 4;
 
 /// The version of sessions of exact tilings, which programs before fields and shapes read.
 pub(crate) const VERSION_OF_EXACT: u32 = 3;
@@ -129,6 +132,9 @@ pub struct Session {
     /// What its field and its shape are made from, not read here; null if its radius is the same everywhere in a rectangle.
     #[serde(default, skip_serializing_if = "Value::is_null")]
     pub ground: Value,
+    /// The third side of the box, in user units, if it is of a set in space.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub depth: Option<f64>,
 }
 
 /// Returns why a run of a method, by its name on the command line, cannot be visited step by step, if so.
@@ -216,6 +222,9 @@ pub enum SessionError {
         "the session is of a run whose radius depends on the place, or in a shape; it can be opened in the window"
     )]
     Ground,
+    /// It is of a set in space.
+    #[error("the session is of a set in space; it can be opened in the window")]
+    InSpace,
     /// Its field or its shape cannot be made.
     #[error("the session's field or shape cannot be made: {0}")]
     NoGround(String),
@@ -263,7 +272,8 @@ impl Session {
     }
 
     /// Computes the session's run again, with its events. If the pattern comes from a file, `pattern_loader` reads it;
-    /// its digest must be the saved one. A session in a field or a shape is refused: [`Self::record_in`] computes its run.
+    /// its digest must be the saved one. A session in a field or a shape is refused: [`Self::record_in`] computes its run. So is
+    /// one of a set in space, which [`Recording::in_space`] makes.
     pub fn record(
         &self,
         pattern_loader: &mut dyn FnMut(&PatternFile) -> Result<Pattern, String>,
@@ -273,6 +283,9 @@ impl Session {
 
         if !self.ground.is_null() {
             return Err(SessionError::Ground);
+        }
+        if self.depth.is_some() {
+            return Err(SessionError::InSpace);
         }
         let Some(file) = &self.pattern else {
             return Ok(Recording::new(&self.parameters, self.budget, observer)?);

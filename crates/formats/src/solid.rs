@@ -18,7 +18,7 @@ use crate::mapping::Mapping;
 pub use check::{SolidCheck, SolidSet, check_solid_bytes};
 #[cfg(not(target_arch = "wasm32"))]
 pub use disk::{check_solid, export_solid, export_solid_unverified, read_solid, solid_certificate};
-pub use export::{SolidContext, SolidExported};
+pub use export::{SolidContext, SolidExported, SolidExportedBytes, export_solid_bytes};
 
 /// Refuses a format that cannot hold sets in space.
 ///

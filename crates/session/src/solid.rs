@@ -376,7 +376,7 @@ pub fn verdict(session: &Session, solid: &MadeSolid, monitor: &Monitor) -> Resul
 
     let gap = found.report.first_gaps.first().copied();
     Ok(Verdict {
-        report: planar_report(found, [region.width, region.height]),
+        report: planar_report(found),
         claim: None,
         stipple: None,
         closest,
@@ -386,11 +386,13 @@ pub fn verdict(session: &Session, solid: &MadeSolid, monitor: &Monitor) -> Resul
 }
 
 /// Returns the report on a set in space in the form of those on planar sets.
-fn planar_report(found: SolidVerdict, size: [f64; 2]) -> Report {
+#[must_use]
+pub fn planar_report(found: SolidVerdict) -> Report {
+    let SolidRegion { width, height, .. } = found.report.region;
     let relative_radius = found.relative_radius();
     let report = found.report;
     Report {
-        region: Region::new(size, report.region.is_periodic()),
+        region: Region::new([width, height], report.region.is_periodic()),
         judges: report.judges,
         count: report.count,
         radius: report.radius,

@@ -70,6 +70,19 @@ pub struct SolidExported {
     pub warnings: Vec<Warning>,
 }
 
+/// The files of an export of a set in space, in memory.
+#[derive(Clone, Debug)]
+pub struct SolidExportedBytes {
+    /// The content of the set's file.
+    pub data: Vec<u8>,
+    /// The content of the certificate's file.
+    pub certificate_bytes: Vec<u8>,
+    /// The verdict on the positions read back; indices are of the file's order.
+    pub verdict: SolidVerdict,
+    /// Warnings for the user.
+    pub warnings: Vec<Warning>,
+}
+
 /// An export before it has its place: the certificate's bytes, and the value to return.
 pub(crate) struct SolidBytes {
     pub certificate_bytes: Vec<u8>,
@@ -130,6 +143,32 @@ pub(crate) fn export_through(
         warnings: warnings(has_provenance, format, &stated),
         certificate: stated,
         verdict,
+    })
+}
+
+/// Makes the file and the certificate of a set in space in memory: the same bytes that `export_solid` puts on a disk. The
+/// format is chosen by the ending of `name`, or by the context.
+///
+/// # Errors
+///
+/// [`ExportError`] as of planar sets, and for formats that hold no third coordinate.
+pub fn export_solid_bytes(
+    name: &str,
+    points: &[[f64; 3]],
+    context: &SolidContext,
+    control: Control<'_>,
+) -> Result<SolidExportedBytes, ExportError> {
+    let mut data = Vec::new();
+    let mut store = |bytes: Vec<u8>| {
+        data.clone_from(&bytes);
+        Ok(bytes)
+    };
+    let exported = export_through(&mut store, name, points, context, control)?;
+    Ok(SolidExportedBytes {
+        data,
+        certificate_bytes: exported.certificate_bytes,
+        verdict: exported.verdict,
+        warnings: exported.warnings,
     })
 }
 

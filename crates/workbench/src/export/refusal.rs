@@ -32,11 +32,12 @@ pub enum ExportRefusal {
     /// Animations need events, and a stipple has none.
     #[error("A stipple has no events, so that there is no time to animate.")]
     Stipple,
-    /// The files of the window have planar sets.
-    #[error(
-        "This set is in space, and the window exports planar sets; `tilescope sample --size WxHxD` writes it, and the picture shows the plane."
-    )]
-    Solid,
+    /// The format holds no set in space; its reason.
+    #[error("{0}")]
+    NotInSpace(String),
+    /// The analysis beside a picture is that of planar sets.
+    #[error("The analysis is that of planar sets, and this set is in space: leave it out.")]
+    SolidAnalysis,
     /// Animations need events, and a large set in space has none.
     #[error(
         "This set in space has no events, so that there is no time to animate: one of more than {} samples keeps its result alone.",

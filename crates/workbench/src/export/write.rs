@@ -2,6 +2,8 @@
 //! completely or not at all. Both give the same bytes. [`WriteError`] says why an export fails once it has begun;
 //! `refusal.rs` lists the reasons for which it does not begin.
 
+mod space;
+
 use std::io::{self, Write};
 use std::ops::ControlFlow;
 use std::path::{Path, PathBuf};
@@ -358,6 +360,9 @@ fn picture_of_dots(
 /// Writes the samples and their certificate beside them.
 #[cfg(not(target_arch = "wasm32"))]
 fn write_samples(job: &ExportJob, monitor: &Monitor) -> Result<What, WriteError> {
+    if let Some(solid) = &job.session.solid {
+        return space::write(job, solid, monitor);
+    }
     let (set, context, result) = samples(job, monitor)?;
     let exported = export(&job.path, &set, &context, &|progress| {
         monitor.follow(progress)
@@ -379,6 +384,9 @@ fn render_samples(
     files: &mut Vec<NamedBytes>,
     monitor: &Monitor,
 ) -> Result<What, WriteError> {
+    if let Some(solid) = &job.session.solid {
+        return space::render(job, solid, name, files, monitor);
+    }
     let (set, context, result) = samples(job, monitor)?;
     let exported = export_bytes(name, &set, &context, &|progress| monitor.follow(progress))?;
 

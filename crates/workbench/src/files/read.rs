@@ -13,12 +13,13 @@ use tilescope_debugger::{Debugger, PatternFile, Session as Saved, SessionError};
 use tilescope_formats::CERTIFICATE_SUFFIX;
 use tilescope_session::combining::{SavedCombination, make};
 use tilescope_session::encoding::as_json;
-use tilescope_session::ground::PortableGround;
+use tilescope_session::ground::{MAX_RECORDED, PortableGround};
 use tilescope_session::incoming::holds_combination;
 use tilescope_session::jobs::Monitor;
 use tilescope_session::nesting;
 use tilescope_session::recipe::{self, OwnPattern, Recipe, load};
 use tilescope_session::session::{Reporter, Session};
+use tilescope_session::solid;
 use tilescope_session::task::{SessionRef, Task};
 use tilescope_session::varying;
 use tilescope_session::words::last_part;
@@ -313,6 +314,10 @@ fn session(incoming: &Incoming, generation: u64, monitor: &Monitor) -> Made {
         return session_on_ground(incoming, saved, generation, monitor);
     }
 
+    if let Some(depth) = saved.depth {
+        return session_in_space(incoming, saved, depth, generation, monitor);
+    }
+
     let mut own = None;
     // The recording needs the pattern alone; the session also keeps the file that it came from.
     let mut loader = |file: &PatternFile| {
@@ -339,6 +344,49 @@ fn session(incoming: &Incoming, generation: u64, monitor: &Monitor) -> Made {
         ..Recipe::from(parameters)
     };
     let session = Session::from_recording(recording, generation).with(&recipe);
+
+    Ok(Done::Opened(Box::new(Opened {
+        path: incoming.name.clone(),
+        saved: SavedContent::Run(Box::new(saved)),
+        session,
+    })))
+}
+
+/// Makes the set in space of a saved session again.
+fn session_in_space(
+    incoming: &Incoming,
+    saved: Saved,
+    depth: f64,
+    generation: u64,
+    monitor: &Monitor,
+) -> Made {
+    let named = |error: &dyn std::fmt::Display| format!("{}: {error}", incoming.name);
+    let expected =
+        solid::expected_samples(&saved.parameters, depth).map_err(|error| named(&error))?;
+    // Larger sets have no events, so that none is saved.
+    if expected > MAX_RECORDED {
+        return Err(named(&SessionError::TooMuch {
+            what: "expected samples",
+            found: expected as usize,
+            limit: MAX_RECORDED as usize,
+        }));
+    }
+
+    let recipe = Recipe {
+        depth: Some(depth),
+        ..Recipe::from(saved.parameters)
+    };
+    let session = match solid::sample(&recipe, depth, generation, monitor) {
+        Ok(session) => session,
+        Err(error) if error.cancelled().is_some() => {
+            return Err("cancelled: the session was not opened".to_owned());
+        }
+        Err(error) => return Err(named(&error)),
+    };
+    // Another set than the saved one is refused here, and a saved moment beyond the end of this one.
+    if let Some(recording) = session.recording() {
+        Debugger::resume(&saved, Arc::clone(recording)).map_err(|error| named(&error))?;
+    }
 
     Ok(Done::Opened(Box::new(Opened {
         path: incoming.name.clone(),

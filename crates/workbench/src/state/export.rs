@@ -10,11 +10,12 @@ use tilescope_core::Stage;
 use tilescope_debugger::SavedScene;
 use tilescope_drawing::brushed::BrushedCause;
 use tilescope_drawing::picture::{Legend, MomentView, PictureView};
+use tilescope_formats::{Format, check_solid_format};
 use tilescope_session::jobs::Job;
 use tilescope_session::layers::Layers;
 use tilescope_session::selection::Selection;
 use tilescope_session::session::Session;
-use tilescope_session::words::{counted, grouped};
+use tilescope_session::words::{counted, grouped, sentence};
 
 use super::effects::{Context, Effect};
 use super::{RunView, State, Time};
@@ -167,6 +168,12 @@ impl Exports {
         let refusal = source.kind_refusal(form.kind);
         let of_name = || form.name_refusal().or_else(|| lacks_third(form, session));
         if let Some(refusal) = refusal.or_else(of_name) {
+            return Err(refusal);
+        }
+
+        if form.kind.is_set()
+            && let Some(refusal) = lacks_third(form, session)
+        {
             return Err(refusal);
         }
 
@@ -356,9 +363,6 @@ impl ExportSource<'_> {
         };
         // An animation shows events. The sets that never have any come first, as their refusals say why.
         match kind {
-            ExportKind::Result | ExportKind::Samples if session.solid.is_some() => {
-                Some(ExportRefusal::Solid)
-            }
             ExportKind::Animation if session.solid.is_some() && session.recording().is_none() => {
                 Some(ExportRefusal::SolidTime)
             }
@@ -542,6 +546,9 @@ fn check_measured(
     session: &Session,
     pictures: usize,
 ) -> Result<(), ExportRefusal> {
+    if form.analysis && session.solid.is_some() {
+        return Err(ExportRefusal::SolidAnalysis);
+    }
     let refusal = too_much(session, pictures).filter(|_| form.analysis);
     refusal.map_or(Ok(()), Err)
 }

@@ -58,6 +58,10 @@ impl SaveTask {
                 let mut saved = debugger.session();
                 saved.view = view;
                 saved.pattern = session.own.as_ref().map(|own| own.file.clone());
+                if let Some(solid) = &session.solid {
+                    // Insertion by darts is not what was asked for.
+                    (saved.parameters, saved.depth) = (solid.asked, Some(solid.depth()));
+                }
                 if let Some(made) = &session.ground {
                     // The field is made again from the parameters that were asked for, not from those of the run.
                     let (parameters, request) = &made.asked;
@@ -590,9 +594,7 @@ impl RunView {
         let files = "This combination has sets from files, which a saved session would not contain; keep its layout instead.";
         let image = "A run from an image, from a grid of radii or in a polygon of very many corners is not saved as a session, which would not contain it; an export of the set names it.";
         let levels = "Nested levels are not saved as a session: a link to them, or an export of the set, gives them again.";
-        let solid = "A set in space is not saved as a session: a link to it gives it again.";
         match &session.combination {
-            None if session.solid.is_some() => Some(solid),
             None if session.nested.is_some() => Some(levels),
             None if has_image(session) => Some(image),
             Some(combination) => (combination.files > 0).then_some(files),

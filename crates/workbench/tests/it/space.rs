@@ -6,17 +6,21 @@ use tilescope_core::{
     Boundary, Parameter, R, RunEvent, SolidDomain, Stage, Standing, Unobserved,
     Verdict as DartVerdict, solid_sample,
 };
+use tilescope_formats::{Overrides, certificate_path, export_solid_bytes, read_solid};
+use tilescope_session::incoming::NamedBytes;
 use tilescope_session::layers::{Layer, SessionKind};
 use tilescope_session::session::Session;
 use tilescope_session::solid::MadeSolid;
 use tilescope_session::verification::Witness;
+use tilescope_sets::{BallSize, SolidRecipe};
 use tilescope_workbench::command::{FormCommand, TimeCommand, ViewCommand, Which};
 use tilescope_workbench::draft::{Choice, FormPart};
-use tilescope_workbench::export::ExportKind;
-use tilescope_workbench::state::ExportSource;
+use tilescope_workbench::export::{ExportKind, ExportRefusal};
+use tilescope_workbench::files::FileCommand;
+use tilescope_workbench::state::{ExportSource, session_to_keep};
 use tilescope_workbench::{Command, State, link};
 
-use crate::exporting::notice_text;
+use crate::exporting::{fill_in, notice_text, write};
 
 /// The sides and the radius of the set: 12 x 11 x 10 r, some 970 balls.
 const BOX: [(Parameter, &str); 3] = [
@@ -219,9 +223,6 @@ fn what_has_no_meaning_in_space_says_so() {
     view(&mut planar, ViewCommand::StepPlane(1));
     assert!(notice_text(&planar).contains("a depth in the form"));
     assert_eq!(planar.runs().first.plane(), None);
-
-    let refusal = ExportSource::of(&state).kind_refusal(ExportKind::Samples);
-    assert!(refusal.expect("a refusal").to_string().contains("in space"));
 }
 
 #[test]
@@ -312,4 +313,102 @@ fn a_throw_says_how_many_cubes_the_plane_cuts() {
             None => assert_eq!(stage, Stage::Finish),
         }
     }
+}
+
+#[test]
+fn files_of_the_set_are_those_of_the_command() {
+    let mut state = made();
+    let folder = tempfile::tempdir().expect("a folder");
+    let recipe = SolidRecipe {
+        size: [6.0, 5.5, 5.0],
+        boundary: Boundary::Periodic,
+        seed: 1,
+        balls: BallSize::Radius(0.5),
+    };
+    let made = recipe.make(&mut Unobserved).expect("a set");
+    let go_on = |_| std::ops::ControlFlow::Continue(());
+    for name in ["balls.ply", "balls.npy", "balls.csv"] {
+        let path = folder.path().join(name);
+        write(&mut state, ExportKind::Result, &path, &[]);
+        let written = std::fs::read(&path).expect("the file");
+        let of_command = export_solid_bytes(name, &made.points, &made.context(), &go_on);
+        let of_command = of_command.expect("an export");
+        assert_eq!(written, of_command.data, "{name}");
+        let certificate = std::fs::read(certificate_path(&path)).expect("the certificate");
+        assert_eq!(certificate, of_command.certificate_bytes, "{name}");
+        assert!(of_command.verdict.valid());
+    }
+
+    // A moment has the first samples by their arrival.
+    let half = session(&state).recording().expect("events").len() / 2;
+    state.apply(Command::Time(TimeCommand::Jump(half)));
+    let path = folder.path().join("half.npy");
+    write(&mut state, ExportKind::Samples, &path, &[]);
+    let set = read_solid(&path, &Overrides::default(), None).expect("a set");
+    assert!(set.points.len() > 100 && set.points.len() < made.points.len());
+    assert_eq!(set.points, made.points[..set.points.len()]);
+
+    // A format without a third coordinate says so before anything is written.
+    let path = folder.path().join("balls.svg");
+    fill_in(&mut state, ExportKind::Result, &path, &[]);
+    let exports = &state.files().exports;
+    let refusal = exports.prospect(ExportSource::of(&state));
+    assert!(
+        matches!(refusal, Err(ExportRefusal::NotInSpace(_))),
+        "{refusal:?}"
+    );
+}
+
+#[test]
+fn the_picture_is_of_the_plane() {
+    let mut state = made();
+    let canvas = emath::Rect::from_min_size(emath::pos2(0.0, 0.0), emath::vec2(600.0, 500.0));
+    view(&mut state, ViewCommand::Viewport(canvas));
+    let folder = tempfile::tempdir().expect("a folder");
+    let mut pictures = Vec::new();
+    for place in [1.0, 3.0] {
+        view(&mut state, ViewCommand::Plane(place));
+        let path = folder.path().join(format!("plane-{place}.svg"));
+        write(&mut state, ExportKind::Picture, &path, &[]);
+        let picture = std::fs::read_to_string(&path).expect("a picture");
+        let shown = state.runs().first.shown().expect("a moment");
+        let cut = solid(&state).count_cut(shown.plane.expect("a plane"));
+        let said = format!("cuts {cut} of {} balls", shown.session.summary.count);
+        assert!(picture.contains(&said), "{said}");
+        pictures.push(picture);
+    }
+    assert_ne!(pictures[0], pictures[1]);
+}
+
+#[test]
+fn a_session_is_saved_and_opened_with_its_plane() {
+    let mut state = made();
+    let third = session(&state).recording().expect("events").len() / 3;
+    state.apply(Command::Time(TimeCommand::Jump(third)));
+    view(&mut state, ViewCommand::Plane(1.75));
+    let text = session_to_keep(&state).expect("a session");
+
+    let mut other = State::new(Arc::new(|| {}));
+    other.settle();
+    let files = vec![NamedBytes::new("balls.json", text.as_bytes())];
+    let dropped = FileCommand::DroppedBytes(files, Vec::new());
+    other.apply(Command::File(dropped));
+    other.settle();
+    let (run, before) = (&other.runs().first, &state.runs().first);
+    assert_eq!(run.plane(), before.plane());
+    assert_eq!(run.cursor(), before.cursor());
+    assert_eq!(session(&other).recipe(), session(&state).recipe());
+    assert_eq!(other.form().draft.depth, DEPTH);
+
+    // Another depth gives another set, which the saved digest refuses.
+    let damaged = text.replace("\"depth\": 5.0", "\"depth\": 5.5");
+    assert_ne!(damaged, text);
+    let files = vec![NamedBytes::new("balls.json", damaged.as_bytes())];
+    other.apply(Command::File(FileCommand::DroppedBytes(files, Vec::new())));
+    other.settle();
+    assert!(
+        notice_text(&other).contains("not the same run"),
+        "{}",
+        notice_text(&other)
+    );
 }
