@@ -26,6 +26,7 @@ mod density;
 mod divergence;
 mod event;
 mod expression;
+mod heights;
 mod index;
 mod kind;
 mod levels;

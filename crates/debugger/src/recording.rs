@@ -13,11 +13,11 @@ use tilescope_core::{
 
 use crate::context::{Context, NeighbourSearch};
 use crate::event::{Event, NONE};
+use crate::heights::Heights;
 use crate::index::{BySample, Classes, Direction};
 use crate::kind::EventKind;
 use crate::life::{Life, Status, UNBORN, note_change};
 use crate::ranks::RecordedLevels;
-use crate::space::Heights;
 use crate::tally::Density;
 use crate::tape::Tape;
 

@@ -7,30 +7,9 @@ use tilescope_core::{
 };
 
 use crate::event::Event;
+use crate::heights::Heights;
 use crate::recording::Recording;
 use crate::tape::Tape;
-
-/// How high the samples of a run in space lie.
-#[derive(Clone, Debug, PartialEq, Eq, serde::Serialize, serde::Deserialize)]
-pub struct Heights {
-    /// Where each sample lies along the third axis, in units.
-    all: Vec<i32>,
-    /// The third side of a periodic box, in units.
-    period: Option<i32>,
-}
-
-impl Heights {
-    /// Returns how far above a place of the third axis a sample lies, in units; around a periodic box by the shorter way.
-    fn above(&self, sample: u32, z: i32) -> Option<i32> {
-        let straight = self.all.get(sample as usize)? - z;
-        // A period has at least four radii, so that a longer way is never within one.
-        Some(match self.period {
-            Some(period) if straight > period / 2 => straight - period,
-            Some(period) if straight < -period / 2 => straight + period,
-            Some(_) | None => straight,
-        })
-    }
-}
 
 impl Recording {
     /// Makes a set of balls by darts, and records it with about `budget` events at most; returns the lowest places of the

@@ -10,9 +10,9 @@ use tilescope_gpu::{Gpu, GpuError, GpuSweep, Stepper, exact_on_gpu};
 
 use crate::jobs::Monitor;
 use crate::nesting;
+use crate::packing;
 use crate::recipe::Recipe;
 use crate::session::{Failure, MakeError, Reporter, Session, keeps_everything};
-use crate::solid;
 use crate::stippling;
 use crate::task::{self, SessionRef, Task};
 use crate::varying;
@@ -36,7 +36,7 @@ impl Task for SampleTask {
     fn run(self, monitor: &Monitor) -> Made {
         let Self { recipe, generation } = &self;
         if let Some(depth) = recipe.depth {
-            return solid::sample(recipe, depth, *generation, monitor);
+            return packing::sample(recipe, depth, *generation, monitor);
         }
         if let Some(request) = &recipe.ground {
             return match &request.stipple {

@@ -2,24 +2,12 @@
 //! projections to x and y, in the order of arrival, and here what the projection lacks. Begin with [`MadeSolid`].
 
 use std::cmp::Ordering;
-use std::sync::Arc;
 
 use serde::{Deserialize, Serialize};
-use tilescope_analysis::{
-    Boundary as JudgedBoundary, Region, Report, SolidRegion, SolidVerdict, VerifyOptions,
-    measure_solid, verify_solid,
-};
-use tilescope_core::{
-    Boundary, Domain, Parameters, Point, R, Run, SampleError, SolidDomain, solid_sample_parallel,
-};
-use tilescope_debugger::{DEFAULT_BUDGET, Recording};
+use tilescope_analysis::{Boundary as JudgedBoundary, Region, Report, SolidRegion, SolidVerdict};
+use tilescope_core::{Boundary, Domain, Parameters, R, Run, SampleError, SolidDomain};
 
-use crate::ground::MAX_RECORDED;
-use crate::jobs::Monitor;
-use crate::recipe::Recipe;
-use crate::session::{MakeError, Reporter, Session};
 use crate::units;
-use crate::verification::{SpaceWitness, Verdict};
 use crate::words::{counted, grouped, significant};
 
 /// About how many samples a large set in space has to a cubed radius: the density at which random packings of spheres jam.
@@ -73,7 +61,7 @@ impl Cut {
 }
 
 impl MadeSolid {
-    fn new(
+    pub(crate) fn new(
         asked: Parameters,
         domain: SolidDomain,
         heights: Vec<i32>,
@@ -272,7 +260,7 @@ impl MadeSolid {
 }
 
 /// Returns the box of these parameters with a third side.
-fn box_of(parameters: &Parameters, depth: f64) -> Result<SolidDomain, SampleError> {
+pub(crate) fn box_of(parameters: &Parameters, depth: f64) -> Result<SolidDomain, SampleError> {
     let Parameters {
         width,
         height,
@@ -299,90 +287,13 @@ pub fn expected_samples(parameters: &Parameters, depth: f64) -> Result<f64, Samp
 
 /// Returns the domain of the projections. It has the lattice of the box, and asks for longer sides: the window draws each
 /// sample with one image on each side.
-fn planar_domain(parameters: &Parameters) -> Result<Domain, SampleError> {
+pub(crate) fn planar_domain(parameters: &Parameters) -> Result<Domain, SampleError> {
     let size = [parameters.width, parameters.height];
     Ok(Domain::from_size(
         size,
         parameters.radius,
         parameters.boundary,
     )?)
-}
-
-/// Makes the set in space that a recipe asks for, of this depth: with its events, unless it has more than
-/// [`MAX_RECORDED`] samples.
-///
-/// Fails as [`expected_samples`], where there is not enough memory, and when `monitor` is cancelled.
-pub fn sample(
-    recipe: &Recipe,
-    depth: f64,
-    generation: u64,
-    monitor: &Monitor,
-) -> Result<Session, MakeError> {
-    let asked = recipe.parameters;
-    let planar = planar_domain(&asked)?;
-    let domain = box_of(&asked, depth)?;
-    let observer = &mut Reporter { monitor };
-
-    // Few enough samples are recorded dart by dart.
-    if expected_samples(&asked, depth)? <= MAX_RECORDED {
-        let made = Recording::in_space(domain, planar, &asked, DEFAULT_BUDGET, observer);
-        let (recording, cubes) = made?;
-        let heights = recording.heights().unwrap_or_default().to_vec();
-        let solid = MadeSolid::new(asked, domain, heights, cubes);
-        let recording = Arc::new(recording);
-        let session = observer.prepare(|| Session::from_recording(recording, generation));
-        return Ok(session?.in_space(solid));
-    }
-
-    // The samples are those of one thread, bit for bit.
-    let places = solid_sample_parallel(domain, asked.seed, observer)?;
-    let points = places.iter().map(|&[x, y, _]| Point::new(x, y)).collect();
-    let heights = places.iter().map(|&[.., z]| z).collect();
-    let solid = MadeSolid::new(asked, domain, heights, Vec::new());
-    let run = Run::of_points(asked, planar, points);
-    let session = observer.prepare(|| Session::from_run(run, generation));
-    Ok(session?.in_space(solid))
-}
-
-/// A valid set is judged once more with a radius that is larger than its smallest distance by this share, so that its closest
-/// pair is named.
-const HAIR: f64 = 1e-9;
-
-/// Judges the set by cubes and by circles, and measures its covering radius. The report has lengths as those of planar
-/// sets, and as density that of space.
-///
-/// Fails when the verifier refuses the set or `monitor` is cancelled.
-pub fn verdict(session: &Session, solid: &MadeSolid, monitor: &Monitor) -> Result<Verdict, String> {
-    let points = solid.positions(session.run());
-    let (region, radius) = (solid.region(), session.run().domain.radius());
-    let control = |progress| monitor.follow(progress);
-    let options = VerifyOptions {
-        // Along a short side a unit is longer than elsewhere; the box's own bound counts it.
-        covering_tolerance: solid.domain.covering_bound() / radius - 1.0,
-        ..VerifyOptions::default()
-    };
-    let is_prefix = false;
-    let found = measure_solid(&points, region, radius, is_prefix, &options, &control)
-        .map_err(|error| error.to_string())?;
-
-    let mut closest = found.report.worst_conflicts.first().copied();
-    let least = found.report.min_distance;
-    if closest.is_none() && least.is_finite() {
-        // With a radius just above the smallest distance the closest pair is a conflict, which the judge names.
-        let sharper = verify_solid(&points, region, least * (1.0 + HAIR), &options, &control)
-            .map_err(|error| error.to_string())?;
-        closest = sharper.worst_conflicts.first().copied();
-    }
-
-    let gap = found.report.first_gaps.first().copied();
-    Ok(Verdict {
-        report: planar_report(found),
-        claim: None,
-        stipple: None,
-        closest,
-        largest: None,
-        space: Some(SpaceWitness { gap }),
-    })
 }
 
 /// Returns the report on a set in space in the form of those on planar sets.

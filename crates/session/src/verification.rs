@@ -5,7 +5,7 @@ use glam::DVec2;
 
 use tilescope_analysis::{
     Conflict, Gap, JudgeChoice, PrefixClaim, Region, Report, SolidGap, VerifyError, VerifyOptions,
-    verify,
+    measure_solid, verify, verify_solid,
 };
 
 use tilescope_sets::region;
@@ -13,6 +13,7 @@ use tilescope_sets::region;
 use crate::ground::MadeGround;
 use crate::jobs::Monitor;
 use crate::session::Session;
+use crate::solid::{MadeSolid, planar_report};
 use crate::task::{SessionRef, Task};
 
 /// Which witness of a verdict to show.
@@ -159,6 +160,47 @@ impl Verdict {
         })
     }
 
+    /// Judges the set by cubes and by circles, and measures its covering radius. The report has lengths as those of planar
+    /// sets, and as density that of space.
+    ///
+    /// Fails when the verifier refuses the set or `monitor` is cancelled.
+    pub fn in_space(
+        session: &Session,
+        solid: &MadeSolid,
+        monitor: &Monitor,
+    ) -> Result<Self, String> {
+        let points = solid.positions(session.run());
+        let (region, radius) = (solid.region(), session.run().domain.radius());
+        let control = |progress| monitor.follow(progress);
+        let options = VerifyOptions {
+            // Along a short side a unit is longer than elsewhere; the box's own bound counts it.
+            covering_tolerance: solid.domain.covering_bound() / radius - 1.0,
+            ..VerifyOptions::default()
+        };
+        let is_prefix = false;
+        let found = measure_solid(&points, region, radius, is_prefix, &options, &control)
+            .map_err(|error| error.to_string())?;
+
+        let mut closest = found.report.worst_conflicts.first().copied();
+        let least = found.report.min_distance;
+        if closest.is_none() && least.is_finite() {
+            // With a radius just above the smallest distance the closest pair is a conflict, which the judge names.
+            let sharper = verify_solid(&points, region, least * (1.0 + HAIR), &options, &control)
+                .map_err(|error| error.to_string())?;
+            closest = sharper.worst_conflicts.first().copied();
+        }
+
+        let gap = found.report.first_gaps.first().copied();
+        Ok(Self {
+            report: planar_report(found),
+            claim: None,
+            stipple: None,
+            closest,
+            largest: None,
+            space: Some(SpaceWitness { gap }),
+        })
+    }
+
     /// Returns whether no two samples are closer than they may be.
     #[must_use]
     pub fn conflict_free(&self) -> bool {
@@ -237,7 +279,7 @@ impl Task for VerifyTask {
         let session = &self.session;
         let run = session.run();
         if let Some(made) = &session.solid {
-            return crate::solid::verdict(session, made, monitor);
+            return Verdict::in_space(session, made, monitor);
         }
         if let Some(made) = &session.ground {
             let mut points = run.positions();

@@ -17,6 +17,7 @@ use tilescope_session::ground::{MAX_RECORDED, PortableGround};
 use tilescope_session::incoming::holds_combination;
 use tilescope_session::jobs::Monitor;
 use tilescope_session::nesting;
+use tilescope_session::packing;
 use tilescope_session::recipe::{self, OwnPattern, Recipe, load};
 use tilescope_session::session::{Reporter, Session};
 use tilescope_session::solid;
@@ -376,7 +377,7 @@ fn session_in_space(
         depth: Some(depth),
         ..Recipe::from(saved.parameters)
     };
-    let session = match solid::sample(&recipe, depth, generation, monitor) {
+    let session = match packing::sample(&recipe, depth, generation, monitor) {
         Ok(session) => session,
         Err(error) if error.cancelled().is_some() => {
             return Err("cancelled: the session was not opened".to_owned());

@@ -1,0 +1,49 @@
+//! Makes sets of balls in space, whose projections are the samples of a planar run. Begin with [`sample`]; `solid.rs` has what
+//! the projection lacks.
+
+use std::sync::Arc;
+
+use tilescope_core::{Point, Run, solid_sample_parallel};
+use tilescope_debugger::{DEFAULT_BUDGET, Recording};
+
+use crate::ground::MAX_RECORDED;
+use crate::jobs::Monitor;
+use crate::recipe::Recipe;
+use crate::session::{MakeError, Reporter, Session};
+use crate::solid::{MadeSolid, box_of, expected_samples, planar_domain};
+
+/// Makes the set in space that a recipe asks for, of this depth: with its events, unless it has more than
+/// [`MAX_RECORDED`] samples.
+///
+/// Fails as [`expected_samples`], where there is not enough memory, and when `monitor` is cancelled.
+pub fn sample(
+    recipe: &Recipe,
+    depth: f64,
+    generation: u64,
+    monitor: &Monitor,
+) -> Result<Session, MakeError> {
+    let asked = recipe.parameters;
+    let planar = planar_domain(&asked)?;
+    let domain = box_of(&asked, depth)?;
+    let observer = &mut Reporter { monitor };
+
+    // Few enough samples are recorded dart by dart.
+    if expected_samples(&asked, depth)? <= MAX_RECORDED {
+        let made = Recording::in_space(domain, planar, &asked, DEFAULT_BUDGET, observer);
+        let (recording, cubes) = made?;
+        let heights = recording.heights().unwrap_or_default().to_vec();
+        let solid = MadeSolid::new(asked, domain, heights, cubes);
+        let recording = Arc::new(recording);
+        let session = observer.prepare(|| Session::from_recording(recording, generation));
+        return Ok(session?.in_space(solid));
+    }
+
+    // The samples are those of one thread, bit for bit.
+    let places = solid_sample_parallel(domain, asked.seed, observer)?;
+    let points = places.iter().map(|&[x, y, _]| Point::new(x, y)).collect();
+    let heights = places.iter().map(|&[.., z]| z).collect();
+    let solid = MadeSolid::new(asked, domain, heights, Vec::new());
+    let run = Run::of_points(asked, planar, points);
+    let session = observer.prepare(|| Session::from_run(run, generation));
+    Ok(session?.in_space(solid))
+}
