@@ -391,6 +391,7 @@ impl Debugger {
             } else {
                 VERSION_OF_KDRT
             },
+
             parameters: self.recording.run().parameters,
             budget: self.budget,
             digest: digest(self.recording.run()),

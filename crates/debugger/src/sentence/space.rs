@@ -75,6 +75,7 @@ impl Words<'_> {
             (true, Verdict::Accepted) => {
                 format!("the dart at {at} is still uncovered when its turn comes")
             }
+
             (_, Verdict::Covered { .. }) => {
                 let what = if ranked {
                     "the dart at"
@@ -96,6 +97,7 @@ impl Words<'_> {
                     grouped(by.into())
                 )
             }
+
             (_, Verdict::Outside) => {
                 format!("a dart at {at} lands outside the box and is discarded")
             }

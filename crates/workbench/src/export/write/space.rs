@@ -72,6 +72,7 @@ pub(super) fn write(
         context,
         is_result,
     } = SolidExport::of(job, solid, monitor)?;
+
     let control = |progress| monitor.follow(progress);
     let SolidExported {
         certificate_path,
