@@ -32,6 +32,8 @@ pub enum Making {
     Reference,
     /// It is a set of balls ([`crate::solid_sample`]).
     Solid,
+    /// Its radius varies, or it covers a shape ([`crate::varying_sample`]).
+    Varying,
 }
 
 impl Making {
@@ -46,6 +48,8 @@ impl Making {
             Self::Exact => 190.0,
             Self::Reference => 80.0,
             Self::Solid => 500.0,
+            // Measured at a contrast of 1:16; 400 with one radius.
+            Self::Varying => 800.0,
         }
     }
 }

@@ -161,7 +161,7 @@ impl VaryingRecipe {
     ) -> Result<Made, VaryingError> {
         let ground = self.ground_of(radius)?;
         // Memory is asked for before it is needed: a program ends at once when an allocation fails.
-        let bytes = Making::Reference.bytes_a_sample();
+        let bytes = Making::Varying.bytes_a_sample();
         ask_for(self.expected(radius)?, bytes).map_err(SampleError::from)?;
         let points = varying_sample(&ground.field, &ground.shape, self.seed, observer)?;
         // Every place of the shape is covered, so that only an empty shape has no sample.

@@ -113,11 +113,13 @@ impl Parcels {
         // No base cell is wider than the octave of the largest radius.
         let bits = greatest.max(least + PARCEL_BITS);
 
-        let squares: Vec<Cell> = tiling_cells(&field.domain().rect(), 1 << bits).collect();
+        // The rectangle of a bounded domain is a unit wider than the domain, as it has the far border, too.
+        let rect = field.domain().rect();
+        let squares: Vec<Cell> = tiling_cells(&rect, 1 << bits).collect();
         let parcel = |&square: &Cell| Parcel::new(square, surroundings);
         Self {
             bits,
-            columns: ((field.domain().width() - 1) >> bits) as usize + 1,
+            columns: ((rect.width() - 1) >> bits) as usize + 1,
             all: squares.par_iter().map(parcel).collect(),
         }
     }
@@ -160,7 +162,8 @@ impl Parcels {
     fn hand_out(&mut self, domain: &Domain, dart: &OpenDart) {
         // A reach is at most twice a radius, whatever the other one is.
         let reach = 2 * i64::from(dart.radius);
-        let [width, height] = [domain.width(), domain.height()].map(i64::from);
+        let rect = domain.rect();
+        let [width, height] = [rect.width(), rect.height()].map(i64::from);
         let is_periodic = domain.is_periodic();
 
         for (y, [first_row, last_row]) in images(dart.at.y, reach, height, self.bits, is_periodic) {

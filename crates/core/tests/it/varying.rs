@@ -391,6 +391,22 @@ fn a_large_domain_has_the_recorded_set() {
     }
 }
 
+/// The far border of such a domain has parcels of its own, a unit wide.
+#[test]
+fn a_domain_that_ends_with_a_parcel_has_the_recorded_set() {
+    let domain = Domain::from_size([32.0, 16.0], 1.0, Boundary::Bounded).unwrap();
+    let field = RadiusField::constant(domain, R + 9_000).unwrap();
+    let locality = Arc::new(Locality {
+        field,
+        shape: Shape::rectangle(),
+    });
+    let (parameters, mut events) = (Parameters::default(), tilescope_core::Unrecorded);
+    let recorded = varying_recorded(&locality, &parameters, &mut Unobserved, &mut events).unwrap();
+    let Locality { field, shape } = &*locality;
+    let sample = varying_sample(field, shape, parameters.seed, &mut Unobserved).unwrap();
+    assert_eq!(sample, recorded.samples.points);
+}
+
 #[test]
 fn with_one_radius_the_set_is_that_of_the_reference_sampler() {
     for boundary in [Boundary::Periodic, Boundary::Bounded] {

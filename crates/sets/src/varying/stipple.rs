@@ -220,7 +220,7 @@ impl StippleRecipe {
         let recipe = self.recipe(image, black);
         let ground = recipe.ground()?;
         // Memory is asked for before it is needed: a program ends at once when an allocation fails.
-        let bytes = Making::Reference.bytes_a_sample();
+        let bytes = Making::Varying.bytes_a_sample();
         ask_for(self.dots as f64, bytes).map_err(SampleError::from)?;
 
         let points = if self.runs_on {
