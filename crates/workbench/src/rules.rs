@@ -174,11 +174,7 @@ const fn form(command: &FormCommand) -> Rules {
     let undo = match command {
         // Whether runs begin by themselves is no parameter of a run.
         FormCommand::Live(_) => None,
-        // Neither is the brush, and a saved file changes nothing. A dab issues its stroke.
-        FormCommand::Paint(
-            PaintCommand::Tool(_) | PaintCommand::Brush(_) | PaintCommand::Dab | PaintCommand::Save,
-        ) => None,
-        FormCommand::Paint(PaintCommand::Stroke(_) | PaintCommand::Reset) => Some(UndoPart::Form),
+        FormCommand::Paint(command) => paint(command),
         FormCommand::Type(..)
         | FormCommand::Nudge(..)
         | FormCommand::Count(_)
@@ -203,6 +199,17 @@ const fn form(command: &FormCommand) -> Rules {
         reveals: true,
         ends_tour: true,
         ..VIEW
+    }
+}
+
+/// Returns what undo restores after a command of the brush.
+const fn paint(command: &PaintCommand) -> Option<UndoPart> {
+    match command {
+        PaintCommand::Stroke(_) | PaintCommand::Reset => Some(UndoPart::Form),
+        // The brush is no parameter of a run, a saved file changes nothing, and a dab issues its stroke.
+        PaintCommand::Tool(_) | PaintCommand::Brush(_) | PaintCommand::Dab | PaintCommand::Save => {
+            None
+        }
     }
 }
 

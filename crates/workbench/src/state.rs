@@ -261,8 +261,8 @@ impl State {
         // `on` and `with_of` lend them for one of the runs, and `in_scenes`, `in_class` and `in_exports` lend what
         // scenes, lessons and exports need.
         match command {
-            Command::Form(FormCommand::Paint(PaintCommand::Dab)) => self.paint_dab(),
-            Command::Form(FormCommand::Paint(PaintCommand::Tool(true))) => self.choose_brush(),
+            Command::Form(FormCommand::Paint(PaintCommand::Dab)) => paint_dab(self),
+            Command::Form(FormCommand::Paint(PaintCommand::Tool(true))) => choose_brush(self),
             Command::Form(command) => self.with(|s, c| s.form.apply(command, c)),
             Command::Gpu(command) => self.with(|s, c| s.gpu.apply(command, c)),
             Command::Run => self.run(),
@@ -323,29 +323,6 @@ impl State {
             }
             Command::Link(LinkCommand::Open(text)) => self.open_link(&text),
         }
-    }
-
-    /// Takes the brush, and shows the field that it changes.
-    fn choose_brush(&mut self) {
-        let tool = FormCommand::Paint(PaintCommand::Tool(true));
-        self.with(|s, c| s.form.apply(tool, c));
-        let stage = self.runs.first.current_stage();
-        if self.form.paints && !self.appearance.layers(stage).has(Layer::Field) {
-            let command = AppearanceCommand::ToggleLayer(Layer::Field);
-            self.appearance.apply(command, stage);
-        }
-    }
-
-    /// Paints a dab in the middle of the view of the first run.
-    fn paint_dab(&mut self) {
-        let run = &self.runs.first;
-        let Some(session) = &run.session else {
-            return;
-        };
-        // The view is in r, and the brush in the unit of the domain, which the radii of a field do not change.
-        let place = run.camera.center * session.run().domain.radius();
-        let stroke = PaintCommand::Stroke(vec![place.to_array()]);
-        self.apply(Command::Form(FormCommand::Paint(stroke)));
     }
 
     /// Adds a step to undo for `command`, if it changed something since `before`.
@@ -424,6 +401,30 @@ mod unfinished;
 mod view;
 mod window;
 mod work;
+
+/// Takes the brush, and shows the field that it changes.
+fn choose_brush(state: &mut State) {
+    let tool = FormCommand::Paint(PaintCommand::Tool(true));
+    state.with(|s, c| s.form.apply(tool, c));
+
+    let stage = state.runs.first.current_stage();
+    if state.form.paints && !state.appearance.layers(stage).has(Layer::Field) {
+        let command = AppearanceCommand::ToggleLayer(Layer::Field);
+        state.appearance.apply(command, stage);
+    }
+}
+
+/// Paints a dab in the middle of the view of the first run.
+fn paint_dab(state: &mut State) {
+    let run = &state.runs.first;
+    let Some(session) = &run.session else {
+        return;
+    };
+    // The view is in r, and the brush in the unit of the domain, which the radii of a field do not change.
+    let place = run.camera.center * session.run().domain.radius();
+    let stroke = PaintCommand::Stroke(vec![place.to_array()]);
+    state.apply(Command::Form(FormCommand::Paint(stroke)));
+}
 
 /// Returns whether a target is looked for as something at a place, to which the camera then goes. A line, a kind of
 /// event and the events of a given sample are not: the camera stays.

@@ -213,6 +213,7 @@ impl PaintedRadii {
             .iter()
             .copied()
             .zip(path.iter().skip(1).copied().chain(last));
+
         let to_segment = |(from, to): ([f64; 2], [f64; 2])| {
             let from_here = [0, 1].map(|axis| wrapped(at[axis] - from[axis], self.size[axis]));
             let along = [0, 1].map(|axis| to[axis] - from[axis]);
@@ -256,6 +257,7 @@ fn pixels(recipe: &VaryingRecipe, size: [f64; 2]) -> Result<[usize; 2], VaryingE
             None
         }
     };
+
     let is_small = |pixels: &[usize; 2]| pixels.iter().all(|count| *count <= MAX_OWN_PIXELS);
     if let Some(pixels) = of_image.filter(is_small) {
         return Ok(pixels);
