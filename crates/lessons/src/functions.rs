@@ -742,8 +742,8 @@ fn register_samples(engine: &mut Engine, now: &Arc<Now>) {
 }
 
 /// Registers what expressions ask of the set at the moment: conflicts, gaps, places and measures. Lengths are in r, and
-/// a place on the edge of a disk is covered. Disks and gaps are those of r, even in a field of radii; "refusers",
-/// "packed" and "open_places" go by the radius of the field.
+/// a place on the edge of a disk is covered. Disks and gaps are those of r, even in a field of radii; `refusers`,
+/// `packed` and `open_places` go by the radius of the field.
 fn register_sets(engine: &mut Engine, now: &Arc<Now>) {
     functions! { engine, now;
         "samples": |now| now.set().map(|set| set.points.len() as i64);
