@@ -30,8 +30,8 @@ pub struct RankReport {
     pub below: f64,
     /// The claim about the samples that are kept, and the report on them.
     pub kept: PrefixReport,
-    /// How many samples of the whole set have a rank outside of the part of [0, 1) that their level has, or none: samples behind
-    /// the last level belong to no part, and of those that the levels state and the set lacks there is no rank.
+    /// How many samples of the whole set have a rank outside of the part of [0, 1) that their level has, lie behind the
+    /// last level, or are stated by the levels and missing from the set.
     pub misplaced: u64,
 }
 

@@ -34,7 +34,7 @@ fn to_text(rates: &GpuRates, gpu: &Gpu, arguments: &BenchArguments) -> String {
         "method                             samples Msamples/s    ratio  equal  valid\n".to_owned();
 
     for row in &rates.rows {
-        // Only sets made from scratch have no leaf, and this bench makes none.
+        // Only sets that are not tiled have no leaf, and this bench makes none.
         let leaf = row.leaf.unwrap_or_default();
         let (name, equal) = match row.engine {
             // This bench has rows of two engines. Only the GPU's set is compared, with that of the threads.

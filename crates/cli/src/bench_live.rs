@@ -28,6 +28,7 @@ pub fn run(arguments: &BenchArguments) -> Result<u8> {
     Ok(EXIT_FINE)
 }
 
+/// Times each motion through a run of each size, without and with the analysis. Returns a row for each of these.
 fn measured() -> Result<Vec<Timed>> {
     let mut rows = Vec::new();
     // Each motion has a row with the analysis and one without it.

@@ -258,7 +258,8 @@ fn own_radii(arguments: &DrawArguments, read: &ReadSet) -> Result<Option<Vec<f64
     if arguments.no_disks || (set.radius.is_some() && !ground.is_given()) {
         return Ok(None);
     }
-    // The column is certified with the file, whose digest is compared, and needs no field.
+    // Radii in a column need no field. If there is a certificate, they are certified with the file, whose digest is
+    // compared.
     if let (Some(radii), false) = (&read.radii, ground.is_given()) {
         return Ok(Some(radii.clone()));
     }
@@ -305,7 +306,8 @@ fn exposed(set: &PointSet, region: Region, radius: Option<f64>) -> Result<Vec<(u
         .collect())
 }
 
-/// Returns the part of the domain to draw, whose lower corner lies at `origin` in the units of the file.
+/// Returns the part of the domain to draw, whose lower corner lies at `origin` in the units of the file; `None`, for
+/// the whole domain, if no part is given.
 fn window(given: Option<&[f64]>, region: &Region, origin: [f64; 2]) -> Result<Option<Rect>> {
     let Some(&[x0, y0, x1, y1]) = given else {
         return Ok(None);

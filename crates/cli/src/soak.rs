@@ -128,7 +128,8 @@ impl Tally {
     }
 }
 
-/// Makes and checks random runs until there are enough samples, or too many faults.
+/// Makes and checks random runs until there are enough samples, or too many faults; with `--round` makes that round
+/// alone.
 pub fn run(arguments: &SoakArguments) -> Result<u8> {
     interrupt::listen();
     arguments.threads.set()?;
@@ -382,8 +383,8 @@ fn round_or_fault(arguments: &SoakArguments, index: u64) -> Tally {
     }
 }
 
-/// Makes a run with every engine and as windows, compares the sets, and verifies that of the sequential engine. Some
-/// rounds make nested levels as well.
+/// Makes a run with the sequential and the parallel engine and as windows, compares the sets, and verifies that of the
+/// sequential engine. Some rounds make nested levels as well.
 fn round(parameters: &Parameters, dice: &Dice, verify: &VerifyOptions) -> Result<Tally> {
     let pattern = Pattern::of_spec(&parameters.pattern, &mut Unobserved)?;
     let run =
@@ -444,7 +445,8 @@ fn faults_of(checks: &[(bool, &str)]) -> String {
     failed.map(|(_, fault)| *fault).collect()
 }
 
-/// Compares windows of random sizes, which `made` makes, with the whole set.
+/// Returns whether windows of random sizes, which `made` makes, have the samples of the whole set. Windows that the
+/// domain refuses are left out.
 fn windows_agree(
     domain: &Domain,
     points: &[Point],

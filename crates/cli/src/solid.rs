@@ -47,7 +47,8 @@ pub fn is_in_space(set: &SetArguments, file: &Path) -> bool {
 }
 
 /// Returns the values that override the certificate of a set in space, but for the depth, which readers of such sets
-/// take beside them. Without a certificate, a width and a height that are not given are 1, and the box is periodic.
+/// take beside them. Without the certificate of a set in space, a width and a height that are not given are 1, and a
+/// box without a given boundary is periodic.
 fn overrides(set: &SetArguments, file: &Path) -> Result<Overrides> {
     refuse(
         &[
@@ -58,7 +59,7 @@ fn overrides(set: &SetArguments, file: &Path) -> Result<Overrides> {
         PLANAR,
     )?;
 
-    // A width, a height or a boundary that is not given is that of the certificate, if there is one.
+    // A width, a height or a boundary that is not given is that of the certificate, if it is of a set in space.
     let stated = solid_certificate(file).filter(|_| !set.no_certificate);
     let is_given = set.width.is_some() || set.height.is_some() || set.boundary.is_some();
     let of_stated = stated.map(|stated| stated.region);

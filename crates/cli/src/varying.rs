@@ -62,7 +62,7 @@ fn refuse_tiling(arguments: &SampleArguments) -> Result<()> {
         "--pattern: {why}; leave it out"
     );
     arguments.engine.check_on_cpu("the reference sampler")?;
-    // Only a typed option is refused, as all have defaults.
+    // Only a typed option is refused: one that is not typed may have a value all the same, its default.
     match arguments
         .run
         .typed

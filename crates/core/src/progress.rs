@@ -18,7 +18,7 @@ pub struct Progress {
 
 /// Receives progress and may stop the run.
 pub trait Observer {
-    /// Called when a stage begins, every few thousand pieces of work, and when it ends. `Break`
+    /// Called when a stage begins, after about every 16,000 pieces of work, and when it ends. `Break`
     /// stops the run at once with [`SampleError::Cancelled`].
     fn observe(&mut self, progress: Progress) -> ControlFlow<()>;
 }

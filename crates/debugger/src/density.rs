@@ -7,7 +7,7 @@ use crate::recording::{Recording, STRIDE};
 use crate::tally::Density;
 
 /// Returns the counts of `buckets` equally long parts of a range of events, which is cut off at the end of the
-/// tape. At most 1024 events are read for a bucket.
+/// tape. At most 1024 events are read for each bound of a bucket.
 #[must_use]
 pub fn density(recording: &Recording, range: Range<usize>, buckets: usize) -> Vec<Density> {
     let end = range.end.min(recording.len());

@@ -48,7 +48,8 @@ pub enum Divergence {
     Stage {
         /// The first stage at which they differ.
         stage: Stage,
-        /// The point at which they differ; of several the lowest.
+        /// The point at which they differ. Of several samples, candidates or cells the lowest is named; of blocks, and
+        /// where only the order of the result differs, the first.
         #[serde(rename = "place")]
         point: Option<Point>,
         /// A description of the first run there.

@@ -1,5 +1,5 @@
 //! Indices of the events on a tape: by sample, and by class (kind, line, and whether the event is a detail). With them
-//! a run to a line, a kind or a sample takes a few binary searches.
+//! a run to a line, a kind or a sample takes one binary search for each class that is meant, or for the sample.
 
 use std::ops::Range;
 
@@ -88,7 +88,7 @@ impl Classes {
     }
 
     /// Returns the nearest event after (or before) the one at `cursor` of the classes that `wanted`
-    /// accepts; it is asked about one event of each class.
+    /// accepts, if there is one; it is asked about one event of each class.
     pub(crate) fn nearest(
         &self,
         cursor: usize,
@@ -107,7 +107,7 @@ impl Classes {
     }
 }
 
-/// Returns the nearest entry of a sorted list after (or before) a cursor.
+/// Returns the nearest entry of a sorted list after (or before) a cursor, if there is one.
 pub(crate) fn nearest(events: &[u32], cursor: usize, direction: Direction) -> Option<usize> {
     let index = match direction {
         Direction::Forwards => events.partition_point(|&event| event as usize <= cursor),

@@ -304,14 +304,14 @@ pub fn block(recording: &Recording, event: &Event) -> Option<u32> {
     }
 }
 
-/// Returns the shortest way between two samples, in r.
+/// Returns the shortest way between two samples, in r, if the recording has both.
 pub(crate) fn distance(recording: &Recording, a: u32, b: u32) -> Option<f64> {
     let (a, b) = (recording.point(a)?, recording.point(b)?);
     let squared = recording.domain().distance_squared(a, b) as f64;
     Some(squared.sqrt() / f64::from(R))
 }
 
-/// Returns the name of the verdict of an event that examines a point.
+/// Returns the name of the verdict of an event that examines a point; `None` for other events.
 #[must_use]
 pub fn verdict_name(event: &Event) -> Option<&'static str> {
     let (RunEvent::Candidate { verdict, .. } | RunEvent::Dart { verdict, .. }) =
@@ -394,7 +394,8 @@ fn parse_word(word: &str) -> Result<Term, QueryError> {
 }
 
 impl Word<'_> {
-    /// Returns the term of the comparison; the error names the part of the word that is wrong.
+    /// Returns the term of the comparison. The error names the word and, unless only its sign is wrong, the part of it
+    /// that is wrong.
     fn term(&self) -> Result<Term, QueryError> {
         match self.name {
             // Names and samples can only be equal or not, which `same` returns; numbers and distances have an order, too.

@@ -145,7 +145,7 @@ impl Arc {
 }
 
 /// Draws a dashed circle with dashes and gaps of about these lengths, in screen points: a whole number of both goes
-/// around.
+/// around. Those of very small and of very large circles have other lengths.
 pub(crate) fn dashed_circle(
     surface: &mut impl Surface,
     center: Pos2,
@@ -154,7 +154,8 @@ pub(crate) fn dashed_circle(
     stroke: Stroke,
 ) {
     let around = std::f32::consts::TAU * radius;
-    // A circle far larger than the window would need very many dashes. Both limits are chosen, not measured.
+    // Fewer than four dashes would not show a circle, and one far larger than the window would need very many. Both
+    // limits are chosen, not measured.
     let count = (around / (dash + gap)).round().clamp(4.0, 720.0);
     let step = std::f32::consts::TAU / count;
 

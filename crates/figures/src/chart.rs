@@ -208,7 +208,7 @@ pub enum ChartError {
         /// Places of the series.
         expected: usize,
     },
-    /// A range of an axis or of shades does not rise, or an image's axis has none.
+    /// A range of an axis or of shades does not rise, or an axis that needs one has none.
     #[error("the range of \"{0}\" is missing or does not rise")]
     Range(String),
     /// The values of an image do not fill its rows, or are too many.

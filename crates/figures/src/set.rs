@@ -112,7 +112,8 @@ fn laid_out<E>(
     let mut inserted = canvas.group("inserted");
     for (index, &point) in points.iter().enumerate() {
         step()?;
-        // A mark is as large as the canvas's radius makes it.
+        // A mark is as large as the canvas's radius makes it; at a radius of 0, which stands for an unknown one,
+        // it has a usual size.
         canvas.radius = set.radii.of(index);
         let block = set.block_of.as_ref().map(|of| of[index]);
         match block {

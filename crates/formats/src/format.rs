@@ -129,8 +129,8 @@ impl Format {
         )
     }
 
-    /// Whether a file is a head and then a row for each point, so that it can be written and read while the
-    /// points pass by.
+    /// Whether files can be written and read here while the points pass by: they are a head and then a row for each
+    /// point.
     #[must_use]
     pub fn streams(self) -> bool {
         matches!(

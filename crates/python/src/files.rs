@@ -188,8 +188,8 @@ pub fn of_file(
     found.map_or_else(|| bare(path, overrides, certificate), Ok)
 }
 
-/// Reads a file with a certificate and verifies both. Returns `None` if there is no certificate. Fails if a statement
-/// of it is not true.
+/// Reads a file with a certificate and verifies both. Fails if a statement of the certificate is not true. Without a
+/// certificate the set alone is verified if `overrides` have a region and a radius, and otherwise `None` is returned.
 fn certified(
     path: &Path,
     overrides: &Overrides,
@@ -371,6 +371,7 @@ fn context(set: &SetArgument<'_>) -> PyResult<ExportContext> {
     })
 }
 
+/// Returns a copy of a set of Python, as writers take it.
 fn to_write(set: &SetArgument<'_>) -> PyResult<PointSet> {
     let provenance = match &set.provenance {
         Some(provenance) => Some(

@@ -57,7 +57,8 @@ pub fn keep_arrows(ctx: &Context, is_covered: bool) {
     ctx.memory_mut(|memory| memory.set_focus_lock_filter(focused, filter));
 }
 
-/// Scrolls to a widget in `ui` that has just got the focus. Call it inside a scroll area.
+/// Scrolls to a widget in `ui` that has just got the focus, unless it is the one that was scrolled to last. Call it
+/// inside a scroll area.
 pub fn follow(ui: &Ui) {
     let Some(focused) = ui.memory(Memory::focused) else {
         return;
@@ -70,7 +71,7 @@ pub fn follow(ui: &Ui) {
     // A menu or a sheet over the list has a layer of its own.
     let is_here = response.layer_id == ui.layer_id() && ui.min_rect().contains_rect(response.rect);
     let before = ui.data(|data| data.get_temp::<egui::Id>(id));
-    // Once for each focus, so that the user can scroll away from it.
+    // Once, until another widget here gets the focus, so that the user can scroll away from it.
     if is_here && before != Some(focused) {
         ui.data_mut(|data| data.insert_temp(id, focused));
         ui.scroll_to_rect(response.rect.expand(AROUND + WIDTH), None);

@@ -33,7 +33,9 @@ impl PointerAction {
         }
     }
 
-    /// Returns whether the second event must wait for a later frame than the first.
+    /// Returns whether the second event must wait for a later frame than the first. A press may share a frame with the
+    /// moves before it, as it is made where the last one ends. A release may not: the drag would be over before a frame
+    /// shows it.
     const fn parts_from(self, next: Self) -> bool {
         matches!(
             (self, next),

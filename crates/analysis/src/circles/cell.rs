@@ -1,6 +1,7 @@
 //! The Voronoi cell of a sample, cut out of a square by one neighbour after the other: where its circle is exposed, if it is.
 //! The places of a cell farthest from its sample are corners of the cell, and those are centres of empty circles.
-//! Their radii come from three samples, the same bits in whichever cell they are seen.
+//! Their radii come from the samples on the circles, three or, at a border, two or one, and have the same bits in
+//! whichever cell they are seen.
 
 use glam::DVec2;
 
@@ -280,7 +281,7 @@ impl Circles<'_> {
     }
 
     /// Returns samples with the shifts of their copies, in periods, in an order that does not depend on which cell is
-    /// cut: by index, shifted so that the first one is no copy.
+    /// cut: by id, and shifted so that the first one is no copy.
     fn in_sequence<const N: usize>(&self, indices: [usize; N]) -> [Site; N] {
         let mut with_ids = indices.map(|index| {
             let Sample { position, id } = self.samples.at(self.tile.source[index] as usize);

@@ -190,7 +190,7 @@ impl<'a> Samples<'a> {
         }
     }
 
-    /// The rows that are held, counted on across the seam.
+    /// Whether a row, counted on across the seam, is held.
     pub fn holds(&self, row: i64) -> bool {
         slot(row, self.first, self.cells.counts[1]) < self.held
     }
@@ -235,7 +235,8 @@ pub(super) fn sorted(cell_of: &[u32], cells: usize) -> (Vec<u32>, Vec<u32>) {
             *next += 1;
         }
     }
-    // The starts now lie one entry on, so that the last entry is left over.
+    // Each cell's entry is now its own start, and the entry behind them the end of the last cell. One more entry is
+    // left over.
     starts.pop();
     (starts, order)
 }

@@ -226,8 +226,8 @@ struct Arc {
 }
 
 impl Arc {
-    /// The arc for a corner of squares of the first quarter and all offsets about as near; none where the disks may not
-    /// overlap, or may be the same.
+    /// The directions that the disk covers at a corner of squares of the first quarter, and at all offsets that differ
+    /// from it by no more than the uncertainty; none where the disks may not overlap, or may be the same.
     fn at([x, y]: [usize; 2]) -> Option<Self> {
         let [x, y] = [x, y].map(|value| value as f64 / PER_RADIUS);
         // Twice, as an offset is uncertain along both axes.

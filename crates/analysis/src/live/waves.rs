@@ -3,8 +3,9 @@
 //!
 //! Every product is rounded to a whole number of units before it is added, and sums of whole numbers are exact. So a
 //! sample that goes takes away just what it brought, and a sum depends on the samples alone, not on how they came
-//! about: nothing drifts. Changes wait until [`BATCH`] of them are added in one pass over the sums, which are larger
-//! than the nearest caches: memory would be slower than the products of fewer changes.
+//! about: nothing drifts. (Only sums that [`WaveSums::replace`] takes from a transform are not whole.) Changes wait
+//! until [`BATCH`] of them are added in one pass over the sums, which are larger than the nearest caches: memory would
+//! be slower than the products of fewer changes.
 
 use std::borrow::Cow;
 use std::f64::consts::TAU;

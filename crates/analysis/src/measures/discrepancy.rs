@@ -1,9 +1,10 @@
 //! L2 discrepancies of the unit square by their closed forms, which take all pairs. The region is scaled to the unit
 //! square; its border counts, periodic or not. Nothing is approximated.
 //!
-//! A pair's term is a product of `p(the larger) + q(the smaller)` over both axes. Among samples of which one half lies
-//! left of the other, it is therefore a sum of products of a factor of one sample and a factor of the other: pairs between
-//! the halves are added up while both, sorted by y, are merged.
+//! A pair's term is a product of `p(the larger) + q(the smaller)` over both axes. If one half of the samples lies left
+//! of the other half, the term of a pair between the halves is a sum of products, each of a factor of one sample and a
+//! factor of the other. Which factors these are depends only on which of the two is the lower one: so the terms of all
+//! such pairs are added up while the halves, sorted by y, are merged.
 
 use glam::DVec2;
 use rayon::prelude::*;
@@ -75,8 +76,8 @@ impl Discrepancy {
         // Rounding may leave a tiny negative number.
         let root = |square: f64| square.max(0.0).sqrt();
 
-        // The parts of the closed forms without samples are (1/3)^2 and (13/12)^2. The star form subtracts half of the
-        // mean single term, and the centred one twice that mean.
+        // The parts of the closed forms without samples are (1/3)^2 and (13/12)^2. Each form has its own mean single
+        // term: the star form subtracts half of its mean, the centred one two times its mean.
         Ok(Self {
             star: root(1.0 / 9.0 - 0.5 * mean_single.x + mean_pair.x),
             centered: root(169.0 / 144.0 - 2.0 * mean_single.y + mean_pair.y),

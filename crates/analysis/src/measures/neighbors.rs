@@ -1,6 +1,6 @@
 //! Searches around samples on the verifier's grid: all samples within a distance, and the nearest one. Distances go
-//! around the torus when periodic. Distances are at most half a period, so that only one copy of a sample is within
-//! reach of another.
+//! around the torus when periodic. A given distance is at most half a period, so that only one copy of a sample is
+//! within it of another. The nearest sample may be farther: its distance is that of its nearest copy.
 
 use std::ops::Range;
 
@@ -158,7 +158,8 @@ impl Neighbors<'_> {
     }
 }
 
-/// Cell indices within `reach` of one along an axis, each once, as at most two ranges.
+/// Cell indices within `reach` of one along an axis, each once, as at most two ranges. If the axis has no more than
+/// `2 reach + 1` cells, these are all of its cells, also in a bounded domain.
 fn near(index: usize, reach: usize, cells: usize, periodic: bool) -> [Range<usize>; 2] {
     let (below, above) = (index.checked_sub(reach), index + reach + 1);
     if 2 * reach + 1 >= cells {

@@ -62,12 +62,12 @@ impl GridAxis {
 
     /// With the grid points that the offsets need.
     fn new(middle: i64, below: i64, above: i64) -> Self {
-        // Twice the width of the kernel keeps it from meeting itself around the torus, with room to spare.
         let least = (2 * OVERSAMPLING) as i64 * below.max(above);
         Self {
             middle,
             below,
             above,
+            // Twice the width of the kernel keeps it from meeting itself around the torus, with room to spare.
             size: smooth_size((least as usize).max(2 * WIDTH)),
         }
     }
@@ -116,8 +116,8 @@ fn smooth_size(least: usize) -> usize {
         .unwrap_or(least)
 }
 
-/// How a window is transformed. Real weights on a grid about zero need no phases, half the memory
-/// and half the transforms; a window far off zero is cheaper when moved there.
+/// How a window is transformed. On a grid about zero real weights need no phases, and only half the memory and half the
+/// transforms. A window far off zero takes less if it is moved to zero, by phases.
 #[derive(Clone, Copy)]
 pub(crate) struct TransformPlan {
     /// Along x, the slow axis of the grid, and along y.

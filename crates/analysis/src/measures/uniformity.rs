@@ -201,7 +201,7 @@ impl ClassCounts {
             .map(|(observed, expected)| (*observed as f64 - expected).powi(2) / expected)
             .sum();
 
-        // The classes less one are the degrees of freedom, and also the m of Cramer's V.
+        // The classes that have an area, less one, are the degrees of freedom, and also the m of Cramer's V.
         let freedom = possible - 1;
         Ok(Uniformity {
             samples,

@@ -1,5 +1,5 @@
 //! Presenter mode: starts a talk, goes on and back, takes votes and drawings, makes handouts, and draws the
-//! picture of the next step. `talk.rs` has the commands and the data, `talk_told.rs` the lecturer's notes as JSON.
+//! picture of the next step. `crate::talk` has the commands and the data, `talk_told.rs` the lecturer's notes as JSON.
 
 use std::path::PathBuf;
 
@@ -292,7 +292,7 @@ impl Classroom {
         talk.part = part;
         let name = talk.parts[part].name.clone();
         self.apply(LessonCommand::Open(name), context);
-        // A step beyond the last one is the last one.
+        // A lesson opens at its first step. A step beyond the last one is the last one.
         if at_end {
             self.enter_step(usize::MAX, context);
         }
@@ -322,8 +322,9 @@ impl Classroom {
         }
     }
 
-    /// Keeps the first vote on the question of a form with the results, so that the gain of votes can be computed. It replaces
-    /// the one that this talk kept before, which is removed if all votes were taken back.
+    /// Keeps the first vote on the question of a form with the results, so that the gain of votes can be computed. It
+    /// replaces the one that this talk kept before. If all votes were taken back, or if the first one tells no share of
+    /// right answers, the kept one is only removed.
     fn keep_vote_on_form(&mut self) {
         let (key, now) = (self.talk_key(), self.lessons.now);
         let (Some(talk), Some(learner)) = (&self.talks.open, self.lessons.learner()) else {
@@ -396,8 +397,9 @@ impl Classroom {
             return;
         }
 
-        // A talk that is open in this window stays open, and only takes over votes, drawings and place. Otherwise the kept one
-        // begins: a lecture, a lesson of which the text was kept, or one that comes with the program.
+        // A talk that is open in this window stays open, and takes over the kept one's beginning, votes, drawings and
+        // place. Otherwise the kept one begins: a lecture, a lesson of which the text was kept, or one that comes with
+        // the program.
         if self.talks.open.is_none() {
             let from_start = false;
             match &kept.lesson {
@@ -492,7 +494,7 @@ impl Classroom {
         }
     }
 
-    /// Returns the key of the picture of the next step; `None` in the last step and without a talk.
+    /// Returns the key of the picture of the next step; `None` in the last step of the talk and without a talk.
     fn next_in_picture(&self, dark: bool) -> Option<PictureKey> {
         let (talk, open) = (self.talks.open.as_ref()?, self.lessons.open.as_ref()?);
         let lesson = open.learner.lesson();

@@ -16,7 +16,7 @@ pub struct Measure {
     pub decimals: usize,
     /// `None` if the measure is not defined for the set.
     pub value: Option<f64>,
-    /// `None` for one set.
+    /// `None` for one set, and for a number of the mean power of several sets, as there is only one such number.
     pub spread: Option<Spread>,
 }
 

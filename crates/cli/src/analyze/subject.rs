@@ -90,7 +90,7 @@ struct SmoothMean {
 }
 
 impl Population {
-    /// Adds a set that was measured with [`Self::common`].
+    /// Adds a set. The first one gives [`Self::common`], with which all others must have been measured.
     pub fn add(&mut self, set: Measurement) -> Result<(), MeasureError> {
         if self.common.is_none() {
             self.common = Some(Common::of(&set));

@@ -184,7 +184,8 @@ impl System<'_> {
     /// Returns the driver of a file, with the fault if the file cannot be used.
     fn driver(&self, path: PathBuf) -> DriverFile {
         let library = self.library_of(&path);
-        // As the loader does it: a name with a slash is relative to the file, any other is searched for like a library.
+        // As the loader does it: a name with a slash is a path, absolute or from the file's directory; any other is
+        // searched for like a library.
         let is_found = library.as_ref().is_ok_and(|name| {
             if name.contains('/') {
                 self.real(&path.with_file_name(name)).exists()

@@ -127,8 +127,8 @@ impl Layout {
         check_rects(&domain, &rects)?;
 
         let mut pieces = Vec::with_capacity(rects.len());
-        // First the samples of the result alone, so that a domain that is too large is refused before any piece is
-        // looked at.
+        // First the samples of the result alone, so that a domain that is too large is refused before the source of any
+        // piece is looked at.
         let mut expected = domain.area_radii() * MAXIMAL_DENSITY;
         refuse_too_many(expected)?;
 
@@ -170,7 +170,8 @@ impl Layout {
         }
     }
 
-    /// Returns the domain and the rectangles that columns and rows of these lengths make, row by row.
+    /// Returns the domain and the rectangles that columns and rows of these lengths make, row by row. Fails when there
+    /// are more or fewer pieces than rectangles, and when a piece names a rectangle of its own.
     fn grid(&self, columns: &[f64], rows: &[f64]) -> Result<(Domain, Vec<Rect>), LayoutError> {
         let (across, up, pieces) = (columns.len(), rows.len(), self.pieces.len());
         // Where `usize` has 32 bits, the product may be too large for it.

@@ -230,8 +230,9 @@ impl Sequential {
         Ok(())
     }
 
-    /// Runs iteration `k` and returns whether it found a gap. One that found none is not kept in the run. Its events
-    /// are reported all the same if it looked for gaps: uniform insertion sees beforehand that no cell is left.
+    /// Runs iteration `k` and returns whether it found a gap or threw into cells that may hold one. Otherwise it is not
+    /// kept in the run. Its events are reported all the same if it looked for gaps: uniform insertion sees beforehand
+    /// that no cell is left.
     fn iterate<T: Recorder>(
         &mut self,
         k: u32,

@@ -1,6 +1,7 @@
 //! Detection and insertion at one level. *Dirty* cells, in which a lost sample may have covered a place, are divided
-//! into *pixels*, until one sample covers a pixel or it is an eighth of the cell wide. Candidates are sought in the
-//! pixels that are left. Whole periodic runs find the same ones sooner ([`super::search`]).
+//! into *pixels*, until one sample covers a pixel or it is an eighth of the cell wide, or a 32nd where the plane goes
+//! on beyond the frame. Candidates are sought in the pixels that are left. Whole periodic runs find the same ones
+//! sooner ([`super::search`]).
 //!
 //! *Definition.* A candidate is a lattice point c of the domain that no sample covers and that is
 //! - the circumcentre, rounded half up, of three samples,
@@ -189,7 +190,8 @@ impl LevelRegion {
         Ok(())
     }
 
-    /// Returns the pixels of dirty cells that no sample covers whole.
+    /// Returns the pixels of dirty cells that no sample covers whole, but for cells along the frame's edges in which
+    /// nothing can be known.
     fn open_pixels(&self, meter: &mut Meter<'_>) -> Result<Vec<GapPixel>, SampleError> {
         // A tiled sample beyond the frame may have been lost, and have covered places up to R inside its edges: nothing can be
         // known there.
@@ -354,7 +356,8 @@ impl LevelRegion {
         }
     }
 
-    /// Gathers the samples that decide about a pixel, as offsets from its lowest point. Returns whether it is open.
+    /// Gathers the samples that decide about a pixel in `sites`, as offsets from its lowest point, and sets the pixel's
+    /// sight. Returns whether the pixel is open.
     fn look(&self, pixel: &mut GapPixel, sites: &mut Vec<IVec2>) -> bool {
         let radius = self.grid.radius();
         let (centre, half) = (pixel.middle(), pixel.half_diagonal());

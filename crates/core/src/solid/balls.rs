@@ -59,9 +59,9 @@ impl BallGrid {
         self.any_near(place, side, depth, covers_offset)
     }
 
-    /// Calls `visit` with the offset from `min` of samples that lie within R of a cube, and of some farther ones, until
-    /// it returns `true`; returns whether it did. `min` is the lowest place of the cube, which lies in one cell and is
-    /// `side` units wide. Cells from which no sample reaches `depth` units into the cube are left out.
+    /// Calls `visit` with the offset from `min` of samples whose balls reach at least `depth` units into a cube, and of
+    /// some others, until it returns `true`; returns whether it did. `min` is the lowest place of the cube, which lies
+    /// in one cell and is `side` units wide. Cells from which no ball reaches so deep are left out.
     #[inline]
     fn any_near(
         &self,

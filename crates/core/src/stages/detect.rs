@@ -36,7 +36,7 @@ use crate::stages::voronoi::RelaxedCell;
 
 pub use crate::samples::Sites;
 
-/// How far a first detector may be from an eliminated sample: 2r and 4 units.
+/// How far a first detector may be from an eliminated or dropped sample: 2r and 4 units.
 pub const DETECTOR_REACH: i32 = 2 * R + 4;
 
 /// By how much, in squared units, a sample may be nearer to a candidate than the candidate's own.
@@ -234,7 +234,7 @@ impl<'a> Detection<'a> {
         self.find_on_border(&border, own, at, out, recorder);
     }
 
-    /// Records the search around a detector.
+    /// Records the search around a detector, which finds the detector, too.
     fn record_search<T: Recorder>(&self, centre: u32, at: Point, recorder: &mut T) {
         // The search that the definition describes is recorded: a disk, also where the code reads only a part of it.
         let radius = self.reach.search;

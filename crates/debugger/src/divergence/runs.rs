@@ -1,5 +1,5 @@
 //! The first stage at which two runs differ, by the data of the runs: blocks, samples with their fates, detectors,
-//! candidates and the result. Needs no events.
+//! candidates and the result. Needs no events. Functions that look for a difference return `None` where there is none.
 
 use tilescope_core::stages::detect::{Candidate, Sites};
 use tilescope_core::{Fate, Origin, Point, Run, Stage, Variant};
@@ -110,15 +110,16 @@ impl Pair<'_> {
             return Some(differ(Stage::Blocks, Some(low), text(low), text(other)));
         }
 
-        // Lists that agree as far as the shorter one reaches differ by their lengths alone. There is a split less than
-        // leaves, so that the leaves decide for both lists.
+        // Lists that agree as far as the shorter one reaches differ by their lengths alone. There is one split fewer
+        // than there are leaves, so that the leaves decide for both lists.
         let text = |blocks: usize| count(blocks as u64, "block");
         let (m, n) = (a.leaves.len(), b.leaves.len());
         let nowhere = None;
         (m != n).then(|| differ(Stage::Blocks, nowhere, text(m), text(n)))
     }
 
-    /// Returns the first difference of the stages after the blocks.
+    /// Returns the first difference of the stages between the blocks and the result: tiling, elimination and the
+    /// iterations.
     fn stages(&self) -> Option<Divergence> {
         let (a, b) = (tiled(self.a), tiled(self.b));
         let keys = |tiled: &[(Key, u32)]| tiled.iter().map(|&(key, _)| key).collect::<Vec<_>>();
@@ -137,7 +138,8 @@ impl Pair<'_> {
         found.or_else(|| (0..last).find_map(|k| self.iteration(k)))
     }
 
-    /// Returns the first block that gets another clip.
+    /// Returns the difference of the first block that gets another clip. Which samples are in the clips is compared
+    /// afterwards, by their places.
     fn tiles(&self) -> Option<Divergence> {
         let mut pairs = self
             .a
@@ -226,10 +228,11 @@ impl Pair<'_> {
         found.or_else(|| lists(stage, "inserted sample", &a, &b))
     }
 
-    /// Returns the first difference of the candidates' sites in iteration `k`, counted from 0. The candidates' points are equal.
+    /// Returns the first difference of the candidates' sites in iteration `k`, counted from 0. The candidates' points
+    /// are equal, unless the engine of a run lists no candidates: then there is no difference of their sites.
     fn sites(&self, stage: Stage, k: usize) -> Option<Divergence> {
         let in_order = |run: &Run| {
-            // As the points of both runs are equal, their order by points pairs the candidates.
+            // As the points are equal, their order pairs the candidates of the two runs.
             let mut all = run
                 .iterations
                 .get(k)

@@ -134,7 +134,8 @@ impl Words<'_> {
     /// Returns the sentence of a dart that lands or, if it is `ranked`, of one whose turn comes.
     pub(super) fn dart(&self, point: Point, ranked: bool, verdict: Verdict) -> String {
         let at = coordinates(point);
-        // Insertion by darts does not record which sample covers a place: the sentence then names none.
+        // These are darts of insertion by darts, which does not record which sample covers a place. Where there is no
+        // id, the sentence names no sample.
         let by = |id: u32| match id {
             NONE => String::new(),
             id => format!(" by {}", self.sample(id)),

@@ -79,7 +79,7 @@ pub fn lines(scene: &Scene<'_>, surface: &mut impl Surface) {
     }
 }
 
-/// Draws the numbers, earlier splits first if there is no room for all.
+/// Draws the numbers of the lines that are long enough for them, earlier splits first if there is no room for all.
 pub fn numbers(scene: &Scene<'_>, surface: &mut impl Surface) {
     let mut taken: Vec<Rect> = Vec::new();
     let palette = scene.palette;

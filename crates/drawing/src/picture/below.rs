@@ -25,7 +25,7 @@ pub struct Legend {
 const CAPTION_SIZE: f64 = 0.02;
 /// Font size of the legend, relative to the picture's width.
 const LEGEND_SIZE: f64 = 0.016;
-/// The space below the picture, relative to its width.
+/// The space between the picture and what is below it, relative to the picture's width.
 const SPACE: f64 = 0.01;
 /// The height of a line, relative to its font size.
 const LINE_HEIGHT: f64 = 1.5;
@@ -34,9 +34,10 @@ const SYMBOL_WIDTH: f64 = 1.6;
 /// The font size in the window, which the size of the symbols is made for.
 const FONT_OF_SYMBOLS: f64 = 12.5;
 
-/// The layout below a picture, in points from the left edge of its frame and from the frame's lower edge.
+/// The layout below a picture, in points from the left edge of its frame and from a place [`SPACE`] below the frame's
+/// lower edge.
 pub(super) struct Below {
-    /// The height of caption and legend together.
+    /// The height of caption and legend together, and of the space above them; 0 if there is neither.
     pub(super) height: f64,
     /// The caption, line by line.
     lines: Vec<String>,

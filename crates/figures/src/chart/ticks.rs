@@ -9,9 +9,9 @@ pub(crate) struct Ticks {
 }
 
 impl Ticks {
-    /// Returns at most `most` ticks of a rising range of finite numbers; a `most` below 2 counts as 2. Where the round
-    /// distance that keeps to it leaves fewer than two ticks, the next smaller one is taken if it does not give too
-    /// many.
+    /// Returns at most `most` ticks of a rising range of finite numbers, or two where `most` is below that. Where the
+    /// round distance that keeps to it leaves fewer than two ticks, the next smaller one is taken if it gives no more
+    /// than `most`.
     pub(crate) fn of(range: [f64; 2], most: usize) -> Self {
         let least = (range[1] - range[0]) / (most.max(2) - 1) as f64;
         let ticks = Self::apart(range, least);

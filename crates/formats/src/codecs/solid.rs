@@ -1,5 +1,5 @@
-//! Sets in space as files: points x, y, z in file coordinates. Only formats whose readers expect three numbers a point
-//! hold them; a planar set in such a format has z = 0.
+//! Sets in space as files: points x, y, z in file coordinates. Formats hold them whose readers take three numbers a
+//! point. Planar sets have two numbers a point in most of these formats, and z = 0 in PLY and XYZ.
 
 use super::{Hint, detected, npy, ply, table, utk};
 use crate::binary;
@@ -105,7 +105,7 @@ pub(crate) fn encode(
         }
     }
 
-    // Head and rows are those of planar sets with one number more; PLY has a z in planar sets, too.
+    // Head and rows are those of planar sets with one number more, or with another z in PLY and XYZ.
     Ok(match format {
         Format::Npy => npy::write_solid(points, precision),
         Format::UtkBinary => utk::write_solid_binary(points, precision)?,

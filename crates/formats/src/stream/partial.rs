@@ -158,8 +158,8 @@ impl Partial {
         Ok(())
     }
 
-    /// Reads the whole file back and compares it with the written bytes. With `is_digested` returns the digest of the file.
-    /// Calls `go_on` for each block.
+    /// Reads the whole file back and compares it with the written bytes. Returns the digest of the file if
+    /// `is_digested`, otherwise `None`. Calls `go_on` for each block.
     pub fn read_back(
         &mut self,
         is_digested: bool,

@@ -78,8 +78,8 @@ impl PlanarPolygon {
         Self { rings, file: None }
     }
 
-    /// Fails if there is no ring, or if the rings have too many corners, enclose nothing, cross, or seem to be in
-    /// degrees.
+    /// Fails if there is no ring, if the rings have too many corners, enclose nothing or cross, or if they may be in
+    /// degrees and are not said to be `planar`.
     fn check(&self, name: &str, planar: bool) -> Result<(), VaryingError> {
         let fault = |reason: String| VaryingError::Polygon {
             name: name.to_owned(),
@@ -225,7 +225,8 @@ impl RingEdge {
 
 /// Returns twice the area of a ring; its sign says in which direction it runs.
 fn doubled_area(ring: &[[f64; 2]]) -> f64 {
-    // From the first corner, so that large coordinates do not drown the area.
+    // From the first corner, so that large coordinates do not drown the area. The pair of the last corner and the first
+    // one, which is missing below, then adds nothing.
     let [x0, y0] = ring[0];
     let pairs = ring.iter().zip(ring.iter().skip(1));
     pairs

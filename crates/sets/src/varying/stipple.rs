@@ -120,7 +120,8 @@ impl StippleRecipe {
                 nearest = found;
             }
             let is_better = |best: &Run| run.points.len() < best.points.len();
-            // Of runs with enough dots the one that leaves out fewest covers best.
+            // Of runs with enough dots the one that leaves out fewest covers best. It is taken even if no try meets
+            // `most`.
             if found >= self.dots && best.as_ref().is_none_or(is_better) {
                 best = Some(run);
             }
@@ -219,7 +220,8 @@ impl StippleRecipe {
     ) -> Result<Run, VaryingError> {
         let recipe = self.recipe(image, black);
         let ground = recipe.ground()?;
-        // Memory is asked for before it is needed: a program ends at once when an allocation fails.
+        // The memory of the dots that are asked for is reserved before it is needed: a program ends at once when an
+        // allocation fails. Dots that are left out, and those beyond the frame, are not counted here.
         let bytes = Making::Varying.bytes_a_sample();
         ask_for(self.dots as f64, bytes).map_err(SampleError::from)?;
 

@@ -18,8 +18,8 @@ use super::reach::{Plan, name};
 
 /// Returns the first module.
 pub fn encode(program: &Program<'_>, plan: &Plan) -> Result<Vec<u8>> {
-    // Imported functions keep their indices, as the format has them first. Stubs come last: `functions` makes their
-    // code after it has written that of the functions that are kept.
+    // Imported functions keep their indices, as the format has them first. Stubs come behind the functions that are
+    // kept, as `functions` writes them, and behind the stubs comes the check, for which the program has no index.
     let imported = 0..program.imported.len() as u32;
     let kept = by_name(program, |index| !plan.later.contains(&index));
     let stubs = plan.slots.keys().copied();

@@ -171,6 +171,7 @@ impl<'a> Program<'a> {
         Ok(())
     }
 
+    /// Reads the imports, of which all must be functions.
     fn take_imports(&mut self, section: ImportSectionReader<'a>) -> Result<()> {
         for import in section.clone().into_imports() {
             let import = import?;
@@ -199,6 +200,7 @@ impl<'a> Program<'a> {
         Ok(())
     }
 
+    /// Reads which functions stand at which places of the tables.
     fn take_elements(&mut self, section: ElementSectionReader<'a>) -> Result<()> {
         for element in section.clone() {
             let element = element?;
@@ -233,6 +235,7 @@ impl<'a> Program<'a> {
         Ok(())
     }
 
+    /// Reads a function of this type, and which functions it names.
     fn take_code(&mut self, kind: u32, body: FunctionBody<'a>) -> Result<()> {
         let mut calls = Vec::new();
         for operator in body.get_operators_reader()? {

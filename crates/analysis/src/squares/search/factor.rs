@@ -78,7 +78,8 @@ pub(in super::super) fn covering_factor(
 }
 
 impl TileSearch<'_> {
-    /// Returns the largest factor of a place of the tile, or the given one if that is larger.
+    /// Returns the largest factor of a place of the tile, or the given one if that is larger. If the largest is above
+    /// [`MAX_FACTOR`], the answer may be any number above it.
     fn largest_factor(&mut self, tiles: &SampleTiles, so_far: FactorSquared) -> FactorSquared {
         let tile = TileSquare {
             x: 0,

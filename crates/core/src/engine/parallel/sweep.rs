@@ -109,8 +109,8 @@ impl<P: WindowMaker> Sweep<P> {
     pub(crate) fn of_plane(plane: P, sources: bool) -> Self {
         let max = plane.domain().rect().max;
         let cells = [(max.x - 1) / R + 1, (max.y - 1) / R + 1];
-        // In a small domain, enough windows for every thread. Along each axis there are as few as `longest` allows, all
-        // of about the same length.
+        // In a small domain, enough windows for every thread, unless they would be shorter than `MIN_SIDE`. Along each
+        // axis there are as few as `longest` allows, all of about the same length.
         let windows = WINDOWS_A_THREAD as f64 * rayon::current_num_threads() as f64;
         let side = (f64::from(cells[0]) * f64::from(cells[1]) / windows).sqrt() as i32;
         let longest = side.clamp(MIN_SIDE, P::MAX_SIDE);
@@ -212,7 +212,7 @@ impl<P: WindowMaker> Sweep<P> {
         ))
     }
 
-    /// Computes the next bands.
+    /// Computes the next bands; `None` at the end.
     fn next(
         &mut self,
         observer: &mut dyn Observer,

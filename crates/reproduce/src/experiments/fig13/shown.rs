@@ -278,6 +278,7 @@ pub fn quality(found: &[MethodSpectra], against: &[Against]) -> Table {
             held.radius.to_bits() == one.radius.to_bits() && held.method == one.method
         };
 
+        // A method that could not be compared with both groups of reference sets has no differences in its row.
         let held = against.iter().find(same);
         let percent = |value: fn(&Against) -> f64| held.map(|held| 100.0 * value(held));
 

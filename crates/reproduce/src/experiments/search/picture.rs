@@ -117,7 +117,8 @@ fn polygon(corners: &[DVec2], style: Style) -> Shape {
     Shape::Polygon { points, style }
 }
 
-/// Returns the three sites, what each of them sees, and how far apart they are.
+/// Returns the three sites, what each of them sees, how far apart they are, and the empty circle around the witness
+/// with a cross in its centre.
 fn triangle(witness: &Witness, middle: DVec2, radius: f64, palette: &Palette) -> Vec<Shape> {
     let sites = witness.sites.map(|[x, y]| middle + DVec2::new(x, -y));
     // Each site and the circle of what it sees have a colour.
