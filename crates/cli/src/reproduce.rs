@@ -73,6 +73,7 @@ Experiments:
   uniformity   whether samples are as likely in one place as in another, and pairs and spectra those of
                the reference sampler: by KDRT with either insertion, and by exact tiling
   density      samples to an area, of 48,000 independent sets (--many: 240,000), beside the published value
+  varying      sets whose radius varies: samples to an area by slope and contrast, pairs, five rules, tones
   all          all of them
 
 The folder receives report.html and REPORT.md, figures (PNG, SVG) and data (CSV, JSON). After an

@@ -11,6 +11,7 @@ use tilescope_figures::FigureError;
 use tilescope_figures::chart::ChartError;
 use tilescope_formats::FormatError;
 use tilescope_gpu::GpuError;
+use tilescope_sets::VaryingError;
 
 /// Why a reproduction ended early.
 #[derive(Debug, Error)]
@@ -90,6 +91,7 @@ failures! {
     GpuError => GpuError::Sample(SampleError::Cancelled { .. }),
     CombineError => CombineError::Sample(SampleError::Cancelled { .. }),
     VerifyError => VerifyError::Cancelled,
+    VaryingError => VaryingError::Sample(SampleError::Cancelled { .. }) | VaryingError::Judge(VerifyError::Cancelled),
     MeasureError => MeasureError::Cancelled | MeasureError::Set(VerifyError::Cancelled),
     ChartError,
     FigureError,

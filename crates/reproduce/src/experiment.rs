@@ -27,11 +27,13 @@ pub enum Experiment {
     Uniformity,
     /// Beyond the paper: how many samples a maximal set has to an area.
     Density,
+    /// Section 5.2 and beyond: sets whose radius varies.
+    Varying,
 }
 
 impl Experiment {
     /// All of them, in the sequence of a report.
-    pub const ALL: [Self; 9] = [
+    pub const ALL: [Self; 10] = [
         Self::Fig10,
         Self::Fig11,
         Self::Fig12,
@@ -41,6 +43,7 @@ impl Experiment {
         Self::Search,
         Self::Uniformity,
         Self::Density,
+        Self::Varying,
     ];
 
     /// Returns its name, as it is asked for.
@@ -67,6 +70,7 @@ impl Experiment {
             Self::Search => ["search", "Section 3.2.2: how far detectors look"],
             Self::Uniformity => ["uniformity", "Equation 1 and section 5.1: uniformity"],
             Self::Density => ["density", "Density at saturation"],
+            Self::Varying => ["varying", "Radii that vary"],
         }
     }
 }

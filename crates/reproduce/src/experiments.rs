@@ -11,6 +11,7 @@ mod iterations;
 mod search;
 mod timing;
 mod uniformity;
+mod varying;
 
 use crate::error::Result;
 use crate::experiment::Experiment;
@@ -42,6 +43,7 @@ impl Experiment {
             Self::Search => (search::units, search::run),
             Self::Uniformity => (uniformity::units, uniformity::run),
             Self::Density => (density::units, density::run),
+            Self::Varying => (varying::units, varying::run),
         }
     }
 }

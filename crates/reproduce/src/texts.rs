@@ -76,7 +76,7 @@ macro_rules! file {
     };
 }
 
-const FILES: [(&str, &str); 9] = [
+const FILES: [(&str, &str); 10] = [
     file!("density"),
     file!("eq4"),
     file!("fig10"),
@@ -86,6 +86,7 @@ const FILES: [(&str, &str); 9] = [
     file!("iterations"),
     file!("search"),
     file!("uniformity"),
+    file!("varying"),
 ];
 
 static TEXTS: LazyLock<BTreeMap<&str, Words>> = LazyLock::new(|| {

@@ -20,6 +20,7 @@ use crate::study::{Settings, Study};
 use crate::texts::text;
 use coarse::CoarseSets;
 use results::DensityResults;
+pub use results::PUBLISHED;
 use torus::TorusSets;
 
 /// Side of a set's torus, in radii: some hundred times as far as samples are correlated (see `SMALL_SIDES`). A core makes 0.72

@@ -12,7 +12,7 @@ use predicates::str::contains;
 use serde_json::Value;
 use tempfile::{TempDir, tempdir};
 
-const EXPERIMENTS: [&str; 9] = [
+const EXPERIMENTS: [&str; 10] = [
     "fig10",
     "fig11",
     "fig12",
@@ -22,6 +22,7 @@ const EXPERIMENTS: [&str; 9] = [
     "search",
     "uniformity",
     "density",
+    "varying",
 ];
 
 fn reproduced(folder: &TempDir, experiments: &[&str]) -> Value {
