@@ -29,11 +29,13 @@ pub enum Experiment {
     Density,
     /// Section 5.2 and beyond: sets whose radius varies.
     Varying,
+    /// Beyond the paper: stipples beside other ways to place dots.
+    Stippling,
 }
 
 impl Experiment {
     /// All of them, in the sequence of a report.
-    pub const ALL: [Self; 10] = [
+    pub const ALL: [Self; 11] = [
         Self::Fig10,
         Self::Fig11,
         Self::Fig12,
@@ -44,6 +46,7 @@ impl Experiment {
         Self::Uniformity,
         Self::Density,
         Self::Varying,
+        Self::Stippling,
     ];
 
     /// Returns its name, as it is asked for.
@@ -71,6 +74,7 @@ impl Experiment {
             Self::Uniformity => ["uniformity", "Equation 1 and section 5.1: uniformity"],
             Self::Density => ["density", "Density at saturation"],
             Self::Varying => ["varying", "Radii that vary"],
+            Self::Stippling => ["stippling", "Stippling beside other methods"],
         }
     }
 }

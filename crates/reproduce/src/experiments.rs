@@ -9,6 +9,7 @@ mod fig12;
 mod fig13;
 mod iterations;
 mod search;
+mod stippling;
 mod timing;
 mod uniformity;
 mod varying;
@@ -44,6 +45,7 @@ impl Experiment {
             Self::Uniformity => (uniformity::units, uniformity::run),
             Self::Density => (density::units, density::run),
             Self::Varying => (varying::units, varying::run),
+            Self::Stippling => (stippling::units, stippling::run),
         }
     }
 }

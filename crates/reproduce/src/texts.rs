@@ -76,7 +76,7 @@ macro_rules! file {
     };
 }
 
-const FILES: [(&str, &str); 10] = [
+const FILES: [(&str, &str); 11] = [
     file!("density"),
     file!("eq4"),
     file!("fig10"),
@@ -85,6 +85,7 @@ const FILES: [(&str, &str); 10] = [
     file!("fig13"),
     file!("iterations"),
     file!("search"),
+    file!("stippling"),
     file!("uniformity"),
     file!("varying"),
 ];

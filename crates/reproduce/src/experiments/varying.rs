@@ -114,6 +114,7 @@ pub fn units(_: &Settings) -> usize {
 /// Makes all sets and counts their samples.
 pub fn run(study: &Study<'_>) -> Result<Outcome> {
     let plan = VaryingPlan::of(study.settings);
+    // Units come in the sequence in which their kinds are counted in `units`.
     let found = VaryingResults {
         ramps: on_ramps(study, plan.ramps)?,
         waves: on_waves(study, plan.waves)?,
@@ -200,6 +201,7 @@ fn on_plateaus(study: &Study<'_>, sets: usize) -> Result<Vec<(f64, FieldCounts)>
 /// Makes sets by each rule on each field, a unit for each field.
 fn by_rules(study: &Study<'_>, sets: usize) -> Result<Vec<(RuledField, RuleCounts)>> {
     let units = RuledField::ALL.into_iter().map(|field| {
+        // All rules have the same seeds, and so the same darts.
         let what = format!("five rules, {}", field.name());
         let each = study.sets(
             &format!("rules-{}", field.key()),

@@ -12,7 +12,7 @@ use predicates::str::contains;
 use serde_json::Value;
 use tempfile::{TempDir, tempdir};
 
-const EXPERIMENTS: [&str; 10] = [
+const EXPERIMENTS: [&str; 11] = [
     "fig10",
     "fig11",
     "fig12",
@@ -23,6 +23,7 @@ const EXPERIMENTS: [&str; 10] = [
     "uniformity",
     "density",
     "varying",
+    "stippling",
 ];
 
 fn reproduced(folder: &TempDir, experiments: &[&str]) -> Value {

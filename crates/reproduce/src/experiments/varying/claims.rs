@@ -164,6 +164,7 @@ fn rules(found: &VaryingResults) -> Claim {
 
 /// Judges the tones of the ramp by classes of steps.
 fn tones(found: &VaryingResults) -> Claim {
+    // By single steps chance would decide: the lightest has a few dots.
     let classes = (0..STEPS)
         .step_by(CLASS)
         .map(|first| found.tone(first..first + CLASS));

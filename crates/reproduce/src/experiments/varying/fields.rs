@@ -56,6 +56,7 @@ pub struct Written {
 impl Written {
     /// Returns the samples of a seed. Fails unless the judge finds the set valid.
     pub fn samples(&self, seed: u64, control: &Control<'_>) -> Result<Vec<[f64; 2]>> {
+        // Lengths are in least radii, so that the scale of the field is 1.
         let recipe = VaryingRecipe {
             radius: RadiusSource::Expression {
                 expression: Expression::parse(&self.radius)?,
@@ -89,6 +90,7 @@ pub fn plateau(octave: f64, side: f64, seed: u64, control: &Control<'_>) -> Resu
         RadiusField::constant(domain, radius).map_err(tilescope_sets::VaryingError::from)?;
     let points = varying_sample(&field, &Shape::rectangle(), seed, &mut control.observer())?;
 
+    // The judge gets the radius in units, and its region in least radii.
     let (region, sides) = (region(&domain), [domain.width(), domain.height()]);
     let radii = Radii::Constant(radius);
     let judged = VaryingRegion::new(region, sides, octave, radii, &JudgedShape::Rectangle)?;

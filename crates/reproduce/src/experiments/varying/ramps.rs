@@ -138,6 +138,8 @@ impl Ramp {
     /// the same from each of them, in radii of that place.
     fn bin_areas(self) -> [f64; BINS] {
         let mut areas = [0.0; BINS];
+        // Samples are as dense as 1 / R^2: an area counts in squares of the radius that it has.
+
         let steps = || (-AREA_REACH..AREA_REACH).map(|step| (f64::from(step) + 0.5) * AREA_STEP);
         for x in steps() {
             let radius = self.radius_at(x);
@@ -152,6 +154,7 @@ impl Ramp {
 
     /// Returns density and pair correlation of sets on this ramp.
     pub fn joined(self, sets: &[RampSet]) -> RampSets {
+        // Only what lies inside the margins was counted.
         let [width, _] = self.size();
         let to_strip = |x: f64| self.height_inside(x, MARGIN) / self.radius_at(x).powi(2);
         let counts = FieldCounts {

@@ -217,6 +217,7 @@ fn arrivals(radii: &[f64], rows: usize, seed: u64) -> Vec<usize> {
     // The key differs from that of the seed, which the sampler uses.
     let key = Key::from_seed(seed).derive(Stream::Dart, u32::MAX);
     let columns = radii.len();
+    // The logarithm of a uniform number has the exponential distribution of a waiting time.
     let time = |place: usize| {
         let [word, _] = key.draw(Stream::Dart, place as u32);
         // From 0 to 1, without either.

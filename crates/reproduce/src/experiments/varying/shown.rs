@@ -25,6 +25,7 @@ pub fn picture_of(found: &VaryingResults) -> Result<Picture> {
         .plateaus
         .iter()
         .map(|(octave, counts)| (*octave, counts));
+    // Densities above, what a set looks like below.
     let rows = vec![
         vec![
             Panel::Lines(densities("varying/by-slope", ramps.collect())),
@@ -105,6 +106,8 @@ pub fn tables(found: &VaryingResults) -> Vec<Table> {
             })
         })
     };
+
+    // The three kinds of fields have one form of table, in which `at` is what varies.
     let ramps = found.ramps.iter().map(|one| (one.slope, &one.counts));
     let waves = found
         .waves
