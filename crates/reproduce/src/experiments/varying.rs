@@ -20,7 +20,7 @@ use crate::error::Result;
 use crate::outcome::Outcome;
 use crate::study::{Settings, Study};
 use crate::texts::text;
-use fields::{FieldCounts, Written, integral, plateau};
+use fields::{FieldCounts, Written, integral, plateau, samples};
 use ramps::{RAMPS, RampSets};
 use rules::{RadiusRule, RuleCounts, RuledField};
 
@@ -146,8 +146,9 @@ fn on_ramps(study: &Study<'_>, sets: usize) -> Result<Vec<RampSets>> {
             format!("ramp-{}", ramp.slope),
             format!("slope {}", ramp.slope),
         );
+        let ground = ramp.ground()?;
         let made = study.sets(&key, &what, 0..sets, |seed, control| {
-            ramp.made(seed, control)
+            ramp.made(&ground, seed, control)
         })?;
         Ok(ramp.joined(&made))
     });
@@ -166,12 +167,13 @@ fn on_waves(study: &Study<'_>, sets: usize) -> Result<Vec<(f64, FieldCounts)>> {
             size: [WAVE, height],
             boundary: Boundary::Periodic,
         };
+        let ground = field.ground()?;
         let what = format!("contrast {contrast}");
         let counts = study.sets(
             &format!("wave-{contrast}"),
             &what,
             0..sets,
-            |seed, control| Ok(field.samples(seed, control)?.len() as u64),
+            |seed, control| Ok(samples(&ground, seed, control)?.len() as u64),
         )?;
 
         let to_strip = |x: f64| {

@@ -3,7 +3,7 @@
 use serde::{Deserialize, Serialize};
 use tilescope_analysis::{Radii, Shape as JudgedShape, VaryingRegion, VerifyOptions};
 use tilescope_core::{Boundary, Domain, R, RadiusField, Shape, varying_sample};
-use tilescope_sets::{Expression, RadiusSource, VaryingRecipe, region};
+use tilescope_sets::{Expression, Ground, RadiusSource, VaryingRecipe, region};
 
 use crate::control::Control;
 use crate::error::{ReproduceError, Result};
@@ -54,8 +54,8 @@ pub struct Written {
 }
 
 impl Written {
-    /// Returns the samples of a seed. Fails unless the judge finds the set valid.
-    pub fn samples(&self, seed: u64, control: &Control<'_>) -> Result<Vec<[f64; 2]>> {
+    /// Returns the field and what sets on it are judged in. It takes longer than a set, and serves those of all seeds.
+    pub fn ground(&self) -> Result<Ground> {
         // Lengths are in least radii, so that the scale of the field is 1.
         let recipe = VaryingRecipe {
             radius: RadiusSource::Expression {
@@ -66,18 +66,26 @@ impl Written {
             size: self.size.map(Some),
             origin: None,
             boundary: self.boundary,
-            seed,
+            // The field depends on no seed.
+            seed: 0,
             count: None,
         };
-        let made = recipe.make(&mut control.observer())?;
-
-        let report = made.judge(&VerifyOptions::default(), &control.analysis())?;
-        if !report.valid() {
-            let what = format!("radius {}, seed {seed}", self.radius);
-            return Err(ReproduceError::invalid(&what, &report));
-        }
-        Ok(made.set.points)
+        Ok(recipe.ground()?)
     }
+}
+
+/// Returns the samples of a seed on a field. Fails unless the judge finds the set valid.
+pub fn samples(ground: &Ground, seed: u64, control: &Control<'_>) -> Result<Vec<[f64; 2]>> {
+    let points = varying_sample(&ground.field, &ground.shape, seed, &mut control.observer())?;
+    let users = ground.field.domain().users_from_lattice(&points);
+
+    let judged = &ground.varying.judged;
+    let report = judged.verify(&users, &VerifyOptions::default(), &control.analysis())?;
+    if !report.valid() {
+        let what = format!("a field from the radius {}, seed {seed}", judged.radius());
+        return Err(ReproduceError::invalid(&what, &report));
+    }
+    Ok(users)
 }
 
 /// Returns how many samples a torus of `side` radii has whose radius is `octave` times the least one of a field, everywhere.

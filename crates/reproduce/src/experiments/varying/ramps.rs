@@ -2,8 +2,9 @@
 
 use serde::{Deserialize, Serialize};
 use tilescope_core::Boundary;
+use tilescope_sets::Ground;
 
-use super::fields::{FieldCounts, Written, integral};
+use super::fields::{FieldCounts, Written, integral, samples};
 use crate::control::Control;
 use crate::error::Result;
 
@@ -97,14 +98,19 @@ impl Ramp {
         self.slope <= STEEPEST_WITH_PAIRS
     }
 
-    /// Makes a set and counts its samples and its pairs.
-    pub fn made(self, seed: u64, control: &Control<'_>) -> Result<RampSet> {
+    /// Returns the field of the ramp.
+    pub fn ground(self) -> Result<Ground> {
         let field = Written {
             radius: format!("1+{}*x", self.slope),
             size: self.size(),
             boundary: Boundary::Bounded,
         };
-        let points = field.samples(seed, control)?;
+        field.ground()
+    }
+
+    /// Makes a set on the field of the ramp, and counts its samples and its pairs.
+    pub fn made(self, ground: &Ground, seed: u64, control: &Control<'_>) -> Result<RampSet> {
+        let points = samples(ground, seed, control)?;
         let inside = points.iter().filter(|&&at| self.is_inside(at, MARGIN));
         let mut set = RampSet {
             count: inside.count() as u64,
