@@ -407,10 +407,10 @@ fn choose_brush(state: &mut State) {
     let tool = FormCommand::Paint(PaintCommand::Tool(true));
     state.with(|s, c| s.form.apply(tool, c));
 
-    let stage = state.runs.first.current_stage();
-    if state.form.paints && !state.appearance.layers(stage).has(Layer::Field) {
+    let layers = state.runs.first.layers(&state.appearance);
+    if state.form.paints && !layers.has(Layer::Field) {
         let command = AppearanceCommand::ToggleLayer(Layer::Field);
-        state.appearance.apply(command, stage);
+        state.appearance.apply(command, layers);
     }
 }
 
