@@ -26,7 +26,7 @@ const DOUBT: f64 = 1.0 / (1_u64 << 48) as f64;
 /// Points given, and which of them were kept.
 ///
 /// Points are *near* if dx^2 + dy^2 < h^2, compared exactly. There dx and dy are the absolute differences of the coordinates,
-/// each rounded to a double as a subtraction is; where there is a period p, the smaller one of d and p - d. h is the radius;
+/// each rounded to a double as a subtraction is; where there is a period p, the smaller one of d and |p - d|. h is the radius;
 /// of two radii a <= b it is a * (2b / (a + b)) in doubles.
 #[derive(Clone, Copy, Debug)]
 pub struct ThinnedSet<'a> {
@@ -280,7 +280,8 @@ impl ThinnedSet<'_> {
         let (first, second) = (self.given[a as usize], self.given[b as usize]);
         let [dx, dy] = [0, 1].map(|axis| {
             let straight = (first[axis] - second[axis]).abs();
-            // The difference may exceed the period, as points are not refused outside of the torus.
+            // One period is tried, as `ThinnedSet` says. It is enough for points in the torus; others are not refused,
+            // and may differ by more than the period.
             let around = |period: [f64; 2]| (period[axis] - straight).abs();
             self.period
                 .map_or(straight, |period| straight.min(around(period)))
@@ -331,7 +332,7 @@ fn is_below(shorter: f64, longer: f64, distance: f64) -> bool {
     }
 }
 
-/// A positive double as a whole number of powers of two.
+/// A double that is not negative: `digits` times two to the power `exponent`.
 struct Parts {
     digits: u64,
     exponent: i32,
@@ -362,8 +363,9 @@ struct Search<'a> {
 }
 
 impl Search<'_> {
-    /// Judges some of the points given, and returns the findings. `kept` holds, in the range `candidates`, all kept points
-    /// that may be near one of them. It serves as a stack: this part's own kept points are pushed and dropped again.
+    /// Judges the part of the points given that `points` holds, and returns the findings. `kept` holds, in the range
+    /// `candidates`, all kept points that may be near one of them. It is a stack: copies of those that may be near this
+    /// part are pushed, and dropped at the end.
     fn part(
         &self,
         points: &mut [Placed],
@@ -383,8 +385,8 @@ impl Search<'_> {
         }
 
         let near = begin..kept.len();
-        // A part far smaller than a radius, as copies of one point make it, has few kept points around, and its halves
-        // would have the same ones. It is not cut further. The 64 was chosen, not measured.
+        // The halves of a part far smaller than a radius, as copies of one point make it, would have the same kept points
+        // around. It is not cut further: these are few, unless they conflict. The 64 was chosen, not measured.
         let is_small = width.max(height) <= largest_radius / 64.0;
         let found = if points.len() <= FEW || is_small {
             self.each(points, &mut kept[near])

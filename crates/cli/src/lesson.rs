@@ -197,7 +197,7 @@ pub enum Played {
 ///
 /// # Errors
 ///
-/// The argument is neither a file nor the name of a lesson that comes with the program.
+/// The argument is neither `lecture` nor a file nor the name of a lesson that comes with the program.
 #[must_use]
 pub fn played(command: &LessonCommand) -> Option<Result<Played>> {
     let LessonCommand::Play { lesson, present } = command else {
@@ -261,7 +261,8 @@ impl Source {
             .unwrap_or(Path::new("."));
         let entries = fs::read_dir(folder).in_file(folder)?;
 
-        // The file is NAME.LANGUAGE.md: without its ending the language is an extension, too.
+        // The file is NAME.LANGUAGE.md: without its ending the language is an extension, too. Any word is taken for a
+        // language.
         let is_translation = |path: &PathBuf| {
             let named = path.with_extension("");
             path.extension().is_some_and(|extension| extension == "md")
@@ -521,6 +522,7 @@ struct LessonTexts {
 fn lesson_texts(lesson: &str, language: &str) -> Result<LessonTexts> {
     check_language(language)?;
 
+    // The lesson's own file is the text for `en`, the default, whatever its language.
     let is_translated = language != "en";
     // A lesson of the program has its translation with it, and no files beside it in which others could be.
     if let Some(shipped) = shipped_lesson(lesson) {

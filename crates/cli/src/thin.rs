@@ -121,7 +121,7 @@ pub fn run(arguments: &ThinArguments) -> Result<u8> {
     Ok(verdict_code(thinned.report.valid()))
 }
 
-/// Thins a file, has the choice judged, and writes it.
+/// Thins a file, has the choice judged, and writes it whatever the verdict, which the certificate states.
 fn make(arguments: &ThinArguments) -> Result<ThinnedFile> {
     if let Some(path) = &arguments.out {
         // The certificate is written as well, and has to be a file that can be replaced.
@@ -243,6 +243,7 @@ impl ThinArguments {
 
     /// Returns where the radius comes from.
     fn radius(&self) -> Result<RadiusSource> {
+        // Clap takes a formula only without --radius and an image.
         if let Some(text) = &self.radius_expression {
             return formula(text);
         }

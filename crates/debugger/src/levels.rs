@@ -47,7 +47,7 @@ impl Recording {
         let painted = RecordedLevels {
             request: levels.request,
             ranks: indices().map(|sample| levels.ranks[sample]).collect(),
-            // No level is left whole, so that none ends.
+            // Painting takes out samples by their place, of any level, so that no level counts as whole.
             ends: Vec::new(),
             is_painted: true,
         };
@@ -60,10 +60,11 @@ impl Recording {
         ))
     }
 
-    /// Returns the recording of the first samples of nested levels; `None` if it has no levels.
+    /// Returns the recording of the first `count` samples of nested levels, or of all if there are fewer; `None` if it
+    /// has no levels.
     pub(crate) fn first_of_levels(&self, count: usize) -> Option<Self> {
         let levels = self.levels()?;
-        // Of a set without samples nothing could be shown or asked: one sample is left at least.
+        // Of a set without samples nothing could be shown or asked: a count of 0 leaves one sample, too.
         let count = count.max(1).min(levels.ranks.len());
         let ends = levels.ends.iter().copied();
 

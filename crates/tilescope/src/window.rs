@@ -35,7 +35,7 @@ fn made_handout(asked: Handout) -> Result<String, String> {
     })
 }
 
-/// Returns the commands that open a lesson.
+/// Returns the commands that open a lesson or the lecture.
 fn opening(played: Played) -> Vec<Command> {
     let (open, is_presented) = match played {
         Played::Shipped { name, is_presented } => (LessonCommand::Open(name), is_presented),
@@ -53,8 +53,9 @@ fn opening_file(file: &Path) -> Command {
     Command::File(FileCommand::Open(file.to_string_lossy().into_owned()))
 }
 
-/// Opens the window, on a link, a lesson or a file if one is named. Returns the exit code once it is closed. If it does
-/// not open, returns why: the caller then starts a session without a window, or refuses the link or the file.
+/// Opens the window, on a link, a lesson, the lecture or a file if one is named. Returns the exit code once it is
+/// closed. If it does not open, returns why: the caller then starts a session without a window, or refuses the link or
+/// the file.
 pub fn open(
     link: Option<String>,
     played: Option<Played>,

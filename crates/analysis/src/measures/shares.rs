@@ -100,8 +100,8 @@ pub fn frequency_shares(
     shares_by(&plans, points, region, ring, control)
 }
 
-/// Plans that hold each pair of opposite frequencies of a window about zero once: one if memory suffices,
-/// otherwise two quarters, which are half as large each.
+/// Returns plans that together hold one of any two opposite frequencies of a window about zero, or both where a real
+/// plan has `ky = 0`: one plan if memory suffices, otherwise those of two quarters of the window.
 fn plans_of(window: &FrequencyWindow) -> Result<Vec<TransformPlan>, MeasureError> {
     match TransformPlan::new(window) {
         Err(MeasureError::WindowTooLarge { .. }) => {
@@ -120,7 +120,7 @@ fn quarters(window: &FrequencyWindow) -> Vec<FrequencyWindow> {
     windows.into_iter().filter(filled).collect()
 }
 
-/// Returns the shares by the transforms of plans that together hold each pair of opposite frequencies once.
+/// Returns the shares by the transforms of the plans of [`plans_of`].
 fn shares_by(
     plans: &[TransformPlan],
     points: &[[f64; 2]],
@@ -158,7 +158,7 @@ fn shares_by(
     })
 }
 
-/// Returns the rectangle about zero of all frequencies that are shorter than the ring's outer length.
+/// Returns the rectangle about zero that holds all frequencies shorter than the ring's outer length.
 fn window_of(region: Region, [inner, outer]: [f64; 2]) -> Result<FrequencyWindow, MeasureError> {
     let limit = MAX_FREQUENCY;
     check_range("the inner length of the ring", inner, [0.0, limit as f64])?;

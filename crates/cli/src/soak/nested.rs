@@ -14,7 +14,7 @@ use crate::interrupt;
 /// The share of the rounds with [`Feature::Levels`] that make levels. Chosen, not measured.
 const SHARE: f64 = 0.5;
 
-/// Adds to some rounds a run of nested levels with the same sides, leaf, boundary and seed.
+/// Adds to some rounds a run of nested levels with the same sides, leaf, boundary and seed, and judges it.
 pub fn add(
     round: &mut Tally,
     parameters: &Parameters,
@@ -55,6 +55,7 @@ pub fn add(
     for (&count, level) in nested.ends().iter().zip(0..) {
         let claim = PrefixClaim::maximal(count, nested.radius(level));
         let found = verify_prefix(&positions, region(domain), claim, verify, &control)?;
+        // A sample is judged at its own level and at each finer one, and counts each time.
         round.samples += count as u64;
         round.conflicts += found.report.conflicts;
         round.gaps += found.report.gaps;

@@ -114,7 +114,12 @@ impl LevelClip {
         let columns = ((variant.width - 1) >> bits) as usize + 1;
         let cell = |p: Point| (p.y >> bits) as usize * columns + (p.x >> bits) as usize;
 
-        let mut points: Vec<Point> = variant.samples.iter().map(|(point, _)| *point).collect();
+        // Which samples of the pattern these are is not needed.
+        let mut points: Vec<Point> = variant
+            .samples
+            .iter()
+            .map(|(point, _index)| *point)
+            .collect();
         points.sort_by_key(|p| cell(*p));
 
         // The pattern is a square, with as many rows of cells as columns.

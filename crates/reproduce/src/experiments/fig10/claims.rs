@@ -127,8 +127,8 @@ fn plate_better(
     claim("fig10/plate-better", verdict, &values)
 }
 
-/// Judges whether horizons by KDRT are as good as those by the reference sampler, and both are clearly better than those by
-/// random samples.
+/// Judges whether the errors of horizons by KDRT are like those by the reference sampler, neither larger nor smaller,
+/// and whether both samplers are clearly better than random samples.
 fn horizon_alike(
     random: &SamplerResults,
     reference: &SamplerResults,

@@ -24,7 +24,7 @@ pub struct Compared {
     pub printed: Summary,
 }
 
-/// Returns sets of both variants, and the samples of each.
+/// Returns how many sets of each variant are made, and about how many samples each has.
 fn amounts(settings: &Settings) -> (usize, f64) {
     settings.pick((10, 500_000.0), (4, 20_000.0))
 }
@@ -38,7 +38,7 @@ pub fn units(settings: &Settings) -> usize {
     if large(settings) == 0 { 1 } else { 2 }
 }
 
-/// Returns one set of each seed by both variants, verified.
+/// Makes a set of each seed by either variant and verifies it. Returns their summaries.
 pub fn compare(study: &Study<'_>) -> Result<Vec<Compared>> {
     let (sets, samples) = amounts(study.settings);
     study.sets(
