@@ -419,6 +419,8 @@ fn data_url(svg: &str) -> String {
         match c {
             // Only characters with a meaning in URLs or HTML: all others take less room as they are than in base64.
             '%' => url.push_str("%25"),
+            // As an attribute's value the URL is decoded once as HTML: `&lt;` in the drawing would end as `<`.
+            '&' => url.push_str("%26"),
             '#' => url.push_str("%23"),
             '<' => url.push_str("%3C"),
             '>' => url.push_str("%3E"),
@@ -474,6 +476,14 @@ mod tests {
             text: lesson.text.to_string(),
             ..HandoutTask::default()
         }
+    }
+
+    #[test]
+    fn a_drawing_in_a_url_keeps_its_references() {
+        assert_eq!(
+            data_url("<t>1 &lt; 2</t>"),
+            "data:image/svg+xml,%3Ct%3E1 %26lt; 2%3C/t%3E"
+        );
     }
 
     #[test]
