@@ -80,6 +80,7 @@ pub const BYTE_ORDER_MARK: char = '\u{feff}';
 ///
 /// Formulas begin with `=`, `+`, `-` or `@`, in ASCII or in full width, at the beginning of the cell, behind a tab or a
 /// line end, and behind a semicolon, at which spreadsheets of many countries divide the cells of a comma-separated file.
+/// A text that begins with one of these dividers gets an apostrophe in any case.
 ///
 /// ```
 /// use tilescope_analysis::cell;

@@ -96,7 +96,8 @@ struct RankedFile {
 }
 
 impl RankedFile {
-    /// Reads a set, its certificate and its ranks. Fails if it has no levels or no column of ranks.
+    /// Reads a set, its certificate and its ranks. Fails if it has no certificate or no levels, or not a rank for each
+    /// sample.
     fn read(path: &Path, set: &SetArguments, certificate: CertificateUse) -> Result<Self> {
         let mut read = set.read_as(path, set.set, certificate)?;
         let name = named(path);

@@ -56,7 +56,8 @@ pub fn run(
     Ok(verdict_code(findings.passed()))
 }
 
-/// Refuses arguments that would describe another set than the certificate, or that no thinned set has.
+/// Refuses arguments that would describe another set than the certificate, or that no thinned set has. What a radius
+/// follows from is not refused: an image is not in the certificate, and has to be given.
 fn refuse_others(set: &SetArguments, ground: &GroundArguments) -> Result<()> {
     // The end of the messages: the certificate states values by which the points were chosen.
     let whose = "by which the points were chosen";

@@ -65,7 +65,7 @@ fn refuse_planar(arguments: &SampleArguments) -> Result<()> {
         bail!("{ground}: {why}, with one radius in a whole box; leave it out");
     }
 
-    // Whole sets are made in memory, without blocks, in the order of arrival: these have no meaning.
+    // Sets in space are made whole and in memory, with a corner at 0, without blocks and levels: these have no meaning.
     let given = [
         ("--levels", arguments.nested.levels.is_some()),
         ("--window", arguments.window.is_some()),

@@ -10,7 +10,7 @@ use crate::format::Format;
 pub(super) const RADIUS: &str = "radius";
 
 /// Returns the radius of each point, if the file has a column of that name. `columns` are those of x and y in a text table,
-/// where they are chosen: neither of them is a radius. Fails where a radius is not above 0.
+/// where they are chosen: neither of them is a radius. Fails where a radius is no number or not above 0.
 pub(super) fn read(
     bytes: &[u8],
     format: Format,

@@ -58,7 +58,7 @@ pub struct GpuRates {
 }
 
 impl Bench {
-    /// Times a GPU against the parallel engine on all threads.
+    /// Times a GPU against the parallel engine on all threads, a run pass by pass, and copies in the device's memory.
     pub fn gpu(&self, gpu: &Arc<Gpu>, watch: &dyn Watch) -> Result<GpuRates> {
         let base = self.base()?;
         let units_done = 0;
