@@ -98,7 +98,7 @@ impl ThinnedReport {
     }
 }
 
-/// Judges a thinned set. `witnesses` faults of each kind are named.
+/// Judges a thinned set. Of each kind of fault at most `witnesses` are named.
 ///
 /// # Errors
 ///

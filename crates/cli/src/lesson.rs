@@ -602,7 +602,7 @@ fn keys(arguments: &CheckArguments) -> Result<()> {
     for file in &arguments.files {
         let lesson = with_line(Source::of_file(file)?.lesson, file)?;
         let found = checked(&lesson, arguments.seeds)?;
-        // A lesson with a fault may have false keys, so that none are written.
+        // A lesson with a fault may have false keys: neither these are written nor those of the lessons after it.
         if let Some(fault) = found.faults.first() {
             bail!(at(&named(file), fault));
         }
@@ -648,7 +648,7 @@ fn translate(file: &Path, language: &str) -> Result<()> {
     ))
 }
 
-/// Merges the results of learners, and writes their entries and gains.
+/// Merges the results of learners, and writes their entries, their gains, or both, as the arguments ask.
 fn merge(arguments: &ResultsArguments) -> Result<()> {
     let ResultsArguments { files, out, gain } = arguments;
     for target in out.iter().chain(gain) {

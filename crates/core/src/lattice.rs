@@ -443,7 +443,7 @@ impl Domain {
 
     /// Returns the lattice rectangle of the samples with `low <= position < high` in user units, in the plane: a
     /// periodic domain repeats without end, and a bounded one is cut at its borders. A window that ends at the upper border
-    /// of a bounded domain includes that border.
+    /// of a bounded domain, or beyond it, includes that border.
     ///
     /// Fails when a side is not finite, not above 0 or longer than the domain's, or begins more than a thousand sides
     /// away.

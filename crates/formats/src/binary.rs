@@ -112,8 +112,8 @@ pub(crate) fn finite(value: f64, format: Format, index: u64) -> Result<f64, Form
     })
 }
 
-/// [`FormatError::NotFinite`] if a coordinate is not finite. `first` is the number in the file of the first of these
-/// points, from which an error counts.
+/// [`FormatError::NotFinite`] if a coordinate is not finite. `first` is the number of the first of these points, from
+/// which an error counts.
 pub(crate) fn all_finite(
     points: &[[f64; 2]],
     first: u64,
@@ -133,8 +133,8 @@ pub(crate) fn all_finite(
     })
 }
 
-/// Points of row-major pairs; bytes behind the last whole pair are ignored. `first` is the number in the file of the
-/// first of them, from which an error counts.
+/// Points of row-major pairs; bytes behind the last whole pair are ignored. `first` is the number of the first of
+/// them, from which an error counts.
 pub(crate) fn pairs(
     data: &[u8],
     first: u64,

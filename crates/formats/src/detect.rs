@@ -236,8 +236,8 @@ fn text_shape(bytes: &[u8]) -> Option<TextShape> {
     let mut rows = lines(bytes).map(|(_, line)| line).filter(|line| {
         let is_remark = is_remark(line);
         if is_remark && let Some(names) = names::in_remark(line) {
-            // The last remark with names before a row may name the columns, as when the table is read. Here the remarks up to
-            // the second row are seen.
+            // The last remark with names before a row may name the columns, as when the table is read. Here the remarks
+            // up to the second row are seen.
             remarks = names;
         }
         !line.is_empty() && !is_remark

@@ -130,8 +130,8 @@ impl CircleBands {
         cells.is_ok_and(|cells| cells.counts[1] >= 8 * KEPT && cells.reach[1] == 1)
     }
 
-    /// Judges the rows below the ordinate `complete` but the highest of them, if they are enough for a band. No sample can
-    /// follow there, but in the lowest row of a torus.
+    /// Judges the rows below the ordinate `complete` but the highest of them, if they are enough for a band. No sample
+    /// can follow there, but in the lowest row of a torus.
     pub fn judge_complete(
         &mut self,
         question: &Question,

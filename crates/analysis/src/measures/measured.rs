@@ -136,7 +136,8 @@ impl MeasuredSet {
         self.known.contains(&part)
     }
 
-    /// Measures a part of the set with these samples, unless it is known.
+    /// Measures a part of the set with these samples, unless it is known. The cells need the report, which is measured
+    /// before them.
     ///
     /// # Errors
     ///

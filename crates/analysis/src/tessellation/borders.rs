@@ -31,7 +31,7 @@ impl Drawn {
         }
     }
 
-    /// Returns the loops of the runs that make a gap, each run with the periods by which it is moved.
+    /// Returns the loops around a gap. `members` are the runs that make it, each with the periods by which it is moved.
     pub fn boundary(&mut self, runs: &Runs<'_>, members: &[(usize, IVec2)]) -> Vec<Vec<Edge>> {
         let mut loops = Vec::new();
         for &(run, shift) in members {

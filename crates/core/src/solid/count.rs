@@ -122,7 +122,8 @@ impl SolidRequest {
         Ok(sample)
     }
 
-    /// Makes sets of about `aim` samples until the number of one fits. Errors name `count`, the number that is wanted.
+    /// Makes sets of about `aim` samples until the number of one fits. Errors name `count`, the number that is
+    /// wanted, unless only `aim` is too large.
     fn search(
         &self,
         count: u64,
@@ -130,7 +131,7 @@ impl SolidRequest {
         fits: impl Fn(u64) -> bool,
         observer: &mut dyn Observer,
     ) -> Result<SolidSample, SampleError> {
-        // The wanted number is checked first, so that an error names it and not the aim.
+        // The wanted number is checked first, so that an error names it if both are out of range.
         self.radius_estimate(count)?;
         let [shortest, longest] = self.radius_limits();
         let mut radius = self.radius_estimate(aim)?;

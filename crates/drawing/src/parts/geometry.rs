@@ -51,7 +51,8 @@ fn tessellation<'a>(scene: &Scene<'a>) -> Option<&'a Tessellation> {
     scene.subject.geometry.of(&scene.shown)
 }
 
-/// Draws the edges of the triangulation: in a periodic domain each once, in a bounded one inner edges twice.
+/// Draws the edges of the triangulation: in a periodic domain each once and its copies across the border, in a bounded
+/// one inner edges twice.
 pub fn delaunay(scene: &Scene<'_>, surface: &mut impl Surface) {
     let Some(tessellation) = tessellation(scene) else {
         return;
@@ -112,7 +113,7 @@ pub fn circumcircles(scene: &Scene<'_>, surface: &mut impl Surface) {
     }
 }
 
-/// Draws the circles around samples, faint, and their exposed arcs with a bright halo. Without exposed arcs the set is
+/// Draws the circles around samples, faint, unless there are too many in view, and their exposed arcs with a halo. Without exposed arcs the set is
 /// maximal.
 pub fn covered_circles(scene: &Scene<'_>, surface: &mut impl Surface) {
     let Some(borders) = scene.subject.geometry.borders(&scene.shown) else {

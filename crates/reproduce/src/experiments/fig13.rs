@@ -119,7 +119,7 @@ pub fn run(study: &Study<'_>) -> Result<Outcome> {
     })
 }
 
-/// Returns the pictures of spectra. Each shows one set of each of its methods, made anew, as sets are not kept.
+/// Returns the pictures of spectra. Each column of one shows a set of its method, made anew, as sets are not kept.
 fn spectra_pictures(study: &Study<'_>, found: &[MethodSpectra]) -> Result<Vec<Picture>> {
     let control = study.control("the pictures");
     // Each column shows a method, whose curves are drawn over those of another one. It is left out if one of the two

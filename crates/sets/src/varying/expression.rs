@@ -112,7 +112,7 @@ impl Expression {
         self.on(&mut stack, x, y)
     }
 
-    /// The same with a stack that is used again.
+    /// Returns what [`Self::at`] does, by a stack whose memory is used again.
     pub(super) fn on(&self, stack: &mut Vec<f64>, x: f64, y: f64) -> f64 {
         stack.clear();
         // The parser leaves no step without its operands, so that the stack is never empty where one is taken.
