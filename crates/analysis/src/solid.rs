@@ -145,8 +145,8 @@ impl SolidReport {
 ///
 /// # Errors
 ///
-/// See [`SolidError`]: input that cannot be judged is refused with its first offence. Any other set gives a report, however
-/// bad it is, unless `control` cancels or the two judges disagree.
+/// See [`SolidError`]: input that cannot be judged is refused with its first offence. Any other set gives a report,
+/// however bad it is, unless `control` cancels or the two judges disagree.
 pub fn verify_solid(
     points: &[[f64; 3]],
     region: SolidRegion,

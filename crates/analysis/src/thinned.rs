@@ -25,9 +25,9 @@ const DOUBT: f64 = 1.0 / (1_u64 << 48) as f64;
 
 /// Points given, and which of them were kept.
 ///
-/// Points are *near* if dx^2 + dy^2 < h^2, compared exactly. There dx and dy are the absolute differences of the coordinates,
-/// each rounded to a double as a subtraction is; where there is a period p, the smaller one of d and |p - d|. h is the radius;
-/// of two radii a <= b it is a * (2b / (a + b)) in doubles.
+/// Points are *near* if dx^2 + dy^2 < h^2, compared exactly. There dx and dy are the absolute differences d of the
+/// coordinates, each rounded to a double as a subtraction is; where there is a period p, the smaller one of d and
+/// |p - d|. h is the radius; of two radii a <= b it is a * (2b / (a + b)) in doubles.
 #[derive(Clone, Copy, Debug)]
 pub struct ThinnedSet<'a> {
     /// The points that there were.
@@ -386,7 +386,8 @@ impl Search<'_> {
 
         let near = begin..kept.len();
         // The halves of a part far smaller than a radius, as copies of one point make it, would have the same kept points
-        // around. It is not cut further: these are few, unless they conflict. The 64 was chosen, not measured.
+        // around. So the part is not cut further: these points are few, unless they conflict. The 64 was chosen, not
+        // measured.
         let is_small = width.max(height) <= largest_radius / 64.0;
         let found = if points.len() <= FEW || is_small {
             self.each(points, &mut kept[near])

@@ -254,8 +254,8 @@ impl CellSearch {
         // This exceeds the `sight` of all open pixels, to which `open_cell` adds only four units.
         let reach = reach.min((farthest + slack as f32) as i32 + 8);
 
-        // The grid gathers from a square. From its middle the centres of the open pixels are no farther than `half` on both
-        // axes.
+        // The grid gathers from a square. From its middle the centres of the open pixels are no farther than `half` on
+        // both axes.
         let between = |first: u32, last: u32| (first + last + 1) as i32 * pixel_side / 2;
         let half = (right - left).max(top - bottom) as i32 * pixel_side / 2;
         let middle = Point::new(

@@ -25,8 +25,8 @@ struct Document<C> {
     certificate: Option<C>,
 }
 
-/// Reads the points of a document and, unless it is left out, its certificate. With `any_z` further coordinates of
-/// points are cut off before.
+/// Reads the points of a document and, unless it is left out, its certificate. With `any_z` a point may have any
+/// third coordinate, which is cut off first.
 pub(super) fn read(
     bytes: &[u8],
     certificate: CertificateUse,

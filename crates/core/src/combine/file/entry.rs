@@ -136,6 +136,7 @@ impl PieceEntry {
         boundary: Boundary,
         rect: &Rect,
     ) -> Result<PieceSource, LayoutError> {
+        // Tiling finds the same domain again in `parameters`: a rectangle without one is refused here for both methods.
         let domain = Domain::of_rect(rect, boundary)?;
         Ok(match self.method.unwrap_or(PieceMethod::Kdrt) {
             PieceMethod::Reference => PieceSource::Reference { seed, own: domain },
