@@ -46,7 +46,7 @@ pub struct ThreadArguments {
 #[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
 pub enum EngineArgument {
     /// A GPU for sets of 20 million samples and more, if there is one; else the parallel engine; the sequential
-    /// engine for Algorithm 4 as printed
+    /// engine for Algorithm 4 as printed; all threads for exact tiling
     Auto,
     /// Windows on a GPU; an exact tiling in one go
     Gpu,
@@ -89,11 +89,15 @@ impl EngineArguments {
     /// Opens the GPU that the arguments ask for; returns `None` if they ask for none. For exact tiling `auto` takes the threads
     /// whatever the size, as its rates on a card have not been measured.
     ///
-    /// Fails if the arguments ask for a GPU and none can be used.
+    /// Fails if the arguments ask for a GPU and none can be used, and if they ask for checked shaders and for no GPU.
     pub fn gpu_if_asked(&self) -> Result<Option<Backend>> {
         // A GPU that is asked for is opened for sets of any size.
         let any_size = 0.0;
         let asked = self.wants_gpu();
+        ensure!(
+            asked || !self.adapter.checked_shaders,
+            "--checked-shaders needs --engine gpu for exact tiling: it runs on the CPU otherwise"
+        );
         asked
             .then(|| self.choose(Variant::Staged, any_size))
             .transpose()

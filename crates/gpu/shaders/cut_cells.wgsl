@@ -1,5 +1,5 @@
-// Cuts cells for a throw, depth first, and keeps the parts that no single sample of earlier throws covers: in all others every dart is
-// refused.
+// Cuts cells for a throw, depth first, and keeps the parts that no single sample of earlier throws covers: in all others every
+// dart is refused.
 // import: laid
 // import: near
 
@@ -30,8 +30,13 @@ fn is_open(piece: LaidPiece, low: vec2<i32>, side: i32) -> bool {
 }
 
 fn run(index: u32) {
-    let count = min(atomicLoad(&counters[job.d]), ground.cell_capacity);
-    if index >= count {
+    let listed = atomicLoad(&counters[job.d]);
+    if index == 0u && listed > ground.cell_capacity {
+        // Cells that the list had no room for are cut by nobody, and its counter is cleared before the host reads it. So the other
+        // list counts as too short, and the run is made again.
+        atomicMax(&counters[job.d + 1u], listed);
+    }
+    if index >= min(listed, ground.cell_capacity) {
         return;
     }
     let cell = cells[index];

@@ -34,7 +34,7 @@ use plan::{DartRoom, ExactPlan};
 const ROUNDS: u32 = 4;
 
 /// More rounds than any throw takes: each one decides the earliest dart that is not yet right, and chains of darts within r that
-/// depend on each other have been seen to have six.
+/// depend on each other have been seen to have six. Chosen, not proven: no run has come near it.
 const MAX_ROUNDS: u32 = 10_000;
 
 /// The code of the fault that a throw's rounds come to no end, after those of `FAULTS`.
@@ -54,7 +54,8 @@ pub async fn exact_on_gpu(
     Ok(run)
 }
 
-/// Returns what [`exact_on_gpu`] does, with the report of each pass, and its time where the adapter measures them. Fails likewise.
+/// Returns what [`exact_on_gpu`] does, with the report of each pass, and its time where the adapter measures times. Fails
+/// likewise.
 pub async fn exact_with_reports(
     gpu: &Arc<Gpu>,
     parameters: &Parameters,
@@ -75,7 +76,7 @@ async fn recorded(
     let memory = memory_of(gpu.report(), None);
     let mut room = DartRoom::expected(parameters, arrived)?;
 
-    // Room is an estimate. With twice what was found too little, few tries are needed.
+    // Room is an estimate. With twice what a list turned out to need, few tries are needed.
     for _ in 0..MAX_TRIES {
         room.check(parameters, &limits)?;
         let plan = ExactPlan::new(parameters, arrived, room)?;
@@ -83,8 +84,7 @@ async fn recorded(
 
         let mut work = ExactWork::new(gpu, plan, arrived, recording).await?;
         if let Some(needed) = work.run(observer).await? {
-            // A list was too short. Its counter went on, but what was left out may have brought up more.
-            room = needed.doubled();
+            room = needed;
             continue;
         }
         let run = work.result(parameters, arrived).await?;
@@ -331,7 +331,7 @@ impl ExactWork {
                 ExactStep::Begin(0)
             }
             ExactStep::Begin(index) | ExactStep::Rounds(index) => {
-                // Only a driver that computes wrongly comes so far.
+                // A driver that computes wrongly might go on for ever.
                 if self.rounds > MAX_ROUNDS {
                     let (stage, code) = (self.stage(), FAULT_ROUNDS);
                     return Err(GpuError::Fault { stage, code });
@@ -358,28 +358,31 @@ impl ExactWork {
         self.counters[counter as usize]
     }
 
-    /// Returns the room that is needed if a list is too short, as far as the device has come.
+    /// Returns the room of the next attempt if a list is too short, as far as the device has come.
     fn shortage(&self) -> Option<DartRoom> {
-        // Counters go on beyond the room of their lists. Those of cells that were cleared since are covered by the next list, which
-        // they led to.
+        // Counters go on beyond the room of their lists. That of marked cells is cleared once they are cut; if their list was too
+        // short, the pass that cuts them passes the number on.
         let lists = [
             counter::FRESH_CELLS,
             counter::OPEN_CELLS,
             counter::NEXT_OPEN_CELLS,
         ];
         let cells = lists.map(|list| self.counter(list)).into_iter().max();
-        let needed = DartRoom {
-            darts: self.counter(counter::DARTS),
-            cells: cells.unwrap_or_default(),
-        };
         let room = self.plan.room();
-        let is_short = needed.darts > room.darts || needed.cells > room.cells;
 
-        // A list that suffices keeps its room.
-        is_short.then_some(DartRoom {
-            darts: needed.darts.max(room.darts),
-            cells: needed.cells.max(room.cells),
-        })
+        // What was left out of a list that is too short may have brought up more. One that suffices keeps its room.
+        let grown = |needed: u32, room: u32| {
+            if needed > room {
+                needed.saturating_mul(2)
+            } else {
+                room
+            }
+        };
+        let next = DartRoom {
+            darts: grown(self.counter(counter::DARTS), room.darts),
+            cells: grown(cells.unwrap_or_default(), room.cells),
+        };
+        (next != room).then_some(next)
     }
 
     /// Reads the result, in canonical order.

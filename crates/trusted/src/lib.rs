@@ -15,20 +15,21 @@
 //!   readers take the smaller of both. The host then makes it longer and repeats the window. The starts of cells in the
 //!   list of tiled samples end with that list; a list that was too short still holds indices of an earlier window, so
 //!   an image's index from it is compared with the number of images.
-//! - **Chains.** The proposals of a cell are chained by `heads` and `next`. `heads` is cleared before each iteration, and each proposal is
-//!   added once, so a chain ends.
-//! - **Darts** of an exact tiling are chained likewise: each is linked once when it is added, chains are not changed by passes that follow them,
-//!   and the pass that takes darts out of a cell's chain has the chain to itself. Indices of darts are listed only if there
-//!   was room for the dart, and none twice in a throw, so that the list of questions is no longer than that of darts.
-//! - **Loops** run over a range known before them, over the bits of a word that lose one each time, over such a chain, or on by one
-//!   or more up to an end.
-//! - **Divisors** are sides of the domain, of the frame and of the pattern, which the host has checked to be above 0.
+//! - **Chains.** The proposals of a cell are chained by `heads` and `next`. `heads` is cleared before each iteration, and each
+//!   proposal is added once, so a chain ends.
+//! - **Darts** of an exact tiling are chained likewise: each is linked once when it is added, chains are not changed by passes that
+//!   follow them, and the pass that takes darts out of a cell's chain has the chain to itself. Indices of darts are listed only if
+//!   there was room for the dart, and none twice in a throw, so that the list of questions is no longer than that of darts.
+//! - **Loops** run over a range known before them, over the bits of a word that lose one each time, over such a chain, on by one
+//!   or more up to an end, over halves of a range until one entry is left, or over the quarters of a cell, each of which comes once.
+//! - **Divisors** are sides of the domain, of the frame and of the pattern, which the host has checked to be above 0, and the columns
+//!   of a piece, which has a cell at least.
 //!
 //! None of this holds for buffers that are changed from outside. A run whose stages are inspected, and may be changed,
 //! has checked shaders (`Recording::Stages` in the engine).
 //!
-//! `tests/it/device/windows.rs` of the engine compares the results of trusted and of checked shaders with the CPU's, bit for bit. In a
-//! browser shaders are always checked, by the browser.
+//! `tests/it/device/windows.rs` and `exact.rs` of the engine compare the results of trusted and of checked shaders with the CPU's,
+//! bit for bit. In a browser shaders are always checked, by the browser.
 
 /// How a shader is compiled.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]

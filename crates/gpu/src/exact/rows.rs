@@ -19,15 +19,15 @@ pub struct ExactRows {
     result: Vec<u32>,
     pieces: Vec<LaidPiece>,
     columns: u32,
-    /// The binary logarithm of the side of the open cells.
-    side_bits: u32,
+    /// The binary logarithms of the sides of the open cells, and of those of the level to come.
+    side_bits: [u32; 2],
 }
 
 impl ExactRows {
     pub(super) async fn read(
         device: &Device,
         plan: &ExactPlan,
-        side_bits: u32,
+        side_bits: [u32; 2],
     ) -> Result<Self, GpuError> {
         let counters = device
             .words(Name::Counters, 0..counter::COUNT.into())
@@ -115,10 +115,10 @@ impl ExactRows {
             // Marked cells have sides of R, those of a level the level's.
             Name::FreshCells if listed(counter::FRESH_CELLS) => self.cell(values, R),
             Name::OpenCells if listed(counter::OPEN_CELLS) => {
-                self.cell(values, 1 << self.side_bits)
+                self.cell(values, 1 << self.side_bits[0])
             }
             Name::NextOpenCells if listed(counter::NEXT_OPEN_CELLS) => {
-                self.cell(values, 1 << self.side_bits)
+                self.cell(values, 1 << self.side_bits[1])
             }
             // A row for each cell of the domain, row by row.
             Name::Heads | Name::Starts => {

@@ -14,6 +14,7 @@ use crate::fit::{MAX_TRIES, memory_of};
 use crate::layout::{Dart, Name, counter};
 use crate::opened::Gpu;
 use crate::pass_report::{PassReport, Recording};
+use crate::passes::Command;
 
 /// An exact tiling on a GPU between two passes. If a list needs more room than expected, the run restarts with more, and the
 /// reports start again.
@@ -62,7 +63,7 @@ impl ExactStepper {
                 return Err(GpuError::OutOfMemory);
             }
             self.restarts += 1;
-            self.room = room.doubled();
+            self.room = room;
             self.rewind().await?;
             needed = self.work.run_pass().await?;
         }
@@ -134,13 +135,29 @@ impl ExactStepper {
 
     /// Returns what places buffer rows that are read between the same two passes.
     pub async fn rows(&self) -> Result<ExactRows, GpuError> {
-        let side_bits = match self.work.current {
-            ExactStep::Begin(index) | ExactStep::Rounds(index) => self.work.throws[index].side_bits,
-            ExactStep::Lay | ExactStep::Count | ExactStep::Collect | ExactStep::End => {
-                tilescope_core::R.ilog2()
-            }
+        let ExactWork {
+            current,
+            throws,
+            queue,
+            ..
+        } = &self.work;
+        let throw = match *current {
+            ExactStep::Lay => throws.first(),
+            ExactStep::Begin(index) | ExactStep::Rounds(index) => throws.get(index),
+            // The lists stay as the last throw left them.
+            ExactStep::Count | ExactStep::Collect | ExactStep::End => throws.last(),
         };
-        ExactRows::read(&self.work.device, &self.work.plan, side_bits).await
+        let side_bits = throw.map_or(0, |throw| throw.side_bits);
+
+        // As long as the cells of a level wait to be cut or swapped, the open ones are those of the level before, twice as wide.
+        let is_cutting = queue.contains(&Command::SwapOpen);
+        let open_side_bits = side_bits + u32::from(is_cutting);
+        ExactRows::read(
+            &self.work.device,
+            &self.work.plan,
+            [open_side_bits, side_bits],
+        )
+        .await
     }
 
     /// Overwrites a word of a buffer between two passes, to inject a fault. An index past the end is ignored.
