@@ -4,7 +4,7 @@ use std::sync::Arc;
 
 use proptest::prelude::*;
 use tilescope_core::{
-    Boundary, Parameters, PatternHistory, PatternSpec, Point, Progress, Run, SampleError, Stage,
+    Boundary, Parameters, PatternHistory, PatternSpec, Point, Progress, R, Run, SampleError, Stage,
     TilingMethod, Unobserved, exact_sample,
 };
 use tilescope_gpu::layout::Name;
@@ -220,6 +220,46 @@ fn rows_of_an_inspected_run_lie_where_its_darts_do() {
             &stepper.table(Name::Counters, 1).await.unwrap(),
         );
         assert_eq!(numbers.unplaced(), Some(Unplaced::Numbers));
+    });
+}
+
+/// Returns the width of the widest cell of a list, as it is shown. Cells at the ends of a piece are narrower.
+async fn widest(stepper: &ExactStepper, name: Name) -> i32 {
+    let rows = stepper.rows().await.unwrap();
+    let table = stepper.table(name, 500).await.unwrap();
+    let places = rows.locate(name, &table);
+    let mut widest = 0;
+    for row in 0..table.rows.len() {
+        if let [RowPlace::Rect(rect)] = places.of(row) {
+            widest = widest.max(rect.width());
+        }
+    }
+    widest
+}
+
+/// Cells that are cut for a level are shown twice as wide as those that come of them, and no wider once the lists are swapped.
+#[test]
+fn open_cells_are_shown_as_wide_as_they_are() {
+    let parameters = parameters(14.0, 8.0);
+    let history = history(&parameters);
+    pollster::block_on(async {
+        let stepper = ExactStepper::new(Arc::clone(gpu()), &parameters, history.arrived());
+        let mut stepper = stepper.await.unwrap();
+        while stepper
+            .reports()
+            .last()
+            .is_none_or(|report| report.name != "cut cells")
+        {
+            stepper.step_pass().await.unwrap();
+        }
+        let [cut, next] = [
+            widest(&stepper, Name::OpenCells).await,
+            widest(&stepper, Name::NextOpenCells).await,
+        ];
+        assert_eq!([cut, next], [R, R / 2]);
+        // The next pass gives the lists each other's names.
+        stepper.step_pass().await.unwrap();
+        assert_eq!(widest(&stepper, Name::OpenCells).await, R / 2);
     });
 }
 
