@@ -42,7 +42,7 @@ impl CanvasBrush {
         let kind = run.session.as_ref()?.kind();
         let has_radii = match kind {
             SessionKind::Run | SessionKind::Exact | SessionKind::Varying => true,
-            SessionKind::Combination | SessionKind::Nested => false,
+            SessionKind::Combination | SessionKind::Nested | SessionKind::Solid => false,
         };
         let is_free = state.lessons().open.is_none() && state.talks().open.is_none();
         (form.paints && has_radii && is_free).then(|| Self {
