@@ -156,6 +156,11 @@ impl MadeSolid {
         let throw = (throw as usize).checked_sub(1);
         let cubes = throw.and_then(|throw| self.cubes.get(throw));
         let lowest = cubes.map_or(&[][..], Vec::as_slice).iter().enumerate();
+        // The upper end of a periodic box is the image of its lower end, where the cubes are.
+        let plane = match self.asked.boundary {
+            Boundary::Periodic => plane.rem_euclid(self.side()),
+            Boundary::Bounded => plane,
+        };
         // A cube holds its lowest place, and not that of the next one.
         let holds = move |low: i32| low <= plane && plane < low + side;
         lowest.filter_map(move |(number, &low)| holds(low).then_some(number))
@@ -164,17 +169,19 @@ impl MadeSolid {
     /// Returns how many samples a plane cuts, by bisection.
     #[must_use]
     pub fn count_cut(&self, plane: i32) -> usize {
-        let between = |from: i32, to: i32| {
-            let end = self.sorted.partition_point(|&height| height <= to);
-            end - self.sorted.partition_point(|&height| height < from)
+        // In 64 bits, as an image of a plane through a very long box lies beyond the numbers of 32.
+        let between = |from: i64, to: i64| {
+            let end = (self.sorted).partition_point(|&height| i64::from(height) <= to);
+            end - (self.sorted).partition_point(|&height| i64::from(height) < from)
         };
         // The plane and its images: a sample is cut by one of them at most.
-        let shifts: &[i32] = match self.asked.boundary {
+        let shifts: &[i64] = match self.asked.boundary {
             Boundary::Periodic => &[-1, 0, 1],
             Boundary::Bounded => &[0],
         };
-        let images = shifts.iter().map(|shift| plane + shift * self.side());
-        images.map(|at| between(at - R, at + R)).sum()
+        let (plane, side, r) = (i64::from(plane), i64::from(self.side()), i64::from(R));
+        let images = shifts.iter().map(|shift| plane + shift * side);
+        images.map(|at| between(at - r, at + r)).sum()
     }
 
     /// Returns about which share of the samples a plane cuts: those in the layer of two radii around it.

@@ -28,7 +28,8 @@ pub const AUTOMATIC: &str = "automatic";
 pub struct SavedView {
     /// The camera; `None` fits the whole domain into any window.
     pub camera: Option<Camera>,
-    /// Where the plane through a set in space lies along the third axis, in user units; `None` for its middle.
+    /// Where the plane through a set in space lies along the third axis, in user units, if it was moved; `None`
+    /// where it follows the events, or lies in the middle of the box.
     pub plane: Option<f64>,
     /// How moments are drawn.
     pub appearance: Appearance,

@@ -202,6 +202,10 @@ fn place_in_plane(
     // A ball reaches r, which is 1 here, from its middle.
     shown.session.index.visit(at, at, 1.0, |seen| {
         let distance = seen.position.distance(at);
+        // Only balls that are there at this moment count.
+        if !shown.covers(seen.id) {
+            return;
+        }
         // The plane cuts a ball in a disk: the ball covers the places in it.
         if let Some(cut) = shown.cut(seen.id).filter(|cut| distance <= cut.radius) {
             covering.push((seen.id, cut.seen_from(distance)));

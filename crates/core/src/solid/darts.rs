@@ -78,7 +78,7 @@ impl SolidThrow {
         self.thrown(cubes, balls, out, |_, _| {});
     }
 
-    /// Like [`Self::uncovered`], and passes each dart to `told` with the place where it lands and its verdict. The process keeps
+    /// Like [`Self::uncovered`], and passes each dart to `report` with the place where it lands and its verdict. The process keeps
     /// no ids, so that none is named.
     #[inline]
     pub fn thrown(
@@ -86,7 +86,7 @@ impl SolidThrow {
         cubes: &[Place],
         balls: &BallGrid,
         out: &mut Vec<SolidDart>,
-        mut told: impl FnMut(Place, Verdict),
+        mut report: impl FnMut(Place, Verdict),
     ) {
         let last = balls.frame().last();
         let mut planes = PlaneKeys::new(self.key);
@@ -107,11 +107,11 @@ impl SolidThrow {
                 // A cube at an upper side may reach beyond it.
                 let is_inside = (0..3).all(|axis| place[axis] <= last[axis]);
                 if !is_inside {
-                    told(place, Verdict::Outside);
+                    report(place, Verdict::Outside);
                     continue;
                 }
                 let is_covered = balls.covers(place);
-                told(place, verdict(is_covered));
+                report(place, verdict(is_covered));
                 if !is_covered {
                     // The rank is drawn only now, since nine of ten darts are covered and need none.
                     let [rank, _] = cube_key.draw(Stream::Rank, index);

@@ -190,7 +190,8 @@ impl Writer {
         }
 
         if let Some(place) = content.view.plane {
-            self.put("plane", format!("z:{}", rounded(place)));
+            // Not rounded, so that the link shows the same disks.
+            self.put("plane", format!("z:{}", exact(place)));
         }
 
         if let Some(layers) = content.view.appearance.chosen_layers {
