@@ -11,7 +11,7 @@ use crate::moves::{self, Direction, Step, Target};
 use crate::recording::Recording;
 use crate::session::{
     PatternFile, SavedBreakpoint, SavedScene, Session, SessionError, VERSION, VERSION_OF_EXACT,
-    VERSION_OF_GROUND, VERSION_OF_KDRT, digest,
+    VERSION_OF_GROUND, VERSION_OF_KDRT,
 };
 use crate::state::State;
 
@@ -285,7 +285,7 @@ impl Debugger {
     pub fn run_id(&self) -> &str {
         self.run_id.get_or_init(|| {
             let recording = &self.recording;
-            format!("{}-{}", digest(recording.run()), recording.len())
+            format!("{}-{}", recording.digest(), recording.len())
         })
     }
 
@@ -394,7 +394,7 @@ impl Debugger {
 
             parameters: self.recording.run().parameters,
             budget: self.budget,
-            digest: digest(self.recording.run()),
+            digest: self.recording.digest(),
             cursor: self.state.cursor(),
             breakpoints: self.saved_breakpoints(),
             watches: self.watches.clone(),
@@ -414,7 +414,7 @@ impl Debugger {
     /// session names an event or a line that there is not.
     pub fn resume(session: &Session, recording: Arc<Recording>) -> Result<Self, SessionError> {
         session.check()?;
-        let found = digest(recording.run());
+        let found = recording.digest();
         if found != session.digest {
             let expected = session.digest.clone();
             return Err(SessionError::Different { expected, found });

@@ -306,9 +306,15 @@ pub fn block(recording: &Recording, event: &Event) -> Option<u32> {
 
 /// Returns the shortest way between two samples, in r, if the recording has both.
 pub(crate) fn distance(recording: &Recording, a: u32, b: u32) -> Option<f64> {
-    let (a, b) = (recording.point(a)?, recording.point(b)?);
-    let squared = recording.domain().distance_squared(a, b) as f64;
-    Some(squared.sqrt() / f64::from(R))
+    let (at_a, at_b) = (recording.point(a)?, recording.point(b)?);
+    let planar = recording.domain().distance_squared(at_a, at_b) as f64;
+    // Samples of a set in space lie at different heights, too.
+    let height = recording
+        .heights()
+        .and_then(|heights| heights.get(a as usize));
+    let above = height.and_then(|&z| recording.above(b, z));
+    let above = above.map_or(0.0, f64::from);
+    Some((planar + above * above).sqrt() / f64::from(R))
 }
 
 /// Returns the name of the verdict of an event that examines a point; `None` for other events.

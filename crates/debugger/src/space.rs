@@ -9,6 +9,7 @@ use tilescope_core::{
 use crate::event::Event;
 use crate::heights::Heights;
 use crate::recording::Recording;
+use crate::session::{digest, hash};
 use crate::tape::Tape;
 
 impl Recording {
@@ -56,6 +57,18 @@ impl Recording {
     #[must_use]
     pub fn heights(&self) -> Option<&[i32]> {
         Some(&self.heights.as_ref()?.all)
+    }
+
+    /// Returns the digest of the result: [`digest`] of a planar run, and of a set in space one with the third coordinates.
+    #[must_use]
+    pub fn digest(&self) -> String {
+        let Some(heights) = self.heights() else {
+            return digest(self.run());
+        };
+        // The result of a set in space is in the order of arrival, as its heights are.
+        let points = self.run().points();
+        let places = points.iter().zip(heights);
+        hash(places.flat_map(|(at, &z)| [at.x, at.y, z]))
     }
 
     /// Returns how high the place lies that an event examines or changes, in units; `None` of planar runs, and of events

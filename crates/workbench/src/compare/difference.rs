@@ -38,9 +38,15 @@ pub struct Differences {
     failed: Option<Key>,
 }
 
-/// Returns whether samples of two moments can be compared: both runs must have the same domain.
+/// Returns whether samples of two moments can be compared: both runs must have the same domain, or lie in the same box.
 #[must_use]
 pub fn comparable(a: &ShownMoment<'_>, b: &ShownMoment<'_>) -> bool {
+    let box_of = |shown: &ShownMoment<'_>| shown.session.solid.as_ref().map(|solid| solid.domain);
+    // The projection of a set in space is no planar set. In one box two samples of the same projection are practically always
+    // the same, as a radius has 2^15 units.
+    if box_of(a) != box_of(b) {
+        return false;
+    }
     let (a, b) = (&a.session.run().domain, &b.session.run().domain);
     a.width() == b.width()
         && a.height() == b.height()
