@@ -421,7 +421,7 @@ fn painting(list: &mut List, state: &State) {
         .marked(form.paints);
     let off = "Choose Paint radii first.";
     list.add("Paint in the middle of the view", paint(PaintCommand::Dab))
-        .on_key(Key::K)
+        .on_key(Key::O)
         .refused(refusal.or_else(|| (!form.paints).then_some(off)));
 
     let brush = form.brush;

@@ -210,7 +210,7 @@ fn a_key_paints_in_the_middle_of_the_view() {
     let mut harness = made(Preset::Ramp);
     let tool = FormCommand::Paint(PaintCommand::Tool(true));
     apply(&mut harness, Command::Form(tool));
-    harness.key_press(egui::Key::K);
+    harness.key_press(egui::Key::O);
     settle(&mut harness);
     assert!(harness.state().state.form().draft.ground.is_painted());
 }

@@ -415,6 +415,9 @@ impl Draft {
         if self.levels.is_some() {
             return Some("Nested levels have one radius, which cannot be painted.");
         }
+        if self.is_in_space() {
+            return Some("A set in space has one radius, which cannot be painted.");
+        }
         if self.ground.by == RadiusBy::Stipple {
             return Some(
                 "The dots of a stipple follow its image: choose another radius to paint it.",
