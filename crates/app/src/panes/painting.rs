@@ -36,7 +36,7 @@ struct Drawn {
 
 impl CanvasBrush {
     /// Returns the brush of a window, if it was chosen and there is something to paint: in a lesson clicks answer, and neither a
-    /// combination nor nested levels have radii that a stroke could change.
+    /// combination nor nested levels nor a set in space have radii that a stroke could change.
     pub fn of(state: &State) -> Option<Self> {
         let (form, run) = (state.form(), &state.runs().first);
         let kind = run.session.as_ref()?.kind();
