@@ -161,52 +161,31 @@ impl PaintedRadii {
         let brush = stroke.brush.limited();
         let reach = brush.size * self.size[0].max(self.size[1]);
         let sign = if brush.is_larger { 1.0 } else { -1.0 };
-        let rows = self.grey.len() / self.columns;
-        let pitch = self.size[0] / self.columns as f64;
 
-        // In a bounded domain only pixels near the rectangle around the path are changed; a periodic one has images of the path.
-        let around = |axis: usize, count: usize| {
-            let places = stroke.path.iter().map(|at| at[axis]);
-            let low = places.clone().fold(f64::INFINITY, f64::min) - reach;
-            let high = places.fold(f64::NEG_INFINITY, f64::max) + reach;
-            if self.is_periodic {
-                return 0..count;
+        let distances = self.distances(&stroke.path, reach);
+        for (grey, distance) in self.grey.iter_mut().zip(distances) {
+            if distance >= reach {
+                continue;
             }
-            // A path without places has no rectangle: `low` is above `high`, and the range empty.
-            ((low / pitch).max(0.0) as usize).min(count)
-                ..((high / pitch).max(0.0) as usize + 1).min(count)
-        };
-        let (across, up) = (around(0, self.columns), around(1, rows));
+            // One in the middle, and without a corner there and at the edge, so that no line is seen.
+            let share = distance / reach;
+            let weight = (1.0 - share * share) * (1.0 - share * share);
 
-        for row in up {
-            for column in across.clone() {
-                let at = [column, row].map(|index| (index as f64 + 0.5) * pitch);
-                let distance = self.distance_to(at, &stroke.path);
-                if distance >= reach {
-                    continue;
-                }
-                // One in the middle, and without a corner there and at the edge, so that no line is seen.
-                let share = distance / reach;
-                let weight = (1.0 - share * share) * (1.0 - share * share);
-
-                let index = row * self.columns + column;
-                let radius = radius_of(self.grey[index], self.radii);
-                // The function of libm has the same bits on every machine.
-                let factor = libm::exp2(sign * brush.strength * weight);
-                self.grey[index] = grey_of(radius * factor, self.radii);
-            }
+            let radius = radius_of(*grey, self.radii);
+            // The function of libm has the same bits on every machine.
+            let factor = libm::exp2(sign * brush.strength * weight);
+            *grey = grey_of(radius * factor, self.radii);
         }
     }
 
-    /// Returns the distance of a place from a path, the short way around in a periodic domain; infinite of none.
-    fn distance_to(&self, at: [f64; 2], path: &[[f64; 2]]) -> f64 {
-        let wrapped = |offset: f64, side: f64| {
-            if self.is_periodic {
-                offset - (offset / side).round() * side
-            } else {
-                offset
-            }
-        };
+    /// Returns the distance of each pixel's middle from a path, around a periodic domain, too; infinite where no segment is within
+    /// about `reach`. Each segment is compared only with the pixels around it, as a long stroke of a small brush has hundreds.
+    fn distances(&self, path: &[[f64; 2]], reach: f64) -> Vec<f64> {
+        let rows = self.grey.len() / self.columns;
+        let counts = [self.columns as i64, rows as i64];
+        let pitch = self.size[0] / self.columns as f64;
+        let mut distances = vec![f64::INFINITY; self.grey.len()];
+
         // A dab is a segment without a length.
         let last = path.last().copied();
         let ends = path
@@ -214,20 +193,49 @@ impl PaintedRadii {
             .copied()
             .zip(path.iter().skip(1).copied().chain(last));
 
-        let to_segment = |(from, to): ([f64; 2], [f64; 2])| {
-            let from_here = [0, 1].map(|axis| wrapped(at[axis] - from[axis], self.size[axis]));
-            let along = [0, 1].map(|axis| to[axis] - from[axis]);
-            let squared = along[0] * along[0] + along[1] * along[1];
-            let dot = from_here[0] * along[0] + from_here[1] * along[1];
-            let share = if squared > 0.0 {
-                (dot / squared).clamp(0.0, 1.0)
+        for (from, to) in ends {
+            let segment = self.beginning_inside([from, to]);
+            let [across, up] = [0, 1].map(|axis| {
+                let [from, to] = segment.map(|end| end[axis]);
+                let first = ((from.min(to) - reach) / pitch).floor() as i64;
+                let end = ((from.max(to) + reach) / pitch).floor() as i64 + 1;
+                if self.is_periodic {
+                    first..end
+                } else {
+                    first.max(0)..end.min(counts[axis])
+                }
+            });
+
+            for row in up {
+                for column in across.clone() {
+                    let at = [column, row].map(|index| (index as f64 + 0.5) * pitch);
+                    // A pixel beyond the border of a periodic domain is one at the other side.
+                    let [column, row] = [column.rem_euclid(counts[0]), row.rem_euclid(counts[1])];
+                    let distance = &mut distances[(row * counts[0] + column) as usize];
+                    *distance = distance.min(distance_to(at, segment));
+                }
+            }
+        }
+        distances
+    }
+
+    /// Returns a segment of a stroke, moved by whole sides of a periodic domain such that it begins inside.
+    fn beginning_inside(&self, segment: [[f64; 2]; 2]) -> [[f64; 2]; 2] {
+        let shift = [0, 1].map(|axis| {
+            let side = self.size[axis];
+            if self.is_periodic {
+                (segment[0][axis] / side).floor() * side
             } else {
                 0.0
-            };
-            let [x, y] = [0, 1].map(|axis| from_here[axis] - share * along[axis]);
-            (x * x + y * y).sqrt()
-        };
-        ends.map(to_segment).fold(f64::INFINITY, f64::min)
+            }
+        });
+        // A script may give places anywhere: one beyond the next copy of the domain is moved to its border, so that no more than
+        // these copies are looked at.
+        segment.map(|end| {
+            [0, 1].map(|axis| {
+                (end[axis] - shift[axis]).clamp(-self.size[axis], 2.0 * self.size[axis])
+            })
+        })
     }
 
     /// Returns the field as a source of radii: an image of a PNG file, with the radii of black and of white.
@@ -285,6 +293,21 @@ fn range([least, greatest]: [f64; 2], most: f64) -> [f64; 2] {
     // The room is the same at both ends. A field that fills the whole range has none, and is painted within it.
     let room = (MAX_RANGE * least / greatest).sqrt().clamp(1.0, ROOM);
     [least / room, (greatest * room).min(most).max(greatest)]
+}
+
+/// Returns the distance of a place from a segment.
+fn distance_to(at: [f64; 2], [from, to]: [[f64; 2]; 2]) -> f64 {
+    let from_here = [0, 1].map(|axis| at[axis] - from[axis]);
+    let along = [0, 1].map(|axis| to[axis] - from[axis]);
+    let squared = along[0] * along[0] + along[1] * along[1];
+    let dot = from_here[0] * along[0] + from_here[1] * along[1];
+    let share = if squared > 0.0 {
+        (dot / squared).clamp(0.0, 1.0)
+    } else {
+        0.0
+    };
+    let [x, y] = [0, 1].map(|axis| from_here[axis] - share * along[axis]);
+    (x * x + y * y).sqrt()
 }
 
 fn radius_of(grey: u16, [black, white]: [f64; 2]) -> f64 {
@@ -414,6 +437,27 @@ mod tests {
         // Images are equal if their files are.
         assert_eq!(read, image);
         assert_eq!(read.grey, image.grey);
+    }
+
+    #[test]
+    fn a_stroke_over_more_than_half_a_periodic_domain_is_painted_to_its_end() {
+        let periodic = VaryingRecipe {
+            boundary: Boundary::Periodic,
+            ..recipe(RadiusSource::Constant(0.04))
+        };
+        let start = PaintedRadii::of(&periodic).expect("a field");
+        let mut painted = start.clone();
+        painted.paint(&BrushStroke {
+            path: vec![[0.4, 0.5], [1.6, 0.5]],
+            ..dab([0.0; 2], false)
+        });
+
+        // In the row in the middle; 512 columns are two units wide.
+        let at = |radii: &PaintedRadii, column: usize| radii.grey[radii.grey.len() / 2 + column];
+        for column in [128, 256, 384] {
+            assert!(at(&painted, column) < at(&start, column), "{column}");
+        }
+        assert_eq!(at(&painted, 2), at(&start, 2));
     }
 
     #[test]
