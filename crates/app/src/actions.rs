@@ -434,9 +434,15 @@ fn painting(list: &mut List, state: &State) {
         paint(PaintCommand::Brush(other)),
     )
     .marked(brush.is_larger);
-    let unpainted = (!form.draft.ground.is_painted()).then_some("No radii were painted.");
+    let ground = &form.draft.ground;
+    let unpainted = (!ground.is_painted()).then_some("No radii were painted.");
+    // Of an image that was painted earlier, or in another session, the strokes are not kept.
+    let no_way_back = ground
+        .unpainted
+        .is_none()
+        .then_some("The image holds the painted radii alone, not those from before.");
     list.add("Radii as before painting", paint(PaintCommand::Reset))
-        .refused(unpainted);
+        .refused(unpainted.or(no_way_back));
     list.add("Save painted radii as an image", paint(PaintCommand::Save))
         .refused(unpainted);
 }

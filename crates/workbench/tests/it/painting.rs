@@ -152,6 +152,12 @@ fn one_radius_is_painted_too_and_levels_and_stipples_are_not() {
     paint(&mut state, PaintCommand::Tool(false));
     paint(&mut state, PaintCommand::Tool(true));
     assert!(!state.form().paints);
+
+    state.apply(Command::Form(FormCommand::Reset));
+    assert_eq!(state.form().draft.paint_refusal(), None);
+    state.apply(Command::Form(FormCommand::Depth("1".to_owned())));
+    let refusal = state.form().draft.paint_refusal();
+    assert!(refusal.is_some_and(|why| why.contains("Balls")));
 }
 
 #[test]

@@ -87,25 +87,30 @@ fn painted(ui: &mut Ui, context: &FormContext<'_>, commands: &mut Vec<Command>) 
     };
 
     let [columns, rows] = image.pixels();
+    // The size of a brush is its radius.
+    let wide = (2.0 * 0.02 * columns.max(rows) as f64).round();
     let text = format!(
-        "Painted in {columns} \u{d7} {rows} pixels of 16 bits, with radii between them in proportion: a brush of 2% is some 20 pixels wide, so that its edge is smooth. Links do not hold an image."
+        "Painted in {columns} \u{d7} {rows} pixels of 16 bits, with radii between them in proportion: a brush of 2% is {wide} pixels wide. Links do not hold an image."
     );
     ui.add(Label::new(muted(&text)).wrap()).known_as("painted");
 
-    for (name, why, id, command) in [
-        (
-            "Save painted.png",
-            "Saves the painted radii as an image, with which the command line makes the same set.",
-            "save-painted",
-            PaintCommand::Save,
-        ),
-        (
-            "Radii as before painting",
-            "Removes all strokes.",
-            "unpaint",
-            PaintCommand::Reset,
-        ),
-    ] {
+    let save = (
+        "Save painted.png",
+        "Saves the painted radii as an image, with which the command line makes the same set. Beside an older painted.png its name gets a number, which the command then needs, too.",
+        "save-painted",
+        PaintCommand::Save,
+    );
+    let reset = (
+        "Radii as before painting",
+        "Removes all strokes.",
+        "unpaint",
+        PaintCommand::Reset,
+    );
+    let has_way_back = context.form.draft.ground.unpainted.is_some();
+    for (name, why, id, command) in [Some(save), has_way_back.then_some(reset)]
+        .into_iter()
+        .flatten()
+    {
         let command = Command::Form(FormCommand::Paint(command));
         ui.link(name)
             .on_hover_text(why)
@@ -115,5 +120,10 @@ fn painted(ui: &mut Ui, context: &FormContext<'_>, commands: &mut Vec<Command>) 
         // It can be selected and copied.
         let text = muted(&command).monospace().size(10.5);
         ui.add(Label::new(text).wrap()).known_as("painted-command");
+        if context.form.draft.ground.shape.is_some() {
+            let of_shape =
+                muted("It covers the whole rectangle: add the shape by --mask or --shape.");
+            ui.add(Label::new(of_shape).wrap());
+        }
     }
 }
