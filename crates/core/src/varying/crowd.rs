@@ -109,7 +109,7 @@ impl Crowd {
         let mut lists = EarlierDarts::default();
         for index in begin..begin + count {
             let before = lists.earlier.len();
-            self.add_earlier(darts, next, &darts[index], &mut lists.earlier);
+            self.add_earlier(darts, next, index as u32, &mut lists.earlier);
             if lists.earlier.len() > before {
                 lists.of.push((index as u32, lists.earlier.len() as u32));
             }
@@ -117,8 +117,9 @@ impl Crowd {
         lists
     }
 
-    /// Appends the numbers of the darts near a dart that come before it.
-    fn add_earlier(&self, darts: &[OpenDart], next: &[u32], dart: &OpenDart, out: &mut Vec<u32>) {
+    /// Appends the numbers of the darts near the dart of the number `own` that come before it.
+    fn add_earlier(&self, darts: &[OpenDart], next: &[u32], own: u32, out: &mut Vec<u32>) {
+        let dart = &darts[own as usize];
         let OpenDart {
             at, radius, sight, ..
         } = *dart;
@@ -141,7 +142,10 @@ impl Crowd {
                         let dx = other.at.x.wrapping_add(shift.x).wrapping_sub(at.x);
                         let dy = other.at.y.wrapping_add(shift.y).wrapping_sub(at.y);
                         let squared = i64::from(dx) * i64::from(dx) + i64::from(dy) * i64::from(dy);
-                        if is_near(squared, other.radius, radius) && other.order() < dart.order() {
+                        // Two darts of one cell may have one place and one rank: the first one counts as earlier, so that
+                        // they do not both stay.
+                        let is_earlier = (other.order(), index) < (dart.order(), own);
+                        if is_near(squared, other.radius, radius) && is_earlier {
                             out.push(index);
                         }
                     }
@@ -188,4 +192,28 @@ fn in_order(darts: &[OpenDart], numbers: Vec<u32>) -> Vec<u32> {
             .then_with(|| dart(a).order().cmp(&dart(b).order()))
     });
     keys.into_iter().map(|key| key as u32).collect()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::lattice::{Boundary, Domain, R};
+
+    #[test]
+    fn of_two_darts_with_one_place_and_one_rank_one_stays() {
+        let domain = Domain::from_size([12.0, 12.0], 1.0, Boundary::Periodic).unwrap();
+        let field = RadiusField::constant(domain, R).unwrap();
+        let dart = |x: i32| OpenDart {
+            rank: 3,
+            at: Point::new(x, 5),
+            radius: R,
+            sight: Sight {
+                octaves: [octave_of(R); 2],
+                largest: R,
+            },
+        };
+        // The third one is near neither of the others.
+        let darts = [dart(7), dart(7), dart(3 * R)];
+        assert_eq!(Crowd::new(&field).kept(&darts), [0, 2]);
+    }
 }
