@@ -214,6 +214,6 @@ mod tests {
         };
         // The third one is near neither of the others.
         let darts = [dart(7), dart(7), dart(3 * R)];
-        assert_eq!(Crowd::new(&field).kept(&darts), [0, 2]);
+        assert_eq!(Crowd::new(&field).kept(&darts), [0_u32, 2]);
     }
 }

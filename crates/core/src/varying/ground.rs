@@ -8,7 +8,7 @@ use glam::IVec2;
 use super::field::RadiusField;
 use super::octaves::{Octaves, Sight};
 use super::quadtree::VaryingCell;
-use super::rule::{is_near, is_thinned};
+use super::rule::{is_near, is_thinned, most_reach};
 use super::shape::{Class, Shape};
 use crate::lattice::Point;
 use crate::stages::darts::{DartGround, Landing};
@@ -101,9 +101,7 @@ impl DartGround for VaryingGround<'_> {
         let slack = 2;
         self.samples
             .any_near(middle, greatest, slack, cell.sight, |offset, radius| {
-                // A reach is at most the mean of both radii, and at most twice the smaller one.
-                let mean = (radius + greatest + 1) / 2;
-                let limit = i64::from(mean.min(2 * radius.min(greatest)) + slack);
+                let limit = i64::from(most_reach(radius, greatest) + slack);
                 if offset.as_i64vec2().length_squared() <= limit * limit {
                     // From here on offsets begin at the cell's lowest place.
                     let offset = offset + half;

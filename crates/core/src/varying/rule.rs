@@ -8,6 +8,14 @@ pub(super) const fn reach(a: i32, b: i32) -> i32 {
     ((2 * a * b + a + b - 1) / (a + b)) as i32
 }
 
+/// Returns a distance that the reach of these radii does not exceed, and which is found sooner.
+#[inline]
+pub(super) fn most_reach(a: i32, b: i32) -> i32 {
+    // A reach is at most the mean of both radii, and at most twice the smaller one.
+    let mean = (a + b + 1) / 2;
+    mean.min(2 * a.min(b))
+}
+
 /// Returns whether two places of these radii are near each other at this squared distance.
 #[inline]
 pub(super) const fn is_near(squared: i64, a: i32, b: i32) -> bool {
@@ -62,7 +70,8 @@ mod tests {
             let product = 2 * i64::from(a) * i64::from(b);
             let sum = i64::from(a) + i64::from(b);
             assert!(reach * sum >= product && (reach - 1) * sum < product);
-            assert!(reach <= 2 * i64::from(a.min(b)));
+            assert!(reach <= i64::from(most_reach(a, b)));
+            assert!(most_reach(a, b) <= 2 * a.min(b));
             for squared in [
                 0,
                 reach * reach - 1,

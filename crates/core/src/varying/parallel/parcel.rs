@@ -13,7 +13,7 @@ use crate::varying::field::{RadiusField, RadiusRange};
 use crate::varying::near::{NearList, NearSamples, QuarterTest};
 use crate::varying::octaves::Sight;
 use crate::varying::quadtree::add_base_cells;
-use crate::varying::rule::is_thinned;
+use crate::varying::rule::{is_thinned, most_reach};
 use crate::varying::shape::Class;
 
 /// The number of no family.
@@ -160,7 +160,7 @@ impl Parcel {
             // An image beyond the parcel is at most twice the largest radius away from it, so that its offset fits.
             let min = self.square.min;
             let at = IVec2::new((x - i64::from(min.x)) as i32, (y - i64::from(min.y)) as i32);
-            let reach = most(radius, self.greatest);
+            let reach = most_reach(radius, self.greatest);
             let low = (at - reach).max(IVec2::ZERO);
             let high = (at + reach).min(IVec2::splat(last));
             if low.cmpgt(high).any() {
@@ -190,7 +190,7 @@ impl Parcel {
                     // How far the sample is beyond the sides; nothing on an axis on which it is between them.
                     let offset = at - corner;
                     let beyond = (-offset).max(offset - (side - 1)).max(IVec2::ZERO);
-                    let reach = i64::from(most(radius, family.range.greatest));
+                    let reach = i64::from(most_reach(radius, family.range.greatest));
                     if beyond.as_i64vec2().length_squared() <= reach * reach {
                         self.near.push(&mut family.near, offset, radius);
                     }
@@ -338,13 +338,6 @@ impl Family {
             }
         }
     }
-}
-
-/// Returns how far apart places of two radii can be and still be near each other, where the second one is at most `greatest`.
-fn most(radius: i32, greatest: i32) -> i32 {
-    // A reach is at most the mean of both radii, and at most twice the smaller one.
-    let mean = (radius + greatest + 1) / 2;
-    mean.min(2 * radius.min(greatest))
 }
 
 /// Returns the number of the family in each part of a square that is two to the power `bits` wide, row by row.
