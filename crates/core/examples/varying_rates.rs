@@ -3,7 +3,8 @@
 //!     cargo run --release -p tilescope-core --example varying_rates -- [FIELD] [SIDE] [ROUNDS]
 //!
 //! FIELD is `all`, or one of `constant`, `waves` (a contrast of 1:16), `steps` and `noise` for that alone, of which a profiler
-//! counts instructions. SIDE is the domain's side in units of the smallest radius (default 1024).
+//! counts instructions. SIDE is the domain's side in units of the smallest radius (default 1024), ROUNDS how often all sets are
+//! made (default 3): the shortest times count.
 
 use std::error::Error;
 use std::hint::black_box;

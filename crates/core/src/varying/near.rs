@@ -214,7 +214,7 @@ impl NearSamples {
     fn covers_exactly(&self, list: NearList, place: IVec2, radius: i32) -> bool {
         self.groups(list).any(|group| {
             (0..LANES).any(|lane| {
-                // Free lanes are far away in 64 bits, too.
+                // A free lane has no sample, and the square of its offset would not fit 64 bits: it is left out below.
                 let [dx, dy] = [group.x[lane] as i64, group.y[lane] as i64];
                 let [dx, dy] = [dx - i64::from(place.x), dy - i64::from(place.y)];
                 let is_sample = group.x[lane] < FAR;

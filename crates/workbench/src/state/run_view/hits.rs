@@ -61,6 +61,12 @@ impl Hits {
                 let times = counted(found.events.len(), "time", "times");
                 Some(if found.are_all {
                     format!("They stop a run {times}.")
+                } else if found.events.is_empty() {
+                    // Only conditions that fail end a count before its first stop.
+                    let failed = counted(MAX_UNCLEAR, "time", "times");
+                    format!(
+                        "Conditions could not be evaluated {failed}: counting ended there, before any stop."
+                    )
                 } else {
                     format!("They stop a run {times} or more; the first are on the timeline.")
                 })
@@ -232,7 +238,9 @@ mod tests {
             };
             hits.description().unwrap()
         });
-        let is_open = described.each_ref().map(|text| text.contains("or more"));
-        assert_eq!(is_open, [false, true, false], "{described:?}");
+        let has_ended_early = described
+            .each_ref()
+            .map(|text| text.contains("counting ended"));
+        assert_eq!(has_ended_early, [false, true, false], "{described:?}");
     }
 }
