@@ -230,3 +230,51 @@ fn farther<S: Simd>(at: f32x8<S>, low: f32, high: f32) -> f32x8<S> {
     let far = (at - low).abs().max((at - high).abs());
     far * far
 }
+
+#[cfg(test)]
+mod tests {
+    use fearless_simd::dispatch;
+
+    use super::*;
+    use crate::engine::parallel::instructions::InstructionSet;
+    use crate::lattice::R;
+    use crate::varying::rule::reach;
+
+    /// Places a unit nearer than the reach, exactly as far and a unit farther get the verdict of the rule.
+    #[test]
+    fn comparisons_of_eight_agree_with_the_rule() {
+        let level = InstructionSet::best().level();
+        let radii = [R, R + 1, 40_000, 2 * R - 1, 3 * R, 64 * R];
+        let pairs = radii
+            .iter()
+            .flat_map(|&a| radii.iter().map(move |&b| (a, b)));
+
+        for (a, b) in pairs {
+            let mut near = NearSamples::for_lists(1);
+            let mut list = NearList::EMPTY;
+            near.push(&mut list, IVec2::new(-5, 7), a);
+
+            let farthest = reach(a, b);
+            for (distance, expected) in [
+                (farthest - 1, true),
+                (farthest, true),
+                (farthest + 1, false),
+            ] {
+                let place = IVec2::new(-5, 7 + distance);
+                let found: bool = dispatch!(level, simd => near.covers(simd, list, place, b));
+                assert_eq!(found, expected, "{a} {b} {distance}");
+            }
+
+            // A quarter of one place is never said to be covered beyond the reach, and is well within it.
+            for (distance, expected) in [(farthest / 2, 1), (farthest + 1, 0)] {
+                let test = QuarterTest {
+                    corner: IVec2::new(distance - 5, 7),
+                    half: 1,
+                    least: [b; 4],
+                };
+                let found: u32 = dispatch!(level, simd => near.covered_quarters(simd, list, &test));
+                assert_eq!(found & 1, expected, "{a} {b} {distance}");
+            }
+        }
+    }
+}
