@@ -30,7 +30,7 @@ use crate::random::Key;
 use crate::stage::Stage;
 use crate::stages::darts::{throw_key, throws};
 use crate::stages::disks::{Cell, tiling_cells};
-use parcel::{NewSample, Parcel, Scratch};
+use parcel::{NewSample, Parcel, ParcelBuffers};
 
 /// A parcel is this many of the narrowest base cells wide, as a power of two: with few, more samples are handed to several
 /// parcels, and with many, some threads wait for the last one.
@@ -41,7 +41,7 @@ const PARCELS_A_THREAD: usize = 16;
 
 /// A throw of all active parts.
 #[derive(Clone, Copy)]
-struct Throw {
+struct LevelThrow {
     key: Key,
     level: u32,
     /// Its number in its level, from 0.
@@ -72,7 +72,7 @@ pub(super) fn sample(
         if parcels.are_finished() {
             break;
         }
-        let throw = Throw {
+        let throw = LevelThrow {
             key: throw_key(Key::from_seed(seed), level, number),
             level,
             number,
@@ -131,7 +131,7 @@ impl Parcels {
     /// Makes the throw of an iteration, before which parts are cut if it is the first one of its level.
     fn throw(
         &mut self,
-        throw: Throw,
+        throw: LevelThrow,
         surroundings: Surroundings<'_>,
         iteration: u32,
         observer: &mut dyn Observer,
@@ -150,8 +150,8 @@ impl Parcels {
             let pieces = parts(batch);
             batch
                 .par_iter_mut()
-                .for_each_init(Scratch::default, |scratch, parcel| {
-                    dispatch!(level, simd => parcel.advance(simd, throw, surroundings, scratch));
+                .for_each_init(ParcelBuffers::default, |buffers, parcel| {
+                    dispatch!(level, simd => parcel.advance(simd, throw, surroundings, buffers));
                 });
             meter.count(pieces)?;
         }

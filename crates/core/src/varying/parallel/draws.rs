@@ -15,7 +15,7 @@ const LANES: usize = 8;
 
 /// A dart of a part, before anything is asked of its place.
 #[derive(Clone, Copy)]
-pub(super) struct DrawnDart {
+pub(super) struct PartDart {
     /// The place of its part among those for which darts were drawn.
     pub part: u8,
     /// Its number in its part.
@@ -28,7 +28,7 @@ pub(super) struct DrawnDart {
 /// A buffer for the darts of some parts.
 #[derive(Default)]
 pub(super) struct DrawnDarts {
-    pub darts: Vec<DrawnDart>,
+    pub darts: Vec<PartDart>,
 }
 
 impl DrawnDarts {
@@ -55,7 +55,7 @@ impl DrawnDarts {
             for ((part, words), number) in held.iter().zip(words).zip(first..) {
                 let cell_key = key_of(words);
                 for index in 0..dart_count(cell_key, 1 << bits(part)) {
-                    self.darts.push(DrawnDart {
+                    self.darts.push(PartDart {
                         part: number,
                         index,
                         cell_key,

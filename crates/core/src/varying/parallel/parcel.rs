@@ -4,7 +4,7 @@ use fearless_simd::Simd;
 use glam::IVec2;
 
 use super::draws::DrawnDarts;
-use super::{Surroundings, Throw};
+use super::{LevelThrow, Surroundings};
 use crate::lattice::Point;
 use crate::random::Stream;
 use crate::stages::disks::Cell;
@@ -53,7 +53,7 @@ pub(super) struct NewSample {
 
 /// The buffers of a thread, whose content does not matter between two parcels.
 #[derive(Default)]
-pub(super) struct Scratch {
+pub(super) struct ParcelBuffers {
     parts: Vec<ActivePart>,
     drawn: DrawnDarts,
 }
@@ -133,16 +133,16 @@ impl Parcel {
     pub fn advance<S: Simd>(
         &mut self,
         simd: S,
-        throw: Throw,
+        throw: LevelThrow,
         surroundings: Surroundings<'_>,
-        scratch: &mut Scratch,
+        buffers: &mut ParcelBuffers,
     ) {
         self.list_new_samples();
         if throw.level > 0 && throw.number == 0 {
-            self.cut(simd, throw.level, surroundings, &mut scratch.parts);
+            self.cut(simd, throw.level, surroundings, &mut buffers.parts);
         }
         self.darts.clear();
-        self.throw(simd, throw, surroundings, &mut scratch.drawn);
+        self.throw(simd, throw, surroundings, &mut buffers.drawn);
 
         // A finished parcel is not visited again.
         if self.is_finished() {
@@ -235,7 +235,7 @@ impl Parcel {
     fn throw<S: Simd>(
         &mut self,
         simd: S,
-        throw: Throw,
+        throw: LevelThrow,
         surroundings: Surroundings<'_>,
         drawn: &mut DrawnDarts,
     ) {
