@@ -66,6 +66,24 @@ pub enum GpuError {
         /// What the limit allows.
         allowed: u64,
     },
+    /// An exact tiling, which is made in one go, is too large for the memory that may be used.
+    #[error(
+        "an exact tiling of {width} x {height} cells of side r needs {needed} {unit} on the device; {limit} allows {allowed}; another engine can make it"
+    )]
+    ExactTooLarge {
+        /// Cells of side r in a row of the domain.
+        width: u32,
+        /// Rows of cells.
+        height: u32,
+        /// How much does not fit, in `unit`s: bytes of the longest buffer or of all, or pieces of blocks.
+        needed: u64,
+        /// What is counted.
+        unit: &'static str,
+        /// Which limit it is.
+        limit: &'static str,
+        /// What the limit allows.
+        allowed: u64,
+    },
     /// A run whose stages are recorded must fit the device in one window, and does not.
     #[error(
         "a run of {needed} x {needed} cells does not fit the device in one go ({allowed} x {allowed} do), so its stages cannot be inspected; its result can still be computed in windows"

@@ -1,7 +1,7 @@
-//! KDRT on a GPU: the stages of `tilescope_core` as wgpu compute passes, equal to the CPU engines bit for bit. Integers
-//! decide; floats only filter, with their error bounds beside them; no result depends on the order of atomics. Begin
-//! with `window_run.rs`, the sequence of passes for one window; each pass is a row in `passes/` and a shader in
-//! `shaders/`.
+//! KDRT and exact tiling on a GPU: the stages of `tilescope_core` as wgpu compute passes, equal to the CPU engines bit for
+//! bit. Integers decide; floats only filter, with their error bounds beside them; no result depends on the order of
+//! atomics. Begin with `window_run.rs`, the sequence of KDRT's passes for one window, or with `exact.rs`, that of an exact
+//! tiling of a whole domain; each pass is a row in `passes/` and a shader in `shaders/`.
 //!
 //! Architecture invariant: nothing here blocks, reads a clock or opens a file, so all of it works in a browser.
 //! Everything that waits is a future.

@@ -133,7 +133,9 @@ impl Device {
     /// fit changes nothing; after any other failure the device is not used again.
     pub fn failed(&mut self, error: &GpuError) {
         match error {
-            GpuError::NotInOneGo { .. } | GpuError::TooLittleMemory { .. } => {}
+            GpuError::NotInOneGo { .. }
+            | GpuError::TooLittleMemory { .. }
+            | GpuError::ExactTooLarge { .. } => {}
             GpuError::DeviceLost { .. } | GpuError::OutOfMemory => *self = Self::Unknown,
             error => *self = Self::Refused(sentence(&error.to_string())),
         }

@@ -54,9 +54,11 @@ impl DartRoom {
         // Room ends with the numbers of 32 bits, and binding limits may lie beyond.
         let allowed = limits.max_storage_buffer_binding_size.min(MOST_DART_BYTES);
         if needed > allowed {
-            return Err(GpuError::TooLittleMemory {
-                cells: cells_along(end.x.max(end.y)),
+            return Err(GpuError::ExactTooLarge {
+                width: cells_along(end.x),
+                height: cells_along(end.y),
                 needed,
+                unit: "bytes",
                 limit: "maxStorageBufferBindingSize",
                 allowed,
             });
@@ -193,21 +195,30 @@ impl ExactPlan {
 
         // The label of a dart holds the index of its piece beside its throw.
         let pieces = u64::from(self.ground.pieces);
+        let most_pieces: u64 = 1 << (32 - THROW_BITS);
         let checks = [
-            (pieces, "the label of a dart", 1 << (32 - THROW_BITS)),
+            (
+                pieces,
+                "pieces of blocks",
+                "the label of a dart",
+                most_pieces,
+            ),
             (
                 longest,
+                "bytes",
                 "maxStorageBufferBindingSize",
                 limits.max_storage_buffer_binding_size,
             ),
-            (longest, "maxBufferSize", limits.max_buffer_size),
-            (sum, "the memory to be used", memory),
+            (longest, "bytes", "maxBufferSize", limits.max_buffer_size),
+            (sum, "bytes", "the memory to be used", memory),
         ];
-        for (needed, limit, allowed) in checks {
+        for (needed, unit, limit, allowed) in checks {
             if needed > allowed {
-                return Err(GpuError::TooLittleMemory {
-                    cells: cells_along(end_x.max(end_y)),
+                return Err(GpuError::ExactTooLarge {
+                    width: cells_along(end_x),
+                    height: cells_along(end_y),
                     needed,
+                    unit,
                     limit,
                     allowed,
                 });
