@@ -18,7 +18,8 @@ fn is_own(dart: Dart) -> bool {
     return dart.sample != NO_SAMPLE;
 }
 
-// Nearly always the throws or the ranks differ. Then the place in the pattern decides, row by row, and then the place in the domain.
+// Nearly always the throws or the ranks differ. Then the place in the pattern decides, row by row, and then the place
+// in the domain.
 fn is_before(a: Dart, b: Dart) -> bool {
     if throw_of(a) != throw_of(b) {
         return throw_of(a) < throw_of(b);

@@ -32,8 +32,8 @@ fn is_open(piece: LaidPiece, low: vec2<i32>, side: i32) -> bool {
 fn run(index: u32) {
     let listed = atomicLoad(&counters[job.d]);
     if index == 0u && listed > ground.cell_capacity {
-        // Cells that the list had no room for are cut by nobody, and its counter is cleared before the host reads it. So the other
-        // list counts as too short, and the run is made again.
+        // Cells that the list had no room for are cut by nobody, and its counter is cleared before the host reads it.
+        // So the other list counts as too short, and the run is made again.
         atomicMax(&counters[job.d + 1u], listed);
     }
     if index >= min(listed, ground.cell_capacity) {

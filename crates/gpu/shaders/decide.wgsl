@@ -1,5 +1,5 @@
-// Makes the answers the new states, and counts those that are others than before. Around a sample of the pattern that is lost, the
-// cells that its disk may touch are marked: darts that it refused are thrown.
+// Makes the answers the new states, and counts those that are others than before. Around a sample of the pattern that
+// is lost, the cells that its disk may touch are marked: darts that it refused are thrown.
 // import: arrival
 // import: marks
 

@@ -1,5 +1,5 @@
-// Links the darts that were added last into the lists of their cells. The sequence in a list depends on atomics, and matters to no
-// pass.
+// Links the darts that were added last into the lists of their cells. The sequence in a list depends on atomics, and
+// matters to no pass.
 
 fn run(index: u32) {
     let linked = atomicLoad(&counters[COUNTER_LINKED]);

@@ -1,5 +1,5 @@
-// Marks cells of the pattern in a piece: the darts of marked cells are thrown. A cell is listed once, by the invocation that marks it
-// first; which one that is does not matter.
+// Marks cells of the pattern in a piece: the darts of marked cells are thrown. A cell is listed once, by the invocation
+// that marks it first; which one that is does not matter.
 // import: laid
 
 fn mark(index: u32, piece: LaidPiece, cell: vec2<i32>) {

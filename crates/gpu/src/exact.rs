@@ -1,5 +1,5 @@
-//! A whole run of exact tiling on a device: the counterpart of core's `exact_sample_parallel`, with the same result, bit for bit.
-//! Begin with [`passes::begin`](crate::passes), where the rounds of a throw are explained.
+//! A whole run of exact tiling on a device: the counterpart of core's `exact_sample_parallel`, with the same result,
+//! bit for bit. Begin with [`passes::begin`](crate::passes), where the rounds of a throw are explained.
 //!
 //! The host finds the blocks and where each copy of the pattern lies; samples, darts, losses and cells are the device's.
 

@@ -17,13 +17,15 @@
 //!   an image's index from it is compared with the number of images.
 //! - **Chains.** The proposals of a cell are chained by `heads` and `next`. `heads` is cleared before each iteration, and each
 //!   proposal is added once, so a chain ends.
-//! - **Darts** of an exact tiling are chained likewise: each is linked once when it is added, chains are not changed by passes that
-//!   follow them, and the pass that takes darts out of a cell's chain has the chain to itself. Indices of darts are listed only if
-//!   there was room for the dart, and none twice in a throw, so that the list of questions is no longer than that of darts.
-//! - **Loops** run over a range known before them, over the bits of a word that lose one each time, over such a chain, on by one
-//!   or more up to an end, over halves of a range until one entry is left, or over the quarters of a cell, each of which comes once.
-//! - **Divisors** are sides of the domain, of the frame and of the pattern, which the host has checked to be above 0, and the columns
-//!   of a piece, which has a cell at least.
+//! - **Darts** of an exact tiling are chained likewise: each is linked once when it is added, chains are not changed by
+//!   passes that follow them, and the pass that takes darts out of a cell's chain has the chain to itself. Indices of
+//!   darts are listed only if there was room for the dart, and none twice in a throw, so that the list of questions is
+//!   no longer than that of darts.
+//! - **Loops** run over a range known before them, over the bits of a word that lose one each time, over such a chain,
+//!   on by one or more up to an end, over halves of a range until one entry is left, or over the quarters of a cell,
+//!   each of which comes once.
+//! - **Divisors** are sides of the domain, of the frame and of the pattern, which the host has checked to be above 0,
+//!   and the columns of a piece, which has a cell at least.
 //!
 //! None of this holds for buffers that are changed from outside. A run whose stages are inspected, and may be changed,
 //! has checked shaders (`Recording::Stages` in the engine).

@@ -46,8 +46,8 @@ impl DartRoom {
         })
     }
 
-    /// Fails if the list of darts does not fit a buffer of a device: so large a domain is not planned, which would take minutes, and
-    /// whose cells might not fit 32 bits.
+    /// Fails if the list of darts does not fit a buffer of a device: so large a domain is not planned, which would take
+    /// minutes, and whose cells might not fit 32 bits.
     pub(super) fn check(self, parameters: &Parameters, limits: &Limits) -> Result<(), GpuError> {
         let end = parameters.validate()?.rect().max;
         let needed = u64::from(self.darts) * size_of::<Dart>() as u64;

@@ -1,15 +1,16 @@
-//! Exact tiling: the pattern's samples are laid down with the arrivals of their darts, and what follows from the borders of blocks
-//! is decided throw by throw, in rounds.
+//! Exact tiling: the pattern's samples are laid down with the arrivals of their darts, and what follows from the
+//! borders of blocks is decided throw by throw, in rounds.
 //!
 //! *The rule.* A dart is a sample unless an earlier sample covers it. Samples of earlier throws are final. In each round every
 //! question of a throw is answered from the samples as they are, and the answers become the new states. The earliest dart is
 //! right after the first round, and a dart whose earlier neighbours are right is right after the next one. So rounds come to
 //! states that no round changes; by induction over the order of arrival these are the only ones that fulfil the rule.
 //!
-//! *Which darts are questions.* A sample of the pattern may be lost if it lies within r of its block's border, or if a dart has
-//! become a sample within r of it (`warn`). A dart that the pattern refused may become a sample if the sample that refused it lies in
-//! another block or was lost: then its cell is marked, and throws its darts (`lay`, `decide`). Questions too many, as those that a
-//! state of a round before brought up, only cost time: the rule holds for all darts.
+//! *Which darts are questions.* A sample of the pattern may be lost if it lies within r of its block's border, or if a
+//! dart has become a sample within r of it (`warn`). A dart that the pattern refused may become a sample if the sample
+//! that refused it lies in another block or was lost: then its cell is marked, and throws its darts (`lay`, `decide`).
+//! Superfluous questions, such as those that a wrong state of an earlier round brought up, only cost time: the rule
+//! holds for all darts.
 
 use super::tile::{ADD_STARTS, SCAN_STARTS, sum};
 use super::{
@@ -335,7 +336,8 @@ pub(crate) fn collect(ground: &Ground) -> Command {
     run(&COLLECT, Size::Invocations(ground.cells.into()))
 }
 
-/// Returns the command that updates the workgroups of exact tiling's indirect dispatches. `flags` are those of `PREPARE_*` for darts.
+/// Returns the command that updates the workgroups of exact tiling's indirect dispatches. `flags` are those of
+/// `PREPARE_*` for darts.
 fn prepare_darts(flags: u32) -> Command {
     run_with(&PREPARE_DARTS, [flags, 0, 0, 0], Size::Workgroups(1))
 }
