@@ -50,13 +50,10 @@ pub fn draw(scene: &Scene<'_>, surface: &mut impl Surface) {
     }
 
     if let Some((dart, verdict)) = context.dart {
-        // Of a set in space the last event has the third coordinate of its dart, unless the dart became a sample: then no
-        // sample refused it, and 0 is not read. In the plane it is not read either.
-        let z = scene.session.event_height(scene.shown.cursor());
         let color = color_of(scene, verdict);
         let border = Stroke::new(1.5, palette.halo);
         surface.circle(scene.point(dart), 4.0, Some(color), Some(border));
-        if let Some(by) = blocker_of(scene, dart, z.unwrap_or(0), verdict) {
+        if let Some(by) = blocker_of(scene, dart, verdict) {
             blocker(scene, surface, dart, by);
         }
     }
@@ -76,7 +73,7 @@ pub fn draw(scene: &Scene<'_>, surface: &mut impl Surface) {
 
 /// Returns the sample that refused a dart: the event names it, or it follows from the radii at both places. `None` for
 /// a dart that no sample refused, and where insertion by darts did not record the sample.
-fn blocker_of(scene: &Scene<'_>, dart: Point, z: i32, verdict: Verdict) -> Option<u32> {
+fn blocker_of(scene: &Scene<'_>, dart: Point, verdict: Verdict) -> Option<u32> {
     let Verdict::Covered { by } = verdict else {
         return None;
     };
@@ -87,6 +84,13 @@ fn blocker_of(scene: &Scene<'_>, dart: Point, z: i32, verdict: Verdict) -> Optio
     if !scene.session.has_own_disks() {
         return None;
     }
+    let z = match scene.shown.last_event().and_then(Event::run_event) {
+        Some(RunEvent::Dart { z, .. }) => z,
+        // A dart stays the current one until the next, but only its own event has its third coordinate: that of a cube that is
+        // cut is another. In the plane it is not read.
+        _ if scene.session.solid.is_some() => return None,
+        _ => 0,
+    };
     let debugger = scene.shown.debugger?;
     debugger
         .recording()

@@ -202,8 +202,10 @@ pub(crate) fn excess(p: &Parameters, depth: Option<f64>) -> Vec<String> {
     let mut excess = Vec::new();
     if samples > MAX_SAMPLES {
         let most = grouped(MAX_SAMPLES as usize);
+        // A link enlarges the radius of a planar run, and has no depth for too large a box.
+        let what = if depth.is_some() { "depth" } else { "radius" };
         excess.push(format!(
-            "the radius, as a link asks for at most {most} samples"
+            "the {what}, as a link asks for at most {most} samples"
         ));
     }
     // A set in space has no pattern.

@@ -317,6 +317,8 @@ impl Runs {
         if comparison.linked_cameras {
             // The camera is copied in every frame, so that it needs no flight of its own.
             (side.camera, side.fitted, side.flight) = (self.first.camera, self.first.fitted, None);
+            // The same place is seen in both only in the same plane.
+            side.follow_plane(&self.first);
         }
 
         if !comparison.linked_playback {

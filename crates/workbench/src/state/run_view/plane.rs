@@ -47,7 +47,7 @@ impl RunView {
         let Some(at) = self.plane() else {
             return context.tell_error(NO_PLANE.to_owned());
         };
-        // Where no event has a place, a plane that follows them stays where it was last.
+        // At moments whose last event has no place, a plane that follows the events lies here.
         self.plane = Plane {
             at: Some(at),
             is_pinned,
@@ -104,6 +104,20 @@ impl RunView {
         };
         // A sample under the pointer may have left the plane.
         self.forget_unseen();
+    }
+
+    /// Moves the plane to where that of another run lies; where one of the two is planar, changes nothing.
+    pub(in crate::state) fn follow_plane(&mut self, other: &Self) {
+        let session = self.session.as_ref();
+        let solid = session.and_then(|session| session.solid.as_ref());
+        let Some((solid, (_, place))) = solid.zip(other.plane_place()) else {
+            return;
+        };
+        // The boxes may differ in depth, so that the place is compared in user units.
+        let at = solid.plane_at(place);
+        if self.plane() != Some(at) || !self.plane.is_pinned {
+            self.put_plane(at);
+        }
     }
 
     /// Keeps the plane for a set of the same box, and puts that of another box in its middle.
