@@ -327,3 +327,45 @@ pub fn planar_report(found: SolidVerdict) -> Report {
         relative_radius,
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// Returns a box of this depth in r, with a sample at each end of the third axis and one in the middle, and two cubes that
+    /// are active in its first throw.
+    fn solid(depth: f64, boundary: Boundary) -> MadeSolid {
+        let parameters = Parameters {
+            width: 10.0,
+            height: 10.0,
+            radius: 1.0,
+            boundary,
+            ..Parameters::default()
+        };
+        let domain = box_of(&parameters, depth).expect("a box");
+        let [.., side] = domain.sides();
+        let heights = vec![0, side / 2, side - 1];
+        MadeSolid::new(parameters, domain, heights, vec![vec![0, R]])
+    }
+
+    #[test]
+    fn the_upper_end_of_a_periodic_box_is_its_lower_end() {
+        for (boundary, cut) in [(Boundary::Periodic, vec![0]), (Boundary::Bounded, vec![])] {
+            let made = solid(8.0, boundary);
+            assert_eq!(made.cubes_cut(1, R, 0).collect::<Vec<_>>(), [0]);
+            let at_end = made.cubes_cut(1, R, made.side());
+            assert_eq!(at_end.collect::<Vec<_>>(), cut, "{boundary:?}");
+        }
+    }
+
+    #[test]
+    fn planes_through_the_longest_boxes_have_images() {
+        for (boundary, count) in [(Boundary::Periodic, 2), (Boundary::Bounded, 1)] {
+            let made = solid(65_532.0, boundary);
+            // Such a plane and its image are farther apart than 32 bits count.
+            assert!(made.side().checked_add(made.side()).is_none());
+            assert_eq!(made.count_cut(made.side()), count, "{boundary:?}");
+            assert_eq!(made.count_cut(made.middle()), 1);
+        }
+    }
+}

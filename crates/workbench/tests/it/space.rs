@@ -14,10 +14,11 @@ use tilescope_session::solid::MadeSolid;
 use tilescope_session::verification::Witness;
 use tilescope_sets::{BallSize, SolidRecipe};
 use tilescope_workbench::command::{FormCommand, TimeCommand, ViewCommand, Which};
+use tilescope_workbench::compare::{CompareCommand, ComparePreset};
 use tilescope_workbench::draft::{Choice, FormPart};
 use tilescope_workbench::export::{ExportKind, ExportRefusal};
 use tilescope_workbench::files::FileCommand;
-use tilescope_workbench::state::{ExportSource, session_to_keep};
+use tilescope_workbench::state::{ExportSource, RunView, session_to_keep};
 use tilescope_workbench::{Command, State, link};
 
 use crate::exporting::{fill_in, notice_text, write};
@@ -258,6 +259,31 @@ fn the_plane_follows_the_events_until_it_is_moved() {
     view(&mut state, ViewCommand::PinPlane(false));
     assert_eq!(state.runs().first.follows_events(), Some(true));
     assert_ne!(state.runs().first.plane(), pinned);
+}
+
+#[test]
+fn compared_runs_are_cut_by_one_plane() {
+    let mut state = made();
+    let seed = FormCommand::Type(Parameter::Seed, "2".to_owned());
+    form(&mut state, seed);
+    let start = CompareCommand::Start(ComparePreset::Typed);
+    state.apply(Command::Compare(start));
+    state.settle();
+    view(&mut state, ViewCommand::Plane(1.0));
+    let planes = |state: &State| {
+        let runs = state.runs();
+        [Which::First, Which::Second].map(|which| runs.get(which).and_then(RunView::plane))
+    };
+    let [first, second] = planes(&state);
+    assert!(first.is_some() && first == second);
+
+    // Cameras that are not linked leave each run its plane.
+    let unlink = CompareCommand::LinkCameras(false);
+    state.apply(Command::Compare(unlink));
+    view(&mut state, ViewCommand::Plane(3.0));
+    let [moved, second] = planes(&state);
+    assert_ne!(moved, first);
+    assert_eq!(second, first);
 }
 
 #[test]
