@@ -109,7 +109,7 @@ mod tests {
     }
 
     #[test]
-    fn a_recorded_set_is_the_set_and_its_events_tell_it() {
+    fn a_recorded_set_is_the_set_and_has_its_events() {
         for boundary in [Boundary::Periodic, Boundary::Bounded] {
             let (size, seed) = ([12.0, 11.0, 5.3], 9);
             let domain = SolidDomain::from_size(size, 1.0, boundary).expect("a box");
@@ -124,11 +124,11 @@ mod tests {
 
             let made = solid_sample(domain, seed, &mut Unobserved).expect("a set");
             let points = run.projected.samples.points.iter();
-            let told: Vec<[i32; 3]> = points
+            let recorded: Vec<[i32; 3]> = points
                 .zip(&run.heights)
                 .map(|(at, &z)| [at.x, at.y, z])
                 .collect();
-            assert_eq!(told, made);
+            assert_eq!(recorded, made);
 
             // Each insertion follows the dart that became the sample, which was not covered.
             let pairs = kept.0.windows(2);
