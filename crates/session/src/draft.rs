@@ -13,6 +13,7 @@ use std::collections::BTreeMap;
 use serde::de::Error as _;
 use serde::{Deserialize, Deserializer};
 use serde_json::Value;
+use tilescope_core::memory::Making;
 use tilescope_core::{
     MAXIMAL_DENSITY, NestedRequest, Parameter, ParameterKind, Parameters, TilingMethod, Variant,
     WithinLevel, radius_estimate,
@@ -336,7 +337,13 @@ impl Draft {
     #[must_use]
     pub fn memory_needed(&self) -> Option<String> {
         let samples = self.expected_samples()?;
-        let needed = samples * BYTES_PER_SAMPLE / 1e9;
+        // The cubes that throw darts take more memory than the samples.
+        let bytes_per_sample = if self.is_in_space() {
+            Making::Solid.bytes_a_sample()
+        } else {
+            BYTES_PER_SAMPLE
+        };
+        let needed = samples * bytes_per_sample / 1e9;
         (samples >= MANY_SAMPLES).then(|| {
             let count = grouped((samples / 1e6).round() as usize * 1_000_000);
             format!("About {count} samples need about {needed:.0} GB of memory, and minutes.")

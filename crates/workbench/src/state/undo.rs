@@ -154,7 +154,8 @@ impl Change {
         if self.memento.made == now.made {
             return None;
         }
-        let needed = Draft::from_parameters(recipe.parameters).memory_needed()?;
+        let draft = Draft::from_parameters(recipe.parameters).with_depth(recipe.depth);
+        let needed = draft.memory_needed()?;
         Some(format!(
             "This makes an earlier run again. {needed} Do the same once more to go on."
         ))
