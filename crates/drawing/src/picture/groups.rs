@@ -32,7 +32,10 @@ pub(super) fn groups(
     // As in `Scene::is_fine`, which decides whether gaps are drawn: at a moment of nested levels disks are larger than r.
     let radius = shown.disk_radius() * shown.session.largest_radius();
     let shows_gaps = layers.has(Layer::Gaps) && view.camera.scale * radius >= MIN_DISK_SCALE;
-    let needs_geometry = shows_gaps || layers.has(Layer::CoveredCircles) || layers.has_net();
+    // Of a set in space it would be that of the projections, whose disks are not those of the plane.
+    let is_planar = shown.session.solid.is_none();
+    let needs_geometry =
+        is_planar && (shows_gaps || layers.has(Layer::CoveredCircles) || layers.has_net());
     // A triangulation takes longer than the drawing, so that it is made only for layers that need it. Before tiling there is
     // nothing to triangulate.
     let geometry = if needs_geometry && shown.stage >= Stage::Tile {
