@@ -71,6 +71,7 @@ pub use session::{
     SavedBreakpoint, SavedScene, Session, SessionError, VERSION, digest, method_refusal,
     pattern_digest,
 };
+pub use space::digest_in_space;
 pub use state::{State, StatusCounts};
 pub use tally::Density;
 pub use tape::{DEFAULT_BUDGET, Tape};

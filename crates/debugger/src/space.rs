@@ -2,8 +2,8 @@
 //! Begin with [`Recording::in_space`].
 
 use tilescope_core::{
-    Boundary, Domain, Observer, Parameters, Point, R, RunEvent, SampleError, SolidDomain, SolidRun,
-    solid_recorded,
+    Boundary, Domain, Observer, Parameters, Point, R, Run, RunEvent, SampleError, SolidDomain,
+    SolidRun, solid_recorded,
 };
 
 use crate::event::Event;
@@ -11,6 +11,14 @@ use crate::heights::Heights;
 use crate::recording::Recording;
 use crate::session::{digest, hash};
 use crate::tape::Tape;
+
+/// Returns the digest of a set in space: like [`digest`], over its projections and how high each lies, in units, in the
+/// order of arrival.
+#[must_use]
+pub fn digest_in_space(projected: &Run, heights: &[i32]) -> String {
+    let places = projected.samples.points.iter().zip(heights);
+    hash(places.flat_map(|(at, &z)| [at.x, at.y, z]))
+}
 
 impl Recording {
     /// Makes a set of balls by darts, and records it with about `budget` events at most; returns the lowest places of the
@@ -62,13 +70,10 @@ impl Recording {
     /// Returns the digest of the result: [`digest`] of a planar run, and of a set in space one with the third coordinates.
     #[must_use]
     pub fn digest(&self) -> String {
-        let Some(heights) = self.heights() else {
-            return digest(self.run());
-        };
-        // The result of a set in space is in the order of arrival, as its heights are.
-        let points = self.run().points();
-        let places = points.iter().zip(heights);
-        hash(places.flat_map(|(at, &z)| [at.x, at.y, z]))
+        match self.heights() {
+            Some(heights) => digest_in_space(self.run(), heights),
+            None => digest(self.run()),
+        }
     }
 
     /// Returns how high the place lies that an event examines or changes, in units; `None` of planar runs, and of events

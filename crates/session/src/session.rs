@@ -333,8 +333,11 @@ impl Session {
     /// Returns the digest of the result, 16 hexadecimal digits. Computed at the first call.
     #[must_use]
     pub fn digest(&self) -> &str {
-        self.digest
-            .get_or_init(|| tilescope_debugger::digest(self.run()))
+        let digest = || match &self.solid {
+            Some(solid) => solid.digest(self.run()),
+            None => tilescope_debugger::digest(self.run()),
+        };
+        self.digest.get_or_init(digest)
     }
 
     /// Returns the events of the run, if they were recorded. Expressions over them can name numbers of the moment.

@@ -200,6 +200,11 @@ impl MadeSolid {
         self.domain.users_from_lattice(&places)
     }
 
+    /// Returns the digest of the set of its run, as in a saved session.
+    pub(crate) fn digest(&self, run: &Run) -> String {
+        tilescope_debugger::digest_in_space(run, &self.heights)
+    }
+
     /// Returns the region in which its judges look.
     #[must_use]
     pub const fn region(&self) -> SolidRegion {
