@@ -157,7 +157,7 @@ fn one_radius_is_painted_too_and_levels_and_stipples_are_not() {
     assert_eq!(state.form().draft.paint_refusal(), None);
     state.apply(Command::Form(FormCommand::Depth("1".to_owned())));
     let refusal = state.form().draft.paint_refusal();
-    assert!(refusal.is_some_and(|why| why.contains("Balls")));
+    assert!(refusal.is_some_and(|why| why.contains("space")));
 }
 
 #[test]
