@@ -419,10 +419,15 @@ fn painting(list: &mut List, state: &State) {
     let tool = list.add("Paint radii", paint(PaintCommand::Tool(!form.paints)));
     tool.refused(refusal.filter(|_| !form.paints))
         .marked(form.paints);
-    let off = "Choose Paint radii first.";
+    // The canvas then shows no radii of the form: the pointer paints nothing there, either.
+    let is_taught = state.lessons().open.is_some() || state.talks().open.is_some();
+    let elsewhere = is_taught || state.runs().first.plane().is_some();
+    let not_here =
+        elsewhere.then_some("Radii of a lesson, a talk or a set in space are not painted.");
+    let off = (!form.paints).then_some("Choose Paint radii first.");
     list.add("Paint in the middle of the view", paint(PaintCommand::Dab))
         .on_key(Key::O)
-        .refused(refusal.or_else(|| (!form.paints).then_some(off)));
+        .refused(refusal.or(not_here).or(off));
 
     let brush = form.brush;
     let other = Brush {

@@ -51,12 +51,14 @@ impl State {
     pub(super) fn run_live(&mut self, command: &Command) {
         let expected = self.form.draft.expected_samples();
         let is_small = expected.is_some_and(|count| count <= MAX_LIVE);
-        let is_painted = matches!(
-            command,
-            Command::Form(FormCommand::Paint(
-                PaintCommand::Stroke(_) | PaintCommand::Reset
-            ))
-        );
+        let is_painted = match command {
+            Command::Form(FormCommand::Paint(PaintCommand::Reset)) => true,
+            // A stroke that was refused painted nothing.
+            Command::Form(FormCommand::Paint(PaintCommand::Stroke(_))) => {
+                self.form.draft.ground.is_painted()
+            }
+            _ => false,
+        };
         // A stroke without its samples would show nothing. The next one cancels a run that is still being made.
         let is_wanted = is_painted || self.form.live && is_small;
         if !is_wanted || self.form.refusal(&self.gpu).is_some() {
