@@ -17,6 +17,7 @@ pub use input::leads_zoom;
 use painting::CanvasBrush;
 use tilescope_canvas::pane::Pane;
 use tilescope_canvas::sprites::Sprites;
+use tilescope_canvas::touch::Touch;
 use tilescope_canvas::{hint, hover, overlay};
 use tilescope_drawing::palette::Palette;
 use tilescope_drawing::subject::Subject;
@@ -241,13 +242,12 @@ impl PaneSide<'_> {
             return response;
         };
 
+        let brush = self.brush(context);
+        // Once a frame: what fingers did is kept for the next frame, so that a second look would take the lifting of two for a tap.
+        let touch = Touch::follow(ui, &response);
+        let by = (context, brush.is_some(), touch);
         let mut moves = Vec::new();
-        let brush = context
-            .brush
-            .as_ref()
-            .filter(|_| self.which == Which::First);
-        let is_painted = brush.is_some();
-        let pointer = input::handle(ui, &response, subject, (context, is_painted), &mut moves);
+        let pointer = input::handle(ui, &response, subject, by, &mut moves);
         let moves = moves.into_iter();
         commands.extend(moves.map(|command| Command::View(self.which, command)));
         // The entries of the menu lead to panels, which an embedded window and the stage of a talk lack.
@@ -263,7 +263,7 @@ impl PaneSide<'_> {
         };
 
         if let Some(brush) = brush {
-            brush.follow(ui, &response, subject, commands);
+            brush.follow(ui, &response, touch.hand, subject, commands);
         }
         overlay::scale_bar(&painter, rect, subject, palette);
         // The stage of a talk has no texts that explain the picture: the lecturer does.
@@ -286,6 +286,12 @@ impl PaneSide<'_> {
             self.list(context, subject, &name).show(ui, commands);
         }
         response
+    }
+
+    /// Returns the brush that paints this picture, if one does: the form is that of run A.
+    fn brush<'a>(&self, context: &'a CanvasContext<'_>) -> Option<&'a CanvasBrush> {
+        let brush = context.brush.as_ref();
+        brush.filter(|_| self.which == Which::First)
     }
 
     /// Returns the list of the objects in view, for the keyboard and for screen readers.

@@ -32,10 +32,9 @@ pub fn handle(
     ui: &Ui,
     response: &Response,
     subject: &Subject<'_>,
-    (context, is_painted): (&CanvasContext<'_>, bool),
+    (context, is_painted, touch): (&CanvasContext<'_>, bool, Touch),
     commands: &mut Vec<ViewCommand>,
 ) -> Option<Pos2> {
-    let touch = Touch::follow(ui, response);
     // A cancelled touch moves and selects nothing.
     if touch.hand == Hand::Cancelled {
         return None;

@@ -3,7 +3,7 @@
 
 use egui::{Id, Painter, PointerButton, Pos2, Response, Shape, Stroke, Ui};
 use glam::DVec2;
-use tilescope_canvas::touch::{Hand, Touch};
+use tilescope_canvas::touch::Hand;
 use tilescope_drawing::palette::Palette;
 use tilescope_drawing::subject::Subject;
 use tilescope_session::layers::SessionKind;
@@ -57,6 +57,7 @@ impl CanvasBrush {
         &self,
         ui: &Ui,
         response: &Response,
+        hand: Hand,
         subject: &Subject<'_>,
         commands: &mut Vec<Command>,
     ) {
@@ -70,7 +71,6 @@ impl CanvasBrush {
         };
 
         // Two fingers move the picture: what the first of them began is no stroke.
-        let hand = Touch::follow(ui, response).hand;
         let is_gesture = matches!(hand, Hand::Gesture | Hand::Cancelled);
         let begins = response.drag_started_by(PointerButton::Primary)
             || response.clicked_by(PointerButton::Primary);
