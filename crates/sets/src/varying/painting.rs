@@ -1,7 +1,7 @@
 //! Radii that are painted: a field as grey values of 16 bits, which strokes of a soft brush make smaller or larger. Begin with
 //! [`PaintedRadii`].
 //!
-//! The image is that of a PNG file: who saves the file has the field, and certificates name it by the file's digest.
+//! The image is that of a PNG file: the saved file holds the field, and certificates name it by the file's digest.
 
 use serde::{Deserialize, Serialize};
 use tilescope_core::Boundary;

@@ -184,7 +184,7 @@ impl Form {
                     context.tell_error(why);
                 }
             }
-            // The state knows the view, and paints the stroke that it is.
+            // The state paints it as a stroke, since a form has no view.
             PaintCommand::Dab => {}
             PaintCommand::Reset => self.draft.unpaint(),
             PaintCommand::Save => self.save_painted(context),

@@ -9,7 +9,7 @@ use super::{FormContext, labelled};
 /// How wide the sliders are: with their numbers they fit in the narrowest panel.
 const SLIDER_WIDTH: f32 = 70.0;
 
-/// What is said of the tool while the pointer is over its switch.
+/// The text that appears while the pointer is over the switch of the tool.
 const WHY: &str = "Strokes on the canvas make the radius smaller or larger in a soft disk, and the run is made again after each. The image stays on this machine.";
 
 /// Shows the switch of the tool, the brush, and what can be done with painted radii.
