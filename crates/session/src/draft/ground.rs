@@ -372,6 +372,10 @@ impl Draft {
     ///
     /// Fails with a sentence where there are no radii to paint, or no pixels fill the domain.
     pub fn paint(&mut self, stroke: &BrushStroke) -> Result<(), String> {
+        // A script may give a stroke without a place, which leaves the radii as they are, and not an image of them.
+        if stroke.path.is_empty() {
+            return Ok(());
+        }
         if let Some(refusal) = self.paint_refusal() {
             return Err(refusal.to_owned());
         }
