@@ -4,7 +4,7 @@ use tilescope_classroom::room::NewFile;
 use tilescope_session::ground::GroundRequest;
 use tilescope_session::layers::SessionKind;
 use tilescope_session::recipe::{OwnPattern, Recipe};
-use tilescope_sets::{Brush, BrushStroke, PAINTED};
+use tilescope_sets::{Brush, BrushStroke, GrayImage, PAINTED};
 
 use super::effects::{Context, Effect};
 use super::{GpuState, RunView};
@@ -25,6 +25,8 @@ pub struct Form {
     pub paints: bool,
     /// The brush that it paints with.
     pub brush: Brush,
+    /// The painted radii that were saved last.
+    saved_radii: Option<GrayImage>,
 }
 
 impl Form {
@@ -191,19 +193,28 @@ impl Form {
         }
     }
 
+    /// Returns whether radii were painted that are in no file: no session and no link holds them.
+    pub(super) fn has_unsaved_radii(&self) -> bool {
+        let ground = &self.draft.ground;
+        ground.is_painted() && ground.image != self.saved_radii
+    }
+
     /// Saves the painted radii as a file that the command line reads.
-    fn save_painted(&self, context: &mut Context) {
+    fn save_painted(&mut self, context: &mut Context) {
         let ground = &self.draft.ground;
         let Some(image) = ground.image.as_ref().filter(|_| ground.is_painted()) else {
             return context.tell("No radii were painted.".to_owned());
         };
         match image.to_png() {
-            Ok(bytes) => context.ask(Effect::Save(Box::new(NewFile {
-                stem: PAINTED.trim_end_matches(".png").to_owned(),
-                extension: "png",
-                path: None,
-                bytes,
-            }))),
+            Ok(bytes) => {
+                self.saved_radii = Some(image.clone());
+                context.ask(Effect::Save(Box::new(NewFile {
+                    stem: PAINTED.trim_end_matches(".png").to_owned(),
+                    extension: "png",
+                    path: None,
+                    bytes,
+                })));
+            }
             Err(error) => context.tell_error(error.to_string()),
         }
     }

@@ -2,12 +2,23 @@
 
 use tilescope_session::words::counted;
 
-use super::{FileState, RunView};
+use super::{FileState, RunView, State};
 
-impl FileState {
+impl State {
     /// Returns the work that is lost or ends if the window is closed now, each piece as a sentence.
     #[must_use]
-    pub fn unfinished(&self, run: &RunView) -> Vec<String> {
+    pub fn unfinished(&self) -> Vec<String> {
+        let mut sentences = self.files.unfinished(&self.runs.first);
+        if self.form.has_unsaved_radii() {
+            sentences.push("The painted radii are not saved.".to_owned());
+        }
+        sentences
+    }
+}
+
+impl FileState {
+    /// Returns what of scenes and exports is lost or ends if the window is closed now, each piece as a sentence.
+    fn unfinished(&self, run: &RunView) -> Vec<String> {
         let mut sentences = Vec::new();
         match self.unsaved_scenes(run) {
             0 => {}

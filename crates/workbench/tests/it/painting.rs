@@ -11,7 +11,8 @@ use tilescope_workbench::command::{
 };
 use tilescope_workbench::draft::{Choice, RadiusBy};
 use tilescope_workbench::export::ExportKind;
-use tilescope_workbench::files::FileCommand;
+use tilescope_workbench::files::{Delivery, FileCommand};
+use tilescope_workbench::state::Settings;
 use tilescope_workbench::{Command, State};
 
 use crate::exporting::{notice_text, write};
@@ -237,4 +238,22 @@ fn a_domain_without_square_pixels_says_so() {
         "{}",
         notice_text(&state)
     );
+}
+
+#[test]
+fn closing_names_painted_radii_until_they_are_saved() {
+    let mut state = painting();
+    // A download needs no folder that the test would have to choose.
+    state.restore(Settings {
+        delivery: Some(Delivery::Download),
+        ..Settings::default()
+    });
+    assert!(state.unfinished().is_empty());
+    stroke(&mut state);
+    assert_eq!(state.unfinished(), ["The painted radii are not saved."]);
+
+    paint(&mut state, PaintCommand::Save);
+    assert!(state.unfinished().is_empty());
+    stroke(&mut state);
+    assert_eq!(state.unfinished(), ["The painted radii are not saved."]);
 }
