@@ -196,7 +196,8 @@ impl HandoutTask {
         Ok(html)
     }
 
-    /// Writes the section of a step: picture, text, question with its controls, and the answer or space for one.
+    /// Writes the section of a step: picture, text, question with its controls, the answer or space for one, and the
+    /// notes if they are wanted.
     fn section(
         &self,
         html: &mut String,

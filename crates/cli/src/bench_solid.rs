@@ -140,7 +140,8 @@ fn add_round(timed: &mut Timed, samples: u64, seed: u64) -> Result<()> {
 }
 
 impl Timed {
-    /// Returns each kind of work with its median rate, in samples a second.
+    /// Returns each kind of work with its median rate, in samples a second: of an even number of rounds the slower one of
+    /// the middle two.
     fn rates(&self) -> impl Iterator<Item = (TimedWork, f64)> {
         self.seconds.iter().map(|(work, seconds)| {
             let mut sorted = seconds.clone();

@@ -495,8 +495,8 @@ impl Domain {
     }
 
     /// Returns the lattice rectangle of the points `low <= position < high` of the domain, in user units, with its
-    /// closed border where `high` reaches it. A bound less than 2^-10 units above a lattice line counts as on it, so
-    /// that sums of lengths give the intended rectangles.
+    /// closed border where `high` lies beyond the last line of points before it. A bound less than 2^-10 units above a
+    /// lattice line counts as on it, so that sums of lengths give the intended rectangles.
     ///
     /// Bounds outside the domain, or NaN, give a rectangle that ends at the border or is empty.
     #[must_use]
@@ -510,7 +510,7 @@ impl Domain {
         let end = |position: f64, axis: usize| {
             let units = [self.width, self.height][axis];
             let beyond = first(position, axis);
-            // A rectangle that reaches a closed border includes it.
+            // A rectangle that reaches into the last unit before a closed border includes the border.
             if beyond == units {
                 self.rect_side(axis)
             } else {

@@ -335,8 +335,8 @@ impl LivePairs {
         self.histogram.conflicts + own
     }
 
-    /// Returns the smallest distance between two samples, in radii: [`Report::min_distance`](crate::Report::min_distance).
-    /// Infinite if there is none.
+    /// Returns the smallest distance between two samples or, on a torus, between a sample and its own copy, in radii:
+    /// [`Report::min_distance`](crate::Report::min_distance). Infinite if there is none.
     ///
     /// It is kept from change to change. Where no two samples are within 5 r, however, all samples are searched.
     #[must_use]
@@ -355,7 +355,7 @@ impl LivePairs {
     }
 
     /// Returns the closest pair of samples, by ids, and their distance in radii; of equally close pairs the first by ids.
-    /// None if there is no pair.
+    /// On a torus a sample and its own copy are a pair, too. None if there is no pair.
     #[must_use]
     pub fn closest(&self) -> Option<Conflict> {
         // 0 if no two samples are near each other, otherwise the complement of the smallest squared distance.
@@ -445,7 +445,7 @@ impl LivePairs {
     /// Returns the conflicts, as [`Report::worst_conflicts`](crate::Report::worst_conflicts) lists them, but all.
     #[must_use]
     pub fn conflict_pairs(&self) -> Vec<Conflict> {
-        // Squares of distances, as all that they are compared with.
+        // The squares of the radius and of the shorter period: squared distances are compared.
         let (end, period) = (self.radius_square(), self.period_square());
         let mut found = Vec::new();
         for &Occupant { slot, place } in self.grid.all() {

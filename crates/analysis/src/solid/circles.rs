@@ -160,7 +160,7 @@ struct Neighbours<'a> {
 const NOTHING: u32 = u32::MAX;
 
 impl<'a> Neighbours<'a> {
-    /// Returns `None` if there are far more cells than samples.
+    /// Returns `None` if there are over 64 more cells than samples.
     fn new(points: &'a [[f64; 3]], region: &'a SolidRegion, reach: f64) -> Option<Self> {
         // A hair wider, so that rounding moves no sample two cells away.
         let fitting = region
@@ -201,7 +201,7 @@ impl<'a> Neighbours<'a> {
         (z * self.counts[1] + y) * self.counts[0] + x
     }
 
-    /// Lists all samples, and images of samples, that are nearer than the reach to one.
+    /// Lists all other samples, and images of these, that are nearer than the reach to one.
     fn list(&self, index: usize, near: &mut Vec<Other>) {
         near.clear();
         let center = self.points[index];

@@ -49,7 +49,7 @@ pub(super) fn search(
         least_half: RESOLUTION * question.radius / 2.0,
     };
 
-    // A limit is shorter than half a period, so that images one period away suffice.
+    // A limit is shorter than half a period, or the set was refused: so images one period away suffice.
     let may_cover = |&image: &[f64; 3]| root.distances(image).nearest <= rule.limit_squared;
     let near: Vec<[f64; 3]> = question.images().filter(may_cover).collect();
 

@@ -121,7 +121,7 @@ impl Runs<'_> {
     }
 
     /// The piece that begins where one ends, with the gap on the left, and the periods by which it is moved; none
-    /// behind a whole circle, and where rounding left a side without a twin.
+    /// behind a whole circle, and where rounding left a side without a twin or the next one without a head.
     fn after(&self, piece: Piece, shift: IVec2) -> Option<(Piece, IVec2)> {
         match piece {
             // A whole circle is a loop by itself.
@@ -153,7 +153,7 @@ impl Runs<'_> {
         // and never all: the bound only keeps the loop from being endless.
         for _ in 0..cells.sides.len() {
             let Some(beyond) = cells.sides[side].beyond else {
-                // The line goes on at the side's head, if it has one.
+                // The line goes on at the side's head, which is missing only by rounding: no disk covers the corner.
                 return cells.sides[side]
                     .head
                     .map(|_| (Piece::Line(head_of(side)), total_shift));

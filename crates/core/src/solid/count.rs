@@ -59,8 +59,8 @@ pub struct SolidSample {
 impl SolidRequest {
     /// Returns about the radius of a set of `count` samples, from the density of large sets and what closed faces add.
     ///
-    /// Fails when a side is not a number within [`crate::SIDE_LIMITS`], and when no radius within the limits of a
-    /// domain gives so many samples.
+    /// Fails when a side is not a number within [`crate::SIDE_LIMITS`], and when no radius within the limits of a domain
+    /// gives so many samples, or only one that is close to a limit.
     pub fn radius_estimate(&self, count: u64) -> Result<f64, ParameterError> {
         for (name, side) in ["width", "height", "depth"].into_iter().zip(self.size) {
             check_side(name, side)?;

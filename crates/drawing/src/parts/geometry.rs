@@ -84,7 +84,7 @@ pub fn voronoi(scene: &Scene<'_>, surface: &mut impl Surface) {
     }
 }
 
-/// Draws the circumcircles of triangles that are larger than r.
+/// Draws the circumcircles larger than r of the triangles, but none so large that it looks straight.
 pub fn circumcircles(scene: &Scene<'_>, surface: &mut impl Surface) {
     let Some(tessellation) = tessellation(scene) else {
         return;

@@ -213,6 +213,7 @@ pub(super) fn read_solid_binary(
         };
         Ok([value(0)?, value(1)?, value(2)?])
     };
+    // An error counts points from the first one of the chosen set.
     let points: Result<_, FormatError> = rows.zip(0..).map(point).collect();
     Ok((points?, head.precision))
 }
@@ -273,6 +274,7 @@ pub(super) fn head(count: u64, precision: Precision) -> Result<Vec<u8>, FormatEr
 
     let mut out = Vec::with_capacity(HEADER_BYTES as usize);
     out.extend_from_slice(UTK_MAGIC);
+    // The metadata: the type, and three bytes that no reader here needs.
     out.extend_from_slice(&[code, 0, 0, 0]);
     // The numbers of sets, of points and of dimensions.
     for word in [1, count, 2] {

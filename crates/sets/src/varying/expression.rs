@@ -169,7 +169,7 @@ impl Parser<'_> {
 
     /// Reads a sum: products with signs between them.
     fn sum(&mut self) -> Result<(), VaryingError> {
-        // Each parenthesis and each argument is a sum, so that depth is counted here.
+        // Each parenthesis and each argument is a sum, so that depth is counted here, and else only at exponents.
         self.go_deeper()?;
         self.product()?;
         // From the left: 1-2-3 is (1-2)-3.
@@ -208,6 +208,7 @@ impl Parser<'_> {
         }
         self.atom()?;
         if self.take(b"^").is_some() {
+            // Exponents of exponents are calls within calls without a sum.
             self.go_deeper()?;
             // From the right, as in mathematics: 2^3^2 is 2^9. An exponent may have signs of its own.
             self.signed()?;
@@ -246,7 +247,7 @@ impl Parser<'_> {
     fn number(&mut self) -> Result<(), VaryingError> {
         let start = self.at;
         while let Some(&c) = self.text.get(self.at) {
-            // A sign belongs to the number behind the letter of its exponent only.
+            // A sign belongs to the number only if it follows the letter of an exponent.
             let is_exponent = |c: u8| matches!(c, b'e' | b'E');
             let is_sign =
                 matches!(c, b'+' | b'-') && self.at > start && is_exponent(self.text[self.at - 1]);

@@ -93,7 +93,7 @@ impl PieceEntry {
     /// the entry gives another one; for a file the certificate states what the entry does not.
     ///
     /// Fails when the piece is not one of the three kinds (a file, parameters or a seed), when it has a value that its
-    /// kind has no use for, and when its parameters cannot be sampled.
+    /// kind has no use for, and when no set can be made with its parameters or for its rectangle.
     pub(super) fn source(
         &self,
         boundary: Boundary,

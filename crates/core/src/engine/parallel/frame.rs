@@ -34,8 +34,8 @@ pub struct Frame {
 }
 
 impl Frame {
-    /// Returns the frame of `window`, a rectangle of lattice points of `domain`, with a halo of
-    /// `halo` cells around the cells that it touches.
+    /// Returns the frame of `window`, a rectangle of lattice points of `domain`, with a halo of `halo` cells around the
+    /// cells that it touches. A closed border cuts the halo off.
     #[must_use]
     pub fn new(domain: &Domain, window: &Rect, halo: i32) -> Self {
         let sides = [domain.width(), domain.height()];
