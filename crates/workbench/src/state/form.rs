@@ -26,7 +26,7 @@ pub struct Form {
     /// The brush that it paints with.
     pub brush: Brush,
     /// The painted radii that were saved last.
-    saved_radii: Option<GrayImage>,
+    pub saved_radii: Option<GrayImage>,
 }
 
 impl Form {
