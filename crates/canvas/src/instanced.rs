@@ -291,7 +291,7 @@ impl InstancedCanvas {
             let number = self.drawn.replace(self.drawn.get().wrapping_add(1));
             InstanceRange {
                 number,
-                frame: uniforms,
+                uniforms,
                 ranges,
             }
         });

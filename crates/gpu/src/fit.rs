@@ -107,6 +107,8 @@ pub(crate) fn plan(
     // cells are compared as bytes, since the error states bytes.
     let (cell_bytes, around) = (16, 2 * halo as u64);
     let binding = limits.max_storage_buffer_binding_size;
+    // A side is counted as in a periodic domain. The frame of a bounded one may end sooner, so that this check may refuse
+    // a window whose frame would just fit.
     check(
         cell_bytes * (longer + around),
         "a side of the engine's frames",
@@ -128,6 +130,7 @@ pub(crate) fn plan(
     check(frame_bytes, "maxStorageBufferBindingSize", binding)?;
 
     let plan = WindowPlan::new(setup, window, halo, room)?;
+    // Only a run that is stepped through in one go keeps what each stage left, and it is not planned here.
     let keeps_stages = false;
     let lengths = plan.lengths(setup, keeps_stages);
     let longest = lengths.iter().map(|(_, length)| *length).max().unwrap_or(0);

@@ -328,7 +328,8 @@ fn images(work: &WindowRun, point: Point) -> Vec<[i32; 2]> {
         .collect()
 }
 
-/// Writes the input of iteration `k`: all cells as open ones, or the active cells of the level in uniform insertion.
+/// Writes the input of iteration `k`: all cells as open ones, or, in uniform insertion, the active cells at which it
+/// throws.
 fn write_work(
     work: &mut WindowRun,
     engine: &mut Sequential,
@@ -348,7 +349,7 @@ fn write_work(
         return work.device.write(Name::List, bytes(&all));
     }
 
-    // The engine has a level's cells only after running it.
+    // The engine lists the active cells of an iteration only after running it.
     engine.step(&mut Unobserved)?;
     let Some(iteration) = engine.run().iterations.get(k as usize - 1) else {
         return Err(GpuError::FirstStage {
@@ -367,7 +368,7 @@ fn write_work(
     counters[counter::ACTIVE as usize] = active.len() as u32;
     work.device
         .write(Name::Active, bytemuck::cast_slice(&active))?;
-    // The pass that would have the host read this counter and keep these cells is not run.
+    // The host has this counter and these cells as well. Elsewhere it reads them after a pass that does not run here.
     work.set_counter(counter::ACTIVE, active.len() as u32);
     work.keep_active(k, &active);
     Ok(())

@@ -68,7 +68,8 @@ impl Moment {
     pub(crate) fn cursors(&self, recording: &Recording) -> Vec<usize> {
         let found = |query: &Query| query.find_all(recording, MAX_TRIED);
         match self {
-            // In a field of radii the first throw has begun: a run that is cut off before it has no stage that could be shown.
+            // In a field of radii it is after the first event, with which the first throw begins. A step with a question shows
+            // the run only up to its moment, and before that event there would be no stage to show.
             Self::Start => vec![usize::from(recording.run().locality.is_some())],
             Self::End => vec![recording.len()],
             Self::EndOf(stage) => recording.end_of(*stage).into_iter().collect(),

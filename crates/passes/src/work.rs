@@ -111,8 +111,10 @@ impl Passes {
                 self.shown.enter(&visit);
                 self.visit = Some(visit);
             }
-            // Another pass was selected meanwhile, and is visited next. If the user cancelled, none is.
+            // Another pass was selected meanwhile, and the caller's `go_on` visits it. If the user cancelled, none is wanted.
             Err(Stop::Cancelled) => {}
+            // It ends the visits, also if another pass was selected meanwhile: the same device would have to show that one.
+            // To select a pass is to try again.
             Err(Stop::Failed(why)) => {
                 self.is_wanted = false;
                 self.notice = Some(why);

@@ -15,7 +15,7 @@ use super::still::{Origin, Stills};
 pub const BYTES_PER_SAMPLE: u64 = 8;
 /// Bytes of an id.
 pub const BYTES_PER_ID: u64 = 4;
-/// Number of frame parameters kept at once: more than one frame of the window needs.
+/// Number of parts whose parameters are kept at once: more than one frame of the window needs.
 const SLOTS: u32 = 512;
 /// Bytes from one slot to the next: the largest alignment that a device may ask for.
 const SLOT_BYTES: u32 = 256;
@@ -51,7 +51,7 @@ struct Residents(HashMap<u64, GpuBuffers>);
 
 struct GpuBuffers {
     pipelines: [wgpu::RenderPipeline; 3],
-    frames: wgpu::Buffer,
+    slots: wgpu::Buffer,
     parameters: wgpu::BindGroup,
     positions: wgpu::Buffer,
     looks: wgpu::Buffer,
@@ -74,8 +74,8 @@ impl Gpu {
         // All canvases keep their buffers in one map, each under its own key.
         static NEXT_KEY: AtomicU64 = AtomicU64::new(0);
         let device = &render.device;
-        let frames = device.create_buffer(&wgpu::BufferDescriptor {
-            label: Some("samples: frames"),
+        let slots = device.create_buffer(&wgpu::BufferDescriptor {
+            label: Some("samples: slots"),
             size: u64::from(SLOTS * SLOT_BYTES),
             usage: wgpu::BufferUsages::UNIFORM | wgpu::BufferUsages::COPY_DST,
             mapped_at_creation: false,
@@ -84,8 +84,8 @@ impl Gpu {
         // The buffers of samples are empty until `replace` is called.
         let resident = GpuBuffers {
             pipelines: pipelines(render, &layout),
-            parameters: bind_group(device, &layout, &frames),
-            frames,
+            parameters: bind_group(device, &layout, &slots),
+            slots,
             positions: sample_buffer(device, "samples: positions", 0),
             looks: sample_buffer(device, "samples: looks", 0),
             ids: vertex_buffer(device, "samples: ids", 0),
@@ -186,7 +186,7 @@ pub struct Drawing {
 pub struct InstanceRange {
     /// How many parts the canvas had drawn before: an index among the parts of a frame.
     pub number: u32,
-    pub frame: LayerUniforms,
+    pub uniforms: LayerUniforms,
     pub ranges: Vec<Range<u32>>,
 }
 
@@ -218,13 +218,13 @@ impl Drawing {
         }
     }
 
-    fn origin(&self, frame: impl Fn(&InstanceRange) -> LayerUniforms) -> Origin {
+    fn origin(&self, uniforms: impl Fn(&InstanceRange) -> LayerUniforms) -> Origin {
         let parts = self.parts.iter();
         Origin {
             kind: self.kind,
             revision: self.revision,
             parts: parts
-                .map(|part| (frame(part), part.ranges.clone()))
+                .map(|part| (uniforms(part), part.ranges.clone()))
                 .collect(),
         }
     }
@@ -246,19 +246,19 @@ impl CallbackTrait for Drawing {
         };
 
         // The size of the target was not known when the frame was laid out.
-        let frame = |part: &InstanceRange| LayerUniforms {
+        let uniforms = |part: &InstanceRange| LayerUniforms {
             target_size: screen.size_in_pixels.map(|side| side as f32),
-            ..part.frame
+            ..part.uniforms
         };
 
         for part in &self.parts {
-            let (offset, uniforms) = (u64::from(part.offset()), frame(part));
-            queue.write_buffer(&resident.frames, offset, bytemuck::bytes_of(&uniforms));
+            let offset = u64::from(part.offset());
+            queue.write_buffer(&resident.slots, offset, bytemuck::bytes_of(&uniforms(part)));
         }
 
         // A cached picture is drawn in a separate pass, which comes before that of the window.
         if let Some(layer) = self.still {
-            let (size, origin) = (screen.size_in_pixels, self.origin(frame));
+            let (size, origin) = (screen.size_in_pixels, self.origin(uniforms));
             if let Some(mut pass) = resident.stills.renew(device, encoder, layer, size, origin) {
                 self.draw(resident, &mut pass);
             }

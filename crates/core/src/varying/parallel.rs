@@ -160,7 +160,7 @@ impl Parcels {
 
     /// Hands a new sample to all parcels in which it may be near a place.
     fn hand_out(&mut self, domain: &Domain, dart: &OpenDart) {
-        // A reach is at most twice a radius, whatever the other one is.
+        // A sample is near places up to the harmonic mean of their two radii, which is less than twice its own radius.
         let reach = 2 * i64::from(dart.radius);
         let rect = domain.rect();
         let [width, height] = [rect.width(), rect.height()].map(i64::from);

@@ -334,8 +334,9 @@ impl VaryingRecipe {
         let of_function = || squares_of(size, self.boundary).ok();
         let is_of_function = |pixels| of_function().is_some_and(|own| own.counts == pixels);
         let squares = match (pixels, radius) {
-            // A grid with as many nodes as an expression has is that of a function of x and y: its nodes are those of an
-            // expression, whose last squares may reach beyond the border, and no pixels.
+            // Where a grid comes from shows in its size alone. With as many squares as an expression would have, it was made
+            // by a function of x and y, and its last squares may reach beyond the border. Beside a mask its squares are
+            // the mask's pixels. For a size that an expression cannot have (`ok`) there is no such grid.
             (Some(pixels), RadiusSource::Grid { .. })
                 if of_shape.is_none() && is_of_function(pixels) =>
             {

@@ -301,19 +301,18 @@ impl LinkReader {
         let checked = portable.request().and_then(|request| {
             let samples = match &request {
                 Some(request) => request.recipe(parameters).glance()?,
+                // Only an empty list of rings, which is refused before, would ask for nothing.
                 None => 0.0,
             };
             Ok((request, samples))
         });
 
-        // The limit is that of links to runs.
-        let most = MAX_SAMPLES;
         let why = match checked {
-            Ok((request, samples)) if samples <= most => return request,
+            Ok((request, samples)) if samples <= MAX_SAMPLES => return request,
             Ok((_, samples)) => format!(
                 "it has about {} samples, and a link may ask for {}",
                 grouped(samples as usize),
-                grouped(most as usize)
+                grouped(MAX_SAMPLES as usize)
             ),
             Err(error) => error.to_string(),
         };

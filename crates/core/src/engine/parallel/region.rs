@@ -273,7 +273,8 @@ impl<const TAGS: bool> Region<TAGS> {
             let start = self.frame.cell(cells.min.x, row);
             let mut count = 0;
             for (slots, k) in self.slots[start..start + width].iter().zip(0..) {
-                // The window lies in the domain, so that sums have 32 bits, whatever the frame's origin has.
+                // Places of the window fit 32 bits, as it lies in the domain; the frame's origin may not. Its low 32 bits
+                // are enough: a sum that wraps ends at the right place.
                 let (x, y) = (
                     (self.frame.origin[0] as i32).wrapping_add((cells.min.x + k) << CELL_BITS),
                     (self.frame.origin[1] as i32).wrapping_add(row << CELL_BITS),
