@@ -236,9 +236,9 @@ impl SquaresJudge {
 
     /// Refuses samples outside of the domain, and more than can be numbered.
     fn check(&self, samples: &[[i32; 2]]) -> Result<(), SquaresError> {
-        // Samples are numbered in 32 bits. The limit itself would still fit, and is refused as well.
+        // Samples are numbered in 32 bits.
         let limit = u32::MAX as usize;
-        if samples.len() >= limit {
+        if samples.len() > limit {
             let count = samples.len();
             return Err(SquaresError::TooMany { count, limit });
         }

@@ -519,7 +519,8 @@ impl<'a> ExactTiling<'a> {
                 continue;
             }
 
-            // In a recording the dart of a present sample arrives as the sample.
+            // The dart of a present sample is dropped when its turn comes (`decide_dart`). A recording leaves it out here, since
+            // it would show it as falling, where it arrives as the sample.
             if T::ENABLED && self.present.has(&dart, piece.tile) {
                 continue;
             }

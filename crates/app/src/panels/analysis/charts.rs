@@ -38,9 +38,11 @@ pub fn picture(ui: &mut Ui, sets: &Sets<'_>, brush: Option<Brush>, own: &mut Vec
     } else {
         periodogram_of(ui, "", shown, sets.palette, brush, own);
     }
+    // With two runs these are the cells of the first one. The second one's differ where its number of samples is another.
     let cells = shown.map_or_else(String::new, |(spectrum, _)| cells_of(spectrum));
     let words = format!(
-        "\u{3bd} along x and y, to \u{b1}2.5; power 0 black, {} and above white{cells}",
+        "\u{3bd} along x and y, to \u{b1}{}; power 0 black, {} and above white{cells}",
+        Spectrum::MAX_NU,
         periodogram::WHITE
     );
     let text = RichText::new(words).size(11.5).color(sets.palette.muted);
