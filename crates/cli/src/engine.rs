@@ -126,6 +126,8 @@ impl EngineArguments {
             EngineArgument::Parallel => Engine::Parallel,
             EngineArgument::Sequential => Engine::Sequential,
         };
+
+        // An option for GPUs would have no effect.
         ensure!(
             self.adapter.gpu_adapter.is_none(),
             "--gpu-adapter needs --engine gpu or auto: the others compute on the CPU"

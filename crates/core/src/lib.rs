@@ -26,6 +26,7 @@ mod engine;
 mod error;
 mod exact;
 mod grid;
+mod instructions;
 pub mod json;
 mod lattice;
 mod levels;
@@ -64,7 +65,6 @@ pub mod windows {
 
 pub use circumcentre::{circumcentre, on_line, round_half_up};
 pub use count::{radius_estimate, radius_for_count, search_radius};
-pub use engine::parallel::instructions::InstructionSet;
 pub use engine::parallel::places::PlaceBuffers;
 pub use engine::parallel::plane::Plane;
 pub use engine::parallel::sweep::{Sweep, SweepState};
@@ -77,6 +77,7 @@ pub use exact::{
     exact_recorded, exact_sample, exact_sample_parallel,
 };
 pub use grid::{NearSample, SampleGrid};
+pub use instructions::InstructionSet;
 pub use lattice::{
     Boundary, Domain, MAX_SIDE_RADII, MIN_SIDE_RADII_BOUNDED, MIN_SIDE_RADII_PERIODIC, Point, R,
     R_SQUARED, Rect, SHORTEST_SIDE_RADII_BOUNDED, SIDE_LIMITS, Window, covers_offset,

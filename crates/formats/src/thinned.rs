@@ -99,16 +99,19 @@ impl Certificate {
             positions_digest: found.positions_digest.clone(),
             count: found.count,
         };
+
         // Statements about the file's content, and numbers that follow from others, are compared as for every
         // certificate.
         let mut list = Differences(contradictions(self, &contents));
         list.exact("radius", &self.radius, &found.radius);
         list.exact("conflicts", &self.conflicts, &found.conflicts);
         list.exact("gaps", &self.gaps, &found.gaps);
+
         // No judge of thinned sets measures these, so that a certificate that states one of them is not true.
         list.measure("min_distance", self.min_distance, None);
         list.measure("covering_radius", self.covering_radius, None);
         list.measure("relative_radius", self.relative_radius, None);
+
         // The priority is not compared, as `found` was made by the stated one.
         if let (Some(stated), Some(made)) = (&self.thinned, &found.thinned) {
             list.exact("thinned.source", &stated.source, &made.source);

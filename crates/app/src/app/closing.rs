@@ -27,7 +27,7 @@ impl App {
     /// Answers a request to close the window: asks if something would be lost, otherwise ends open work and lets it close.
     pub(super) fn follow_closing(&mut self, ctx: &Context) {
         if ctx.input(|input| input.viewport().close_requested()) {
-            if self.closing != Closing::Sure && !self.state.unfinished().is_empty() {
+            if self.closing != Closing::Sure && !self.unfinished().is_empty() {
                 ctx.send_viewport_cmd(ViewportCommand::CancelClose);
                 self.closing = Closing::Asked;
             } else {
@@ -42,9 +42,15 @@ impl App {
         }
     }
 
+    /// Returns what would be lost if the window were closed now.
+    fn unfinished(&self) -> Vec<String> {
+        let (run, form) = (&self.state.runs().first, self.state.form());
+        self.state.files().unfinished(run, form)
+    }
+
     /// Asks whether to close the window although something would be lost, and follows the answer.
     fn ask_to_close(&mut self, ctx: &Context) {
-        let unfinished = self.state.unfinished();
+        let unfinished = self.unfinished();
         // The work that kept the window open may have ended meanwhile. Then nothing would be lost.
         if unfinished.is_empty() {
             self.closing = Closing::No;

@@ -146,7 +146,9 @@ impl Sheet<'_> {
                 "The result is written, read back and verified; its certificate is put beside it."
                     .to_owned()
             }
+
             ExportKind::Samples => "The samples that cover their disks at the moment shown. The certificate says whether this set is conflict-free and maximal; before the end of a run it need be neither.".to_owned(),
+
             // Nothing but the dots is drawn, and always in the whole domain.
             ExportKind::Picture if self.is_on_paper() => {
                 "All dots of the moment shown, as ink on paper, with the parameters inside."

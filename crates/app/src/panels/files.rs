@@ -146,6 +146,7 @@ fn file(ui: &mut Ui, state: &State, form: &FileForm, own: &mut Vec<FileCommand>)
 /// Returns why the sheet's button does nothing now, or `None` if it does something.
 fn refusal(state: &State, form: &FileForm) -> Option<String> {
     let path = form.path.trim();
+
     // Only the first reason is shown. They are in the order in which a user can mend them.
     let reason = if busy(state).is_some() {
         "A file is being read or written."
@@ -167,6 +168,7 @@ fn refusal(state: &State, form: &FileForm) -> Option<String> {
     } else {
         return None;
     };
+
     Some(reason.to_owned())
 }
 

@@ -10,7 +10,6 @@ pub(crate) mod clip;
 pub(crate) mod counts;
 pub(crate) mod frame;
 pub(crate) mod gaps;
-pub(crate) mod instructions;
 mod near;
 pub(crate) mod places;
 pub(crate) mod plane;

@@ -25,7 +25,6 @@ use fearless_simd::{Simd, dispatch};
 use glam::IVec2;
 
 use crate::engine::parallel::clip::{Clipper, PlacedBlock};
-use crate::engine::parallel::instructions::InstructionSet;
 use crate::engine::parallel::region::Region;
 use crate::error::SampleError;
 use crate::exact::agenda::Agenda;
@@ -36,6 +35,7 @@ use crate::exact::filter::SampleFilter;
 use crate::exact::ground::Ground;
 use crate::exact::history::{LATE_LEVEL, PatternHistory};
 use crate::exact::present::FIRST_INSERTED;
+use crate::instructions::InstructionSet;
 use crate::lattice::{Point, Rect};
 use crate::pattern::Symmetry;
 use crate::stages::darts::LAST_LEVEL;

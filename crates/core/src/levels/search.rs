@@ -28,8 +28,8 @@ use glam::{IVec2, Vec2};
 use rayon::prelude::*;
 
 use crate::engine::parallel::gaps::each_bit;
-use crate::engine::parallel::instructions::InstructionSet;
 use crate::error::SampleError;
+use crate::instructions::InstructionSet;
 use crate::lattice::{Point, Rect};
 use crate::progress::Meter;
 use crate::radius::Radius;

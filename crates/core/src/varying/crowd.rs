@@ -124,6 +124,7 @@ impl Crowd {
             at, radius, sight, ..
         } = *dart;
         let [first, last] = sight.octaves.map(|bits| usize::from(bits - self.first));
+
         for (octave, bits) in self.octaves[first..=last].iter().zip(sight.octaves[0]..) {
             // All radii of an octave are below twice the side of its cells.
             let end = 2 << bits;
@@ -138,6 +139,7 @@ impl Crowd {
                         if other.rank > dart.rank {
                             continue;
                         }
+
                         // The wrapped sums are right, as the offsets of darts found here are short.
                         let dx = other.at.x.wrapping_add(shift.x).wrapping_sub(at.x);
                         let dy = other.at.y.wrapping_add(shift.y).wrapping_sub(at.y);

@@ -236,7 +236,7 @@ mod tests {
     use fearless_simd::dispatch;
 
     use super::*;
-    use crate::engine::parallel::instructions::InstructionSet;
+    use crate::instructions::InstructionSet;
     use crate::lattice::R;
     use crate::varying::rule::reach;
 

@@ -127,6 +127,7 @@ const COORDINATES: &str = "coordinates";
 fn json(bytes: &[u8], kept: &[bool]) -> Result<Vec<u8>, FormatError> {
     let mut document: Value = serde_json::from_slice(without_bom(bytes))?;
     let mut flags = kept.iter().copied();
+
     match &mut document {
         // A bare list of points.
         Value::Array(points) => points.retain(|_| flags.next().unwrap_or(true)),
@@ -149,6 +150,7 @@ fn json(bytes: &[u8], kept: &[bool]) -> Result<Vec<u8>, FormatError> {
             }
         }
     }
+
     let mut out = serde_json::to_vec(&document)?;
     out.push(b'\n');
     Ok(out)

@@ -2,23 +2,12 @@
 
 use tilescope_session::words::counted;
 
-use super::{FileState, RunView, State};
-
-impl State {
-    /// Returns the work that is lost or ends if the window is closed now, each piece as a sentence.
-    #[must_use]
-    pub fn unfinished(&self) -> Vec<String> {
-        let mut sentences = self.files.unfinished(&self.runs.first);
-        if self.form.has_unsaved_radii() {
-            sentences.push("The painted radii are not saved.".to_owned());
-        }
-        sentences
-    }
-}
+use super::{FileState, Form, RunView};
 
 impl FileState {
-    /// Returns what of scenes and exports is lost or ends if the window is closed now, each piece as a sentence.
-    fn unfinished(&self, run: &RunView) -> Vec<String> {
+    /// Returns the work that is lost or ends if the window is closed now, each piece as a sentence.
+    #[must_use]
+    pub fn unfinished(&self, run: &RunView, form: &Form) -> Vec<String> {
         let mut sentences = Vec::new();
         match self.unsaved_scenes(run) {
             0 => {}
@@ -27,6 +16,9 @@ impl FileState {
                 "{} are not saved.",
                 counted(count, "scene", "scenes")
             )),
+        }
+        if form.has_unsaved_radii() {
+            sentences.push("The painted radii are not saved.".to_owned());
         }
         if self.exports.fraction().is_some() {
             sentences.push("An export is running.".to_owned());
@@ -74,15 +66,20 @@ mod tests {
     fn closing_names_scenes_that_no_file_has_and_a_running_export() {
         let folder = tempfile::tempdir().unwrap();
         let mut state = settled();
-        assert!(state.files.unfinished(&state.runs.first).is_empty());
+        assert!(
+            state
+                .files
+                .unfinished(&state.runs.first, &state.form)
+                .is_empty()
+        );
         apply(&mut state, Command::Scene(SceneCommand::Add));
         assert_eq!(
-            state.files.unfinished(&state.runs.first),
+            state.files.unfinished(&state.runs.first, &state.form),
             ["1 scene is not saved."]
         );
         apply(&mut state, Command::Scene(SceneCommand::Add));
         assert_eq!(
-            state.files.unfinished(&state.runs.first),
+            state.files.unfinished(&state.runs.first, &state.form),
             ["2 scenes are not saved."]
         );
         let path = folder.path().join("session.json");
@@ -94,11 +91,16 @@ mod tests {
         ] {
             apply(&mut state, Command::File(command));
         }
-        assert!(state.files.unfinished(&state.runs.first).is_empty());
+        assert!(
+            state
+                .files
+                .unfinished(&state.runs.first, &state.form)
+                .is_empty()
+        );
         let caption = SceneCommand::Caption(0, "changed".to_owned());
         apply(&mut state, Command::Scene(caption));
         assert_eq!(
-            state.files.unfinished(&state.runs.first),
+            state.files.unfinished(&state.runs.first, &state.form),
             ["1 scene is not saved."]
         );
         // Those of a file that is opened are in that file.
@@ -123,11 +125,16 @@ mod tests {
             state.apply(Command::Export(command));
         }
         assert_eq!(
-            state.files.unfinished(&state.runs.first),
+            state.files.unfinished(&state.runs.first, &state.form),
             ["An export is running."]
         );
         state.finish();
-        assert!(state.files.unfinished(&state.runs.first).is_empty());
+        assert!(
+            state
+                .files
+                .unfinished(&state.runs.first, &state.form)
+                .is_empty()
+        );
         let left = std::fs::read_dir(folder.path()).unwrap();
         assert_eq!(left.count(), 0);
     }

@@ -240,6 +240,11 @@ fn a_domain_without_square_pixels_says_so() {
     );
 }
 
+fn unfinished(state: &State) -> Vec<String> {
+    let run = &state.runs().first;
+    state.files().unfinished(run, state.form())
+}
+
 #[test]
 fn closing_names_painted_radii_until_they_are_saved() {
     let mut state = painting();
@@ -248,12 +253,12 @@ fn closing_names_painted_radii_until_they_are_saved() {
         delivery: Some(Delivery::Download),
         ..Settings::default()
     });
-    assert!(state.unfinished().is_empty());
+    assert!(unfinished(&state).is_empty());
     stroke(&mut state);
-    assert_eq!(state.unfinished(), ["The painted radii are not saved."]);
+    assert_eq!(unfinished(&state), ["The painted radii are not saved."]);
 
     paint(&mut state, PaintCommand::Save);
-    assert!(state.unfinished().is_empty());
+    assert!(unfinished(&state).is_empty());
     stroke(&mut state);
-    assert_eq!(state.unfinished(), ["The painted radii are not saved."]);
+    assert_eq!(unfinished(&state), ["The painted radii are not saved."]);
 }

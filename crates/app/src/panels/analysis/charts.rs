@@ -127,6 +127,7 @@ fn cells_of(spectrum: &Spectrum) -> String {
         [1, 1] => String::new(),
         [side, row_side] => format!("; means of {side} \u{d7} {row_side}"),
     };
+
     let least = spectrum.picture_reach[0].min(spectrum.picture_reach[1]);
     // A cell at the rim may be measured in part: a reach that lacks less than a cell counts as all.
     let cell = 2.0 * least / picture.size.min(picture.rows) as f64;
@@ -143,6 +144,7 @@ fn cells_of(spectrum: &Spectrum) -> String {
         };
         text = format!("{text}; measured to \u{3bd} {least:.2} {so_far}, grey beyond");
     }
+
     text
 }
 

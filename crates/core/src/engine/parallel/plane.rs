@@ -17,10 +17,10 @@ use super::clip::Clipper;
 use super::counts::WindowCounts;
 use super::frame::{CELL_BITS, Frame};
 use super::gaps::Rules;
-use super::instructions::InstructionSet;
 use super::region::Region;
 use super::whole::Whole;
 use super::window_maker::{WindowMaker, WindowSamples};
+use crate::instructions::InstructionSet;
 
 /// Initial width of the halo in cells. Wider halos would cost more in every window than repairs do in a few.
 const HALO: i32 = 6;

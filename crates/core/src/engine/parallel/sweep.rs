@@ -18,10 +18,10 @@ use crate::stage::Stage;
 
 use super::counts::WindowCounts;
 use super::gaps::inserted_in;
-use super::instructions::InstructionSet;
 use super::plane::Plane;
 use super::side_by_side::compute_each;
 use super::window_maker::{WindowMaker, WindowSamples};
+use crate::instructions::InstructionSet;
 
 /// Windows for each thread that are computed before their samples are joined. Chosen, not measured.
 const WINDOWS_A_THREAD: usize = 6;

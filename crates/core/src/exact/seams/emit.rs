@@ -7,11 +7,11 @@ use crate::engine::parallel::claim::tiled_tag;
 use crate::engine::parallel::clip::Clipper;
 use crate::engine::parallel::counts::WindowCounts;
 use crate::engine::parallel::gaps::inserted_tag;
-use crate::engine::parallel::instructions::InstructionSet;
 use crate::engine::parallel::region::{Region, push, unpack};
 use crate::engine::parallel::window_maker::WindowSamples;
 use crate::exact::engine::iteration_of;
 use crate::exact::seams::{FIRST_INSERTED, ListedSample, SeamTiling};
+use crate::instructions::InstructionSet;
 use crate::lattice::{Point, R, Rect64};
 
 impl SeamTiling<'_> {
