@@ -267,7 +267,7 @@ fn shown<'a>(
         stage: moment.stage,
         prefix: moment.prefix(session),
         plane: middle.map(|middle| {
-            // A view without a plane follows the events, and shows the middle of the box where none has a place.
+            // A view without a plane follows the events, and shows the middle of the box before the first one with a place.
             let of_event = || session.event_height(moment.cursor?);
             view.plane.or_else(of_event).unwrap_or(middle)
         }),

@@ -237,12 +237,16 @@ impl Session {
         Some([cells.len(), solid.cubes_cut(throw, side, plane).count()])
     }
 
-    /// Returns how high the place of the event before a cursor lies, in lattice units; `None` of planar sets, and of events
-    /// without a place.
+    /// Returns how high the place of the last event before a cursor lies that has one, in lattice units; `None` of planar
+    /// sets, and before the first such event.
     #[must_use]
     pub fn event_height(&self, cursor: usize) -> Option<i32> {
-        let recording = self.recording()?;
-        recording.event_height(recording.event(cursor.checked_sub(1)?)?)
+        let recording = self
+            .recording()
+            .filter(|recording| recording.is_in_space())?;
+        // Where a throw begins or ends, a plane that follows the events stays at the place before. Few events have none.
+        let mut before = (0..cursor).rev();
+        before.find_map(|event| recording.event_height(recording.event(event)?))
     }
 
     /// Returns whether the disks of its samples differ in radius: where radii depend on the place, and where a plane cuts

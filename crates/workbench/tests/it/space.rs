@@ -252,6 +252,19 @@ fn the_plane_follows_the_events_until_it_is_moved() {
     }
     assert!(followed > 40, "{followed}");
 
+    // Where a throw ends or begins, the plane stays where the event before happened.
+    let is_without = |&cursor: &usize| {
+        let height = |cursor: usize| recording.event_height(recording.event(cursor - 1)?);
+        height(cursor).is_none() && height(cursor - 1).is_some()
+    };
+    let end = (2..recording.len())
+        .find(is_without)
+        .expect("the end of a throw");
+    state.apply(Command::Time(TimeCommand::Jump(end - 1)));
+    let before = state.runs().first.plane();
+    state.apply(Command::Time(TimeCommand::Jump(end)));
+    assert_eq!(state.runs().first.plane(), before);
+
     view(&mut state, ViewCommand::Plane(1.0));
     let pinned = state.runs().first.plane();
     state.apply(Command::Time(TimeCommand::Jump(recording.len() / 3)));

@@ -17,7 +17,7 @@ pub const NO_PLANE: &str =
 pub struct Plane {
     /// Where it lies along the third axis, in lattice units; `None` for the middle of the box.
     at: Option<i32>,
-    /// Whether it stays there. Otherwise it follows the events: it lies where the last one happened, if that has a place.
+    /// Whether it stays there. Otherwise it follows the events: it lies where the last one with a place happened.
     is_pinned: bool,
 }
 
@@ -47,7 +47,7 @@ impl RunView {
         let Some(at) = self.plane() else {
             return context.tell_error(NO_PLANE.to_owned());
         };
-        // At moments whose last event has no place, a plane that follows the events lies here.
+        // Before the first event with a place, a plane that follows the events lies here.
         self.plane = Plane {
             at: Some(at),
             is_pinned,
