@@ -39,8 +39,12 @@ struct Wording {
 
 impl Wording {
     fn opened() -> Self {
+        Self::opened_at([1440.0, 900.0])
+    }
+
+    fn opened_at(size: [f32; 2]) -> Self {
         Self {
-            harness: opened_at([1440.0, 900.0]),
+            harness: opened_at(size),
             otherwise: Vec::new(),
         }
     }
@@ -255,7 +259,8 @@ fn the_export_sheet(window: &mut Wording) {
 
 #[test]
 fn parameters_engines_and_verdicts() {
-    let mut window = Wording::opened();
+    // High enough for the whole form, as a choice opens only where it is in sight.
+    let mut window = Wording::opened_at([1440.0, 1000.0]);
     window.typed(&[(Parameter::Radius, "0")]);
     window.shows(&[("refusal-radius", "*must be a finite number above 0*")]);
     window.typed(&[(Parameter::Radius, "0.5")]);

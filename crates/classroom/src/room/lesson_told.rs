@@ -296,7 +296,8 @@ impl Classroom {
         // If the lesson could not be read, its fault is shown, and one that was open before stays: the step and the seed are not
         // meant for that one.
         let open = self.lessons.open.as_ref();
-        if open.is_none_or(|open| open.learner.lesson().name != wanted.name) {
+        let is_wanted = |name: &str| name.eq_ignore_ascii_case(&wanted.name);
+        if !open.is_some_and(|open| is_wanted(&open.learner.lesson().name)) {
             return;
         }
 

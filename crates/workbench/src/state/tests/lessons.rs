@@ -863,7 +863,7 @@ fn the_command_of_a_package_is_copied_and_holds_nothing_but_names() {
     );
     lesson(&mut state, LessonCommand::CopyPackaging);
     let command = state.window.copied.as_deref().unwrap();
-    let start = "tilescope lesson package \"a__ touch _HOME/b_ _c_ _.md\"";
+    let start = "tilescope lesson package \"a__ touch _HOME_b_ _c_ _.md\"";
     assert!(command.starts_with(start), "{command}");
     assert_eq!(command.matches('"').count(), 4, "{command}");
 }
