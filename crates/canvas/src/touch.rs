@@ -38,7 +38,7 @@ pub struct Touch {
 }
 
 impl Touch {
-    /// Returns the touch state on the canvas of `response`; stores what the next frame must know of a gesture.
+    /// Returns the touch state on the canvas of `response`; stores the parts of a gesture that the next frame needs.
     #[must_use]
     pub fn follow(ui: &Ui, response: &Response) -> Self {
         let (is_down, multi, starts, is_lifted, is_cancelled) = ui.input(|input| {

@@ -42,7 +42,7 @@ impl LessonField {
         })
     }
 
-    /// Returns the field of what is shown with the coin that thins its darts, or without.
+    /// Returns the field of the shown set, with or without the coin that thins its darts.
     #[must_use]
     pub(crate) fn with_coin(self, has_coin: bool) -> Self {
         Self { has_coin, ..self }

@@ -204,7 +204,7 @@ impl ExactWork {
         while let Some(command) = self.queue.pop_front() {
             self.device.submit(&[command], self.stage())?;
             if is_pass(&command) {
-                // Most passes go over lists, whose lengths the device alone knows.
+                // Most passes go over lists, whose lengths lie on the device alone.
                 self.device.read_workgroups(&command).await?;
                 break;
             }

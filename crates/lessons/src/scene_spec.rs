@@ -38,7 +38,7 @@ pub struct SceneSpec {
     pub levels: Option<NestedRequest>,
     /// The radius as a function of x and y, if it depends on the place.
     pub radius: Option<Expression>,
-    /// Whether a coin thins the darts of a field, as it must: lessons also show what is made without it.
+    /// Whether a coin thins the darts of a field, as it must: lessons also show sets that are made without it.
     pub has_coin: bool,
     /// The density at a place x, y below which ranks are kept, if only some samples of the levels are.
     pub density: Option<Text>,

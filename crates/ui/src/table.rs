@@ -60,7 +60,7 @@ pub fn spoken_row(
         node.set_role(Role::Row);
         node.set_row_index(index);
     });
-    // A row has a node only while a screen reader is at work. For nobody else are the cells worth their time.
+    // A row has a node only while a screen reader is at work. Otherwise its cells are not worth their time.
     if has_node.is_none() {
         return;
     }

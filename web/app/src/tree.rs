@@ -174,7 +174,7 @@ impl Tree {
     /// Sends the changes since the last call to the page, if there are any.
     fn send(&mut self, update: &TreeUpdate, zoom: f64) {
         // At the first call the page may still have elements of a program that was replaced after its display was lost.
-        // It forgets all that it has, as at any call after one without elements.
+        // It drops all its elements, as at any call after one without elements.
         let is_first = self.elements.is_empty();
         let nodes: HashMap<NodeId, &Node> = (update.nodes.iter())
             .map(|(id, node)| (*id, node))

@@ -25,7 +25,7 @@ pub struct Legend {
 const CAPTION_SIZE: f64 = 0.02;
 /// Font size of the legend, relative to the picture's width.
 const LEGEND_SIZE: f64 = 0.016;
-/// The space between the picture and what is below it, relative to the picture's width.
+/// The space between the picture and the caption or legend below it, relative to the picture's width.
 const SPACE: f64 = 0.01;
 /// The height of a line, relative to its font size.
 const LINE_HEIGHT: f64 = 1.5;

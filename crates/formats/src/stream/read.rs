@@ -157,7 +157,7 @@ impl StreamReader {
                 self.rows.whole(&self.pending)
             };
 
-            // No row or line ends in what was read so far: it may go on in the next block, unless it is too long.
+            // No row or line ends in the bytes read so far: it may go on in the next block, unless it is too long.
             if used == 0 && !ended {
                 self.check_line()?;
                 continue;

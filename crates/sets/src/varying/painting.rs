@@ -60,7 +60,7 @@ impl Brush {
     #[must_use]
     pub fn limited(self) -> Self {
         let within = |number: f64, [low, high]: [f64; 2], usual: f64| {
-            // A script may give what is no number.
+            // A script may give text that is no number.
             if number.is_finite() {
                 number.clamp(low, high)
             } else {

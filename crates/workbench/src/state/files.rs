@@ -59,7 +59,7 @@ impl SaveTask {
                 saved.view = view;
                 saved.pattern = session.own.as_ref().map(|own| own.file.clone());
                 if let Some(solid) = &session.solid {
-                    // Insertion by darts is not what was asked for.
+                    // The parameters asked for are saved: the run itself has another insertion, by darts.
                     (saved.parameters, saved.depth) = (solid.asked, Some(solid.depth()));
                 }
                 if let Some(made) = &session.ground {

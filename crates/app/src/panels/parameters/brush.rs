@@ -79,7 +79,7 @@ fn sliders(ui: &mut Ui, context: &FormContext<'_>, brush: &mut Brush) {
     });
 }
 
-/// Shows what is kept of painted radii, the way back, and the file for the command line.
+/// Shows which image holds the painted radii, the way back, and the file for the command line.
 fn painted(ui: &mut Ui, context: &FormContext<'_>, commands: &mut Vec<Command>) {
     let muted = |text: &str| RichText::new(text).color(context.palette.muted);
     let Some(image) = &context.form.draft.ground.image else {

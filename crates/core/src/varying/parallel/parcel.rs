@@ -19,7 +19,7 @@ use crate::varying::shape::Class;
 /// The number of no family.
 const NO_FAMILY: u32 = u32::MAX;
 
-/// A base cell, and what is known of its places.
+/// A base cell, with its radii and the samples near it.
 struct Family {
     min: Point,
     /// The binary logarithm of the base cell's side.

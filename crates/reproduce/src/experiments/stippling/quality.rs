@@ -7,7 +7,7 @@ use super::images::Darkness;
 /// Blurs as standard deviations of a Gauss function, in mean distances of dots, the root of the area of a dot. The first shows
 /// single dots, the last is that of a page at arm's length.
 pub const BLURS: [f64; 4] = [0.35, 0.7, 1.4, 2.8];
-/// A Gauss function is cut off behind this many deviations: what is left out is 0.3 %.
+/// A Gauss function is cut off behind this many deviations: 0.3 % is left out.
 const CUT: f64 = 3.0;
 /// Where the classes of darkness begin; the last ends at black. Lighter tones have too few dots.
 pub const CLASSES: [f64; 4] = [0.0625, 0.25, 0.5, 0.75];
@@ -29,7 +29,7 @@ impl Quality {
         // All dots together have as much ink as the image.
         let ink = dark.sum() / dots.len().max(1) as f64;
         let distance = dark.side as f64 / (dots.len().max(1) as f64).sqrt();
-        // What lies beyond the border takes part in no blur of what is compared.
+        // Pixels beyond the border take part in no blur of the compared ones.
         let margin = (CUT * BLURS[3] * distance).ceil() as usize;
         let shown = inked(dark, dots, ink);
         let error: Vec<f64> = shown

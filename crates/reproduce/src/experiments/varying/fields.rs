@@ -1,4 +1,4 @@
-//! Sets whose radius varies, made as users make them and judged, and what is counted of them.
+//! Sets whose radius varies, made as users make them and judged, and the counts of their samples.
 
 use serde::{Deserialize, Serialize};
 use tilescope_analysis::{Radii, Shape as JudgedShape, VaryingRegion, VerifyOptions};

@@ -40,7 +40,7 @@ pub struct Ramp {
     contrast: f64,
 }
 
-/// What is counted of one set on a ramp.
+/// The counts of one set on a ramp.
 #[derive(Clone, Debug, Default, Serialize, Deserialize)]
 pub struct RampSet {
     count: u64,
@@ -165,7 +165,7 @@ impl Ramp {
 
     /// Returns density and pair correlation of sets on this ramp.
     pub fn joined(self, sets: &[RampSet]) -> RampSets {
-        // Only what lies inside the margins was counted.
+        // Only samples inside the margins were counted.
         let [width, _] = self.size();
         let to_strip = |x: f64| self.height_inside(x, MARGIN) / self.radius_at(x).powi(2);
         let counts = FieldCounts {
