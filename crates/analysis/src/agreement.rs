@@ -9,10 +9,10 @@ use crate::report::Report;
 /// the default tolerance of maximality, 2^-15.
 const SAME_LENGTH: f64 = 1e-9;
 
-/// Returns the first report, naming both judges, if the second has the same result; otherwise an error.
+/// Returns one report that names both judges, if their results are the same; otherwise an error.
 ///
-/// Covering radii may differ by rounding. Where one of them is within rounding of the limit, the judges may differ on
-/// maximality, and the second decides: it compares exactly.
+/// Covering radii may differ by rounding. Where they are within rounding of the limit, the judges may differ on
+/// maximality. Then the second report is returned, whose judge compares exactly; in all other cases the first.
 pub(crate) fn agreed(first: Report, second: Report) -> Result<Report, VerifyError> {
     let limit = covering_limit(first.covering_tolerance, first.radius);
     let same_length = |a: f64, b: f64| (a - b).abs() <= SAME_LENGTH * a.max(b);
@@ -39,8 +39,7 @@ pub(crate) fn agreed(first: Report, second: Report) -> Result<Report, VerifyErro
     }
 
     let judges = vec![Judge::Delaunay, Judge::Circles];
-    // If the judges differ on maximality here, the covering radius is within rounding of the limit: the second judge decides,
-    // as it compares exactly.
+    // If the judges differ here, the covering radius is within rounding of the limit.
     Ok(if first.maximal() == second.maximal() {
         Report { judges, ..first }
     } else {

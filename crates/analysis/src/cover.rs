@@ -204,8 +204,8 @@ fn inspect(
 
         // The tile's samples are counted once it is done: the caller may only cancel here.
         monitor.advance(0)?;
-        // The reach is infinite while no sample is in the window of a side: then the halo grows by a factor of 16
-        // (chosen, not measured).
+        // The halo grows 16-fold at most (chosen, not measured), since the reach is infinite while no sample is in the
+        // window of a side.
         halo = survey.side_reach.min(16.0 * halo);
     }
 }

@@ -369,8 +369,8 @@ impl OpenLesson {
         }
     }
 
-    /// Returns the run that is shown: that of the moment, which has only some of the samples where a density is painted; before the moment
-    /// is there, the whole run.
+    /// Returns the run that is shown: that of the moment, which has only some of the samples where a density is painted;
+    /// before the moment is there, the whole run.
     #[must_use]
     pub fn shown_run(&self) -> Option<&Arc<Recording>> {
         let scene = self.learner.scene();
@@ -470,7 +470,7 @@ impl OpenLesson {
     }
 
     /// Returns the rectangles that remain of the blocks without a strip along their edges, each by two corners, and the width of
-    /// the strip in r; `None` while the question is open, and for questions without a strip.
+    /// the strip in r; `None` while the question is open or the run is not made, and for questions without a strip.
     #[must_use]
     pub fn strips(&self) -> Option<(Vec<MarkedBox>, f64)> {
         let asked = self.learner.question();

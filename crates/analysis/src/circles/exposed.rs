@@ -68,7 +68,7 @@ pub fn exposed_arcs(
     Ok(arcs)
 }
 
-/// Returns the samples whose circles the table does not prove covered, by index.
+/// Returns the samples whose circles the table of covered directions does not prove covered, by index.
 pub(crate) fn unproven_circles(
     points: &[[f64; 2]],
     region: Region,
@@ -78,9 +78,11 @@ pub(crate) fn unproven_circles(
     of_open_circles(points, region, radius, &go_on, |_, _, _, id| id as u32)
 }
 
-/// Calls `look` for each sample whose circle the table does not prove covered, with its index in the tile (the samples
-/// of a rectangle of cells and of the cells around it, which are scanned together) and its index in the set. Returns
-/// what `look` returned, tile by tile.
+/// Calls `look` for each sample whose circle may be open. A scan sorts out the others: a table has the directions that a
+/// disk covers for each offset of its sample, and those of all near samples together prove a circle covered.
+///
+/// `look` gets the sample's index in the tile (the samples of a rectangle of cells and of the cells around it, which
+/// are scanned together) and its index in the set. Its results are returned tile by tile.
 fn of_open_circles<T: Send>(
     points: &[[f64; 2]],
     region: Region,

@@ -267,8 +267,8 @@ impl<'a> Search<'a> {
         tile.around(index, self.samples.cells.reach, |_, offset| {
             let offset = offset * per_rho;
             arcs.push(Arc::of_disk(offset));
-            // Disks two radii apart or more do not meet. They are dropped without a branch, which would be mispredicted
-            // for a third of the samples.
+            // The disks of samples two radii apart or more do not meet. Their arcs are dropped without a branch, which would
+            // be mispredicted for a third of the samples.
             let is_near = offset.length_squared() < 4.0;
             arcs.truncate(arcs.len() - usize::from(!is_near));
         });
@@ -310,8 +310,8 @@ impl<'a> Search<'a> {
         })
     }
 
-    /// Cuts out the cells of exposed samples, each by the samples in `around` rows of cells above and below it. Returns the
-    /// samples whose cells reach farther than that.
+    /// Cuts out the Voronoi cells of exposed samples, each by the samples within `around` rows of the grid and twice as many
+    /// columns. Returns the samples whose Voronoi cells reach farther than that.
     fn holes_within(
         &self,
         found: &mut Found,
@@ -319,8 +319,8 @@ impl<'a> Search<'a> {
         around: usize,
     ) -> Result<Vec<Sample>, Declined> {
         let cells = &self.samples.cells;
-        // Cells are twice as high as wide, so that twice as many columns reach as far. A radius above the period needs
-        // a wider reach, which may exceed a narrow halo.
+        // Cells of the grid are twice as high as wide, so that twice as many columns reach as far. A radius above the
+        // period needs a wider reach, which may exceed a narrow halo.
         let halo = [cells.reach[0].max(2 * around), cells.reach[1].max(around)];
 
         // Samples in one row, in the same block of `around` columns, share a tile.
@@ -368,7 +368,7 @@ impl<'a> Search<'a> {
         let (mut gaps, mut rest) = (Gaps::default(), Vec::new());
         for index in tile.own().flatten() {
             let sample = self.samples.at(tile.source[index] as usize);
-            // Not all samples in the tile's own cells are exposed. `holes_within` sorted these by id.
+            // Not all samples in the tile's own cells are exposed. `holes_within` sorted the exposed ones by id.
             if exposed
                 .binary_search_by_key(&sample.id, |sample| sample.id)
                 .is_err()

@@ -109,8 +109,8 @@ impl Survey {
                 };
                 let corner = DVec2::from(circle.center);
                 self.claim(task, circle, || {
-                    // Rounding decides which of two samples seems nearest: all that may be are compared exactly, and a sample
-                    // at more than twice the distance is not.
+                    // The distance to the nearest sample exceeds the limit if those to all samples do. By rounding another
+                    // one may be the nearest, but none at more than twice the distance.
                     let mut near = (sites.iter())
                         .filter(|site| site.distance(at) <= 2.0 * distance)
                         .map(|site| side.site(*site, level));

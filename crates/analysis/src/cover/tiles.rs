@@ -72,8 +72,8 @@ impl Tile {
 }
 
 /// Splits `rows` of the region until each tile has at most `tile_samples`, or one of its cells has more than that and
-/// more than half of the tile's samples: to split such a tile would only make more tiles around the cell that see all
-/// of them.
+/// more than half of the tile's samples: to split such a tile would only make more tiles around that cell, each of which
+/// sees all samples of the cell.
 pub(crate) fn split(grid: &Grid, rows: Range<usize>, tile_samples: usize) -> Vec<Tile> {
     let mut open = vec![Tile::new(grid, 0..grid.cells[0], rows)];
     let mut done = Vec::new();

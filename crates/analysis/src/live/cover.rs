@@ -442,7 +442,7 @@ impl LiveCover {
         (steps, found)
     }
 
-    /// Clips a cell, if it is kept, by a new neighbour. Returns the counted steps: its vertices.
+    /// Clips a cell, if it is kept, by a new neighbour. Returns the counted steps: the number of its vertices.
     fn clip_kept(&mut self, slot: u32, offset: [i64; 2], neighbour: u32) -> u64 {
         let taken = &mut self.taken[slot as usize];
         // A new sample may be found around itself, and its own cell is complete.
@@ -584,7 +584,7 @@ impl LiveCover {
         })
     }
 
-    /// Returns all open places, in radii, the largest first: those that [`verify`](crate::verify) lists.
+    /// Returns all open places, in radii, the largest first, as [`verify`](crate::verify) finds them.
     #[must_use]
     pub fn gaps(&self) -> Vec<Gap> {
         let mut gaps = Vec::new();
@@ -644,7 +644,7 @@ impl LiveCover {
 
 impl Renew for LiveCover {
     /// The number of slices that are done: one for each sample that is put in, then one for each slot whose circle is
-    /// tested.
+    /// tested, and one for the threshold.
     type Work = usize;
 
     const BEGINNING: u64 = 1;
@@ -661,6 +661,7 @@ impl Renew for LiveCover {
         *work += 1;
         if let Some(&(_, place)) = samples.get(index) {
             self.put(place);
+            // As many steps as `rebuild` counts for a sample; what putting it in takes was not measured alone.
             return Some(STEPS_OF_TEST);
         }
 

@@ -153,7 +153,7 @@ fn beta_part(a: f64, b: f64, x: f64) -> f64 {
     let ln_beta = ln_gamma(a) + ln_gamma(b) - ln_gamma(a + b);
     let scale = (a * x.ln() + b * (1.0 - x).ln() - ln_beta).exp() / a;
 
-    // The numerators have one form for even and one for odd steps, `m` counting each.
+    // The numerators have one form for even and one for odd steps. Of both, `m` is half of the step, rounded down.
     let step = |k: f64| {
         let m = (k / 2.0).floor();
         let numerator = if k % 2.0 == 0.0 {

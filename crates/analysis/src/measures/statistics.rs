@@ -102,7 +102,7 @@ impl Average {
     pub fn join(&mut self, other: &Self) -> Result<(), MeasureError> {
         check_length("an average of curves", other.means.len(), self.means.len())?;
         let [ours, theirs] = [self.sets, other.sets].map(|sets| sets as f64);
-        // No curves change nothing. With none in this average either, the division below would be one by zero.
+        // An average of no curves changes nothing. If this one has none either, the division below would be by zero.
         if other.sets == 0 {
             return Ok(());
         }
@@ -187,7 +187,7 @@ pub fn power_band(values: f64, level: f64) -> Result<[f64; 2], MeasureError> {
 pub struct MeanPeriodogram {
     /// The first set's; without its powers once they are part of the average.
     first: Option<Periodogram>,
-    /// From the second set on: the powers of one alone are its mean, and those of a million samples take 200 MB.
+    /// `None` before the second set: until then the mean is the first set's powers, which take 200 MB for a million samples.
     powers: Option<Average>,
     samples: f64,
 }

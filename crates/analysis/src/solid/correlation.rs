@@ -38,7 +38,7 @@ impl SolidCorrelation {
     ///
     /// # Errors
     ///
-    /// [`SolidError::Measure`] for fewer than two samples, a distance beyond half the shortest side or below a
+    /// [`SolidError::Measure`] for a single sample, a distance beyond half the shortest side or below a
     /// millionth of that, and no bins or more than 65,536; points and regions that cannot be judged are refused as by
     /// [`verify_solid`](crate::verify_solid).
     pub fn of(
@@ -64,17 +64,18 @@ impl SolidCorrelation {
 
         let (samples, volume) = (count as f64, region.volume());
         let bin_width = most / bins as f64;
-        // Noise has N (N - 1) / 2 pairs, spread evenly over all offsets.
+        // Noise has N (N - 1) / 2 pairs. One factor of the volume spreads them evenly over all offsets; the other is the weight
+        // by which each pair counts.
         let density = 0.5 * samples * (samples - 1.0) / (volume * volume);
-        let between = |bin: usize| {
+        let shell = |bin: usize| {
             let [inner, outer] = [bin, bin + 1].map(|end| (end as f64 * bin_width).powi(3));
             4.0 / 3.0 * PI * (outer - inner)
         };
-        let of_noise = |(bin, weight): (usize, &f64)| weight / (density * between(bin));
+        let over_noise = |(bin, weight): (usize, &f64)| weight / (density * shell(bin));
         Ok(Self {
             samples: count,
             bin_width,
-            g: found.weights.iter().enumerate().map(of_noise).collect(),
+            g: found.weights.iter().enumerate().map(over_noise).collect(),
             counts: found.counts,
         })
     }

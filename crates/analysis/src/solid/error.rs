@@ -159,7 +159,8 @@ fn check_region(region: SolidRegion) -> Result<(), SolidError> {
     Err(SolidError::BadRegion { size })
 }
 
-/// Returns the error of the first point that cannot be judged or measured in a region, if there is one.
+/// Returns why points cannot be judged or measured in a region, if there is a reason: the region's, that of their number,
+/// or that of the first point that is at fault.
 pub(super) fn check_points(points: &[[f64; 3]], region: SolidRegion) -> Result<(), SolidError> {
     check_region(region)?;
     // Samples are numbered in 32 bits, of which the judges keep the largest number for no sample. The limit itself

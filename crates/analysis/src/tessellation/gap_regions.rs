@@ -247,8 +247,7 @@ impl<'a> Runs<'a> {
 
     /// Returns the runs that make one gap with the first one, each with the periods by which it is moved.
     fn connected(&self, first: usize, seen: &mut [bool]) -> Vec<(usize, IVec2)> {
-        // Runs are added behind those that are gone through: in the end all that can be reached from the first are
-        // there.
+        // Each run found is added at the end and looked at in its turn, until no other can be reached.
         let mut members = vec![(first, IVec2::ZERO)];
         seen[first] = true;
         let mut next = 0;

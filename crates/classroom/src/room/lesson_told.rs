@@ -40,7 +40,7 @@ impl Lessons {
                 .collect()
         };
 
-        // In which language the author of a file wrote is not stated there: it counts as the window's.
+        // A file or a text does not name its own language: the window's is taken for it.
         let language_of_text = match open.source {
             LessonSource::Shipped => text_language(&self.language),
             LessonSource::File(_) | LessonSource::Text => self.language.as_str(),
