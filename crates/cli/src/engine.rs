@@ -106,7 +106,8 @@ impl EngineArguments {
     /// Returns the engine for a set of about `expected` samples. Opens a GPU only if the arguments ask for one or the set is
     /// large.
     ///
-    /// Fails if the arguments ask for a GPU and none can be used.
+    /// Fails if the arguments ask for a GPU and none can be used or the variant runs on none, and if an option of GPUs
+    /// stands beside an engine on the CPU.
     pub fn choose(&self, variant: Variant, expected: f64) -> Result<Backend> {
         let engine = match self.engine {
             // An adapter that is named asks for a GPU, too.

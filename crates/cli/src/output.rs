@@ -75,13 +75,13 @@ pub struct Judged {
 /// What it took to make a set.
 #[derive(Default)]
 pub struct Work {
-    /// The engine that computed it, if several can.
+    /// The engine that computed it, if one was chosen.
     pub backend: Option<Backend>,
     pub seconds: Vec<(Stage, f64)>,
 }
 
 impl Work {
-    /// Returns the work of the one engine that can make a set of its kind.
+    /// Returns work on the CPU for which no engine was chosen.
     pub fn on_cpu(watch: &mut Stopwatch) -> Self {
         Self {
             backend: None,
@@ -178,7 +178,7 @@ impl Outcome {
         let radius = varying.unwrap_or_else(|| Number(facts.radius).to_string());
 
         let mut out = format!("{} on {region}, r = {radius}\n", facts.method);
-        // Only of KDRT there are several engines, and a reason why this one was taken.
+        // Where an engine was chosen, as for KDRT, its name and the reason for the choice.
         if let Some(Backend { engine, reason, .. }) = &self.work.backend {
             let _ = writeln!(out, "engine         {}: {reason}", engine.name());
         }

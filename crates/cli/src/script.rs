@@ -52,8 +52,8 @@ written, or this is no script."#;
 
 /// Carries out the commands of a file, and prints why commands were refused.
 pub fn run(arguments: &ScriptArguments, carry_out: CarryOut) -> Result<u8> {
-    let is_input = arguments.file.as_os_str() == "-";
-    let file = if is_input {
+    let is_standard_input = arguments.file.as_os_str() == "-";
+    let file = if is_standard_input {
         Path::new("standard input")
     } else {
         &arguments.file

@@ -121,8 +121,8 @@ pub const fn threefry2x32_20(key: [u32; 2], counter: [u32; 2]) -> [u32; 2] {
     four_rounds(x, EVEN, keys, 5)
 }
 
-/// Returns the words after four rounds. After them the key is injected again, turned and numbered, so that rounds
-/// differ.
+/// Returns the words after four rounds and the injection of the key that follows them. Each injection turns the key and adds
+/// its number, so that rounds differ.
 #[expect(
     clippy::inline_always,
     reason = "rotations are constants only where it is inlined"

@@ -20,6 +20,8 @@
 //! for one sees blocks of empty cells at once ([`super::place_grid`]), so its steps grow with the logarithm of the plane's size
 //! and the samples on the rim that are as near.
 //!
+//! Steps are counted as in [`super::place_grid`], and one for each vertex that a clipped cell has then.
+//!
 //! # Why nothing is counted twice
 //!
 //! See [`super::cell::CellVertices`]. Two different places less than 2^-30 r apart are two here, but one to the judges.

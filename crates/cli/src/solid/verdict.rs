@@ -42,9 +42,8 @@ pub fn json(verdict: &SolidVerdict) -> Value {
 
 /// Returns the verdict in a few lines.
 pub fn text(verdict: &SolidVerdict) -> String {
-    // Lengths are in radii, as in the verdict on planar sets. `compared` returns the texts of a length and of its
-    // limit, with as many decimals as show which is larger, and at least so many as are given: 9, and 6 for single
-    // witnesses.
+    // Lengths are in radii, with as many decimals as in the verdict on planar sets: 9, and 6 for single witnesses, or
+    // more where that shows whether a length or its limit is larger.
     let report = &verdict.report;
     let r = report.radius;
     let (closest, _) = compared(report.min_distance / r, 1.0, 9);

@@ -60,7 +60,7 @@ impl Candidates<'_> {
         // By so much rounding can change squared distances: 9.7 R at most (`stages/detect.rs`), and 12 R are allowed.
         let slack = 12 * i64::from(radius.units);
         // A sample within R covers the place, however near those that made it are. But rounding moved the place by up
-        // to 0.71 units: two units farther out, its true circumcentre may still be bare.
+        // to 0.71 units: if a sample covers it by less than two units, its true circumcentre may still be bare.
         let units = i64::from(radius.units);
         let limit = (nearest_square - slack).max((units - 2).pow(2) + 1);
         let squares = self.sites.iter().map(square);

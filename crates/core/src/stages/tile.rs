@@ -23,7 +23,8 @@ pub struct Tile {
     pub samples: std::ops::Range<u32>,
 }
 
-/// Appends every block's clip to `samples`, block by block and row by row, and returns the tiles.
+/// Appends every block's clip to `samples`, block by block and row by row, and returns the tiles. With `dihedral` each clip is
+/// taken from one of the eight rotations and mirror images of the pattern.
 ///
 /// In a periodic domain positions wrap; in a bounded one samples outside are [`Fate::Dropped`].
 /// With each block enlarged by r the union of the tiles is maximal (paper, Theorem 3.1): a

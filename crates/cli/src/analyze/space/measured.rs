@@ -79,7 +79,8 @@ impl Request<'_> {
         // A hair less than half the side, since rounding may lift a whole number of bins above it.
         let reach = (REACH * radius).min(0.499 * shortest);
         let bins = first.map_or((reach / bin) as usize, |first| first.correlation.g.len());
-        // The radius may be so long for its box that no bin fits.
+        // The radius may be so long for its box that no bin fits. The error then names the distance of one bin, which is
+        // too long.
         let bins = bins.max(1);
 
         let spectrum = watched("spectrum", |control| {
@@ -248,7 +249,7 @@ impl Measured {
         let middle = |bin: usize| (bin as f64 + 0.5) * self.correlation.bin_width / radius;
         [
             shells().map(|shell| [shell.nu, shell.power]).collect(),
-            // One frequency has no anisotropy.
+            // A shell of one frequency has no anisotropy.
             shells()
                 .filter(|shell| shell.anisotropy_db.is_finite())
                 .map(|shell| [shell.nu, shell.anisotropy_db])

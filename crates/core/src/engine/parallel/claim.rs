@@ -2,6 +2,9 @@
 //! claim their disks in the order of elimination, one by one (`claim_one`): a sample is eliminated if a survivor before
 //! it covers it (`Region::covered`). See `stages::eliminate` for the definition; here it is arranged so that almost
 //! nothing must be sorted.
+//!
+//! A block is filled with a *clip*, the part of the pattern in the block enlarged by r; the enlargement is its *margin*. The
+//! region works on a rectangle of cells, its *frame*. A *tag* names the origin of a sample.
 
 use fearless_simd::Simd;
 use glam::IVec2;

@@ -2,9 +2,10 @@
 //! cells are those of the domain, with the same keys. Which covered cells are visited does not matter, since no dart in
 //! them becomes a sample.
 //!
-//! Cells of the frame, of side R, have flags, as in [`super::gaps`]. Samples that depend on the plane beyond the frame
-//! are *unknown*. A cell is *unsure* if it may hold an unknown sample, *reached* if one may fill its open places, and
-//! *hot* if one may yet be inserted in it or beside it. *Lost* samples were tiled and are not among the survivors.
+//! Cells of the frame, of side R, have flags, as in [`super::gaps`], and 8 x 8 *pixels*. Samples that depend on the plane
+//! beyond the frame are *unknown*. A cell is *unsure* if it may hold an unknown sample, *reached* if one may fill its open
+//! places, and *hot* if one may yet be inserted in it or beside it. *Lost* samples were tiled and are not among the
+//! survivors.
 
 use fearless_simd::Simd;
 
@@ -222,7 +223,7 @@ impl<const TAGS: bool> Region<TAGS> {
                 continue;
             }
 
-            // An unknown sample, beside it or in its own cell, may come first and cover it.
+            // An unknown sample, beside it or in its own cell, may come first and cover it: then this one is unknown, too.
             if self.flags[cell] & flag::HOT != 0 {
                 self.make_hot(cell);
                 continue;

@@ -1,6 +1,6 @@
 //! Candidates: applies the definition of `stages::detect` to a place, and inserts candidates in order.
 //!
-//! Places and sites are offsets from the lowest point of the cell under search. *Lost* samples were tiled and are not among
+//! A cell is searched by its 8 x 8 *pixels*. Places and sites are offsets from the lowest point of the cell. *Lost* samples were tiled and are not among
 //! the survivors. *Unknown* ones depend on the plane beyond the frame. A cell is *unsure* if it may hold an unknown sample, and
 //! *hot* if one may yet be inserted in it or beside it.
 
@@ -44,8 +44,8 @@ pub(super) struct MadePlace<'a> {
 }
 
 impl<const TAGS: bool> Region<TAGS> {
-    /// Adds a place, which the samples `sites` make, to the candidates if it satisfies the definition. Where that
-    /// depends on the plane beyond the frame, adds the cell to `unsure`.
+    /// Adds a place, which the samples `sites` make, to the candidates if it lies in the pixel and satisfies the
+    /// definition. Where that depends on the plane beyond the frame, adds the cell to `unsure`.
     pub(super) fn try_place<S: Simd>(
         &self,
         simd: S,
@@ -240,12 +240,12 @@ impl<const TAGS: bool> Region<TAGS> {
 
         for k in 0..gaps.candidates.len() {
             let RankedCandidate { x, y, .. } = gaps.candidates[k];
-            // A sample inserted just before may cover it, as candidates are uncovered when they are found.
+            // Every candidate was uncovered when it was found, but a sample inserted before this one may cover it.
             if self.covered(simd, x, y) {
                 continue;
             }
             let cell = self.frame.cell_at(x, y);
-            // An unknown sample, beside it or in its own cell, may come first and cover it.
+            // An unknown sample, beside it or in its own cell, may come first and cover it: then this one is unknown, too.
             if self.flags[cell] & flag::HOT != 0 {
                 self.make_hot(cell);
                 continue;
