@@ -88,7 +88,7 @@ pub(crate) fn clip_polygon(points: &[DVec2], Rect { min, max }: Rect) -> Vec<DVe
     ] {
         // How far inside of this side a place lies; below 0 outside.
         let depth = |p: DVec2| sign * (p[axis] - level);
-        let mut cut = Vec::with_capacity(kept.len() + 4);
+        let mut cut = Vec::with_capacity(kept.len() + 1);
         for [a, b] in edges(&kept) {
             let (u, v) = (depth(a), depth(b));
             if u >= 0.0 {

@@ -27,7 +27,8 @@ const MAX_LINKS: usize = 40;
 ///
 /// # Errors
 ///
-/// [`FormatError::NotAFile`] for the name of anything but a file, [`FormatError::Io`] for one that cannot be looked up.
+/// [`FormatError::NotAFile`] for the name of anything but a file, [`FormatError::Io`] for one that cannot be looked up or that
+/// leads on by more than 40 links.
 pub fn destination(path: &Path) -> Result<PathBuf, FormatError> {
     let mut file = path.to_owned();
     for _ in 0..MAX_LINKS {
@@ -66,8 +67,9 @@ pub fn certificate_beside(path: &Path) -> PathBuf {
     at_target.ok().filter(|path| path.exists()).unwrap_or(named)
 }
 
-/// Makes a file of this program's own: what an ended process left under its name is removed, and a link that somebody
-/// has put there since is not followed. It gets the mode of the file `like`, which it will replace, if there is one.
+/// Makes a file of this program's own. A file that an ended process left at `path` is removed, and a link that somebody
+/// has put there since is not followed. The new file gets the mode of the file `like`, which it will replace, if there is
+/// one.
 pub(crate) fn create_own(path: &Path, like: &Path) -> io::Result<File> {
     // If this fails, opening the file fails, too, with an error that says why.
     let _ = fs::remove_file(path);

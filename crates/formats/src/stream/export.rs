@@ -248,7 +248,8 @@ impl StreamExport {
         Ok((export, checkpoint.token))
     }
 
-    /// Reads the rows before the checkpoint again, for the digests.
+    /// Reads the rows before the checkpoint again, for the digests, and cuts off the bytes after them. Fails if they are not the
+    /// rows of the checkpoint.
     fn take_over(&mut self, checkpoint: &Checkpoint) -> Result<(), ExportError> {
         // A checkpoint before the first point does not say whether there is provenance: there is no head either.
         let head = match checkpoint.provenance {

@@ -1,8 +1,8 @@
 //! Candidates: applies the definition of `stages::detect` to a place, and inserts candidates in order.
 //!
-//! A cell is searched by its 8 x 8 *pixels*. Places and sites are offsets from the lowest point of the cell. *Lost* samples were tiled and are not among
-//! the survivors. *Unknown* ones depend on the plane beyond the frame. A cell is *unsure* if it may hold an unknown sample, and
-//! *hot* if one may yet be inserted in it or beside it.
+//! A cell is searched by its 8 x 8 *pixels*. Places and sites are offsets from the lowest point of the cell. *Lost* samples
+//! were tiled and are not among the survivors. *Unknown* ones depend on the plane beyond the frame. A cell is *unsure* if it
+//! may hold an unknown sample, and *hot* if one may yet be inserted in it or beside it.
 
 use fearless_simd::Simd;
 use glam::{I64Vec2, IVec2};
