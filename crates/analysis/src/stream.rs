@@ -331,8 +331,8 @@ struct Intake {
 impl Intake {
     /// Checks samples and counts them.
     fn check_all(&mut self, points: &[[f64; 2]], search: &StreamSearch) -> Result<(), VerifyError> {
-        // Most pieces are lower than the lag that a stream may have: then no sample is late, whatever their order, and they
-        // are checked as a whole. A NaN leaves `low` and `high` as they are; `all_are_in` finds it.
+        // The ordinates of most pieces differ by less than a sample may lag: then none is late, whatever their order, and the
+        // piece is checked as a whole. A NaN leaves `low` and `high` as they are; `all_are_in` finds it.
         let (mut low, mut high) = (f64::INFINITY, self.highest);
         for point in points {
             let y = search.domain.scale_point(*point).y;

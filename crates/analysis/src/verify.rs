@@ -61,7 +61,7 @@ impl Default for VerifyOptions {
 /// # Errors
 ///
 /// See [`VerifyError`]: input that cannot be judged is refused with its first offence. A set that can
-/// be judged always gives a report, however bad it is.
+/// be judged gives a report, however bad it is, unless `control` cancels or the judges disagree.
 pub fn verify(
     points: &[[f64; 2]],
     region: Region,

@@ -60,7 +60,7 @@ pub fn spoken_row(
         node.set_role(Role::Row);
         node.set_row_index(index);
     });
-    // A row has a node only while a screen reader is at work. Otherwise its cells are not worth their time.
+    // A row has a node only while a screen reader is at work. Otherwise nothing would read its cells.
     if has_node.is_none() {
         return;
     }
@@ -73,7 +73,7 @@ pub fn spoken_row(
     for (column, cell) in cells.into_iter().enumerate() {
         let id = Id::unique((row.id, "cell", column));
         let rect = Rect::from_x_y_ranges(cell.across, row.rect.y_range());
-        // A widget has a node in the tree, with its place on the screen; it only has to be there.
+        // Only a widget has a node in the tree, with its place on the screen: this one does nothing else.
         ui.interact(rect, id, Sense::hover());
         ui.ctx().accesskit_node_builder(id, |node| {
             node.set_role(cell.role);

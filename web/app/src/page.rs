@@ -709,7 +709,8 @@ fn preferred<'a>(languages: impl IntoIterator<Item = &'a String>) -> String {
     found.unwrap_or("en").to_owned()
 }
 
-/// Returns the address of the page for links: without its fragment, and without the parameters that links leave out.
+/// Returns the address of the page for links: without its fragment, and without the parameters that links leave out. `None` if
+/// the browser does not give it.
 fn address() -> Option<String> {
     let location = web_sys::window()?.location();
     let (origin, path) = (location.origin().ok()?, location.pathname().ok()?);

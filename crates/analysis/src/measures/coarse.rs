@@ -85,7 +85,7 @@ pub(crate) struct CoarseSums {
 }
 
 impl CoarseSums {
-    /// Returns the sums of no row, of the multiples of `step` up to `reach`, in at most `most` parts along an axis.
+    /// Returns sums without any row yet, for the multiples of `step` up to `reach`, in at most `most` parts along an axis.
     pub fn new(reach: [i64; 2], most: usize, step: i64) -> Self {
         let divisions = reach.map(|reach| division(reach, most, step));
         let parts = [0, 1].map(|axis| {

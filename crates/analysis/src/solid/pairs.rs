@@ -263,7 +263,7 @@ impl<'a> Bins<'a> {
     ) -> Result<PairsFound, SolidError> {
         let mut all = PairsFound::new(witnesses);
         for batch in self.binned.chunks(CHUNK * CHUNKS) {
-            // Decided for whole batches, so that the report is the same on all threads.
+            // Decided for whole batches, so that the report is the same on any number of threads.
             if !all.is_full() {
                 let of_chunk = |chunk: &[Binned]| self.of_chunk(chunk, radius, witnesses);
                 let found: Vec<PairsFound> = batch.par_chunks(CHUNK).map(of_chunk).collect();

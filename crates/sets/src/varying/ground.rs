@@ -26,7 +26,7 @@ const GLANCE_NODES: usize = 64;
 /// The largest radius is at most this many times the least.
 const MAX_CONTRAST: f64 = 64.0;
 
-/// A radius is made this much smaller when it stands for a lattice unit, so that a side of whole units is not rounded down to
+/// A radius is made smaller by this share of it when it stands for a lattice unit, so that a side of whole units is not rounded down to
 /// one less. It is less than a unit of the largest domain.
 const HAIR: f64 = 1.0 / (1_u64 << 38) as f64;
 
@@ -209,7 +209,9 @@ impl VaryingRecipe {
         Domain::from_size(frame.size, unit_radius, self.boundary)?;
         // Nodes beyond the border of a bounded domain stand for no area, which a rough number may ignore.
         let mean = radii.iter().map(|radius| radius.powi(-2)).sum::<f64>() / radii.len() as f64;
-        Ok(samples_in(frame.size[0] * frame.size[1] * mean, 1.0))
+        let squared_radii = frame.size[0] * frame.size[1] * mean;
+        // The area is in squared radii, so that the radius is 1.
+        Ok(samples_in(squared_radii, 1.0))
     }
 
     /// Returns about how many samples there are with these radii, if all of the domain is covered.
