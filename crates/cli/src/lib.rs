@@ -214,7 +214,7 @@ fn with_file_named(
     // clap adds `help` only when it parses, so that it is not among the commands yet.
     let is_command = command.find_subcommand(second).is_some() || text == "help";
 
-    // A command comes before a file of its name, which is reached as ./NAME.
+    // Options are no files. A command comes before a file of its name, which is reached as ./NAME.
     if text.starts_with('-') || is_command {
         return Ok(words);
     }

@@ -24,7 +24,7 @@ impl<T, E: Into<anyhow::Error>> InFile<T> for Result<T, E> {
     }
 }
 
-/// Refuses a point set that could not be written at its end. `option` names a format.
+/// Refuses a path to which a point set could not be written once it is made. `option` names a format.
 pub fn check_target(path: &Path, format: Option<Format>, option: &str) -> Result<()> {
     match Format::to_write(path, format) {
         Err(FormatError::UnknownFormat { .. }) => {
@@ -84,7 +84,7 @@ fn are_same(a: &Path, b: &Path) -> bool {
     }
 }
 
-/// Refuses a file that could not be made or replaced at its end.
+/// Refuses a file that could not be made or replaced once its content is there.
 pub fn check_file(path: &Path) -> Result<()> {
     let file = destination(path)?;
     let folder = file.parent().unwrap_or(Path::new(""));

@@ -225,10 +225,10 @@ impl InSpace {
 
     /// Returns the figure of the curves.
     pub fn figure(&self) -> Figure {
-        let series = |curve: usize| -> Vec<Series> {
+        let series = |number_of_curve: usize| -> Vec<Series> {
             let each = self.subjects.iter().enumerate();
             let lines = each.filter_map(|(index, subject)| {
-                let (_, curve) = &subject.curves[curve];
+                let (_, curve) = &subject.curves[number_of_curve];
                 curves::series(&subject.label, Look::Numbered(index), curve)
             });
             lines.collect()
@@ -238,7 +238,7 @@ impl InSpace {
         let power =
             spectra::radial_mean(FREQUENCY, curves::cut("power P(\u{3bd})", &powers), powers);
         // In a set without a preferred direction the powers of a shell have a deviation as large as their mean: 0 dB.
-        // This does not depend on how many powers there are.
+        // This does not depend on how many powers there are, and averages are means of such curves.
         let none = vec![Level {
             name: "no preferred direction".to_owned(),
             y: 0.0,
