@@ -1,8 +1,9 @@
 //! Point sets on disk: reading, validated export, re-verification.
 //!
-//! Files appear complete or not at all: temporary file in the same folder, sync, read back, rename. No temporary file
-//! is left behind, and an existing file is not touched before the new one is verified. `destination` does the renaming,
-//! for a file and its certificate together.
+//! Files appear complete or not at all: temporary file in the same folder, sync, rename. An export also reads the temporary
+//! file back and verifies it before an existing file is touched. No temporary file is left behind; where a process was
+//! killed, the next writer of the same name removes it. `destination` does the renaming, for a file and its certificate
+//! together.
 
 use std::fs::{self, File};
 use std::io::{self, BufWriter, Read, Write};
@@ -183,7 +184,7 @@ pub fn write_whole(path: &Path, bytes: &[u8]) -> Result<(), FormatError> {
 ///
 /// # Errors
 ///
-/// As [`write_whole`], and [`ExportError::ReadBack`].
+/// As [`write_whole`], a certificate that cannot be written, and [`ExportError::ReadBack`].
 pub fn write_certified(
     path: &Path,
     bytes: &[u8],

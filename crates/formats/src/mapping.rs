@@ -83,9 +83,10 @@ impl Mapping {
 
     /// The coordinates which a file stores for the domain position `point`.
     ///
-    /// f32 formats round to the nearest f32, and a sum with an origin is rounded, too, but never out of the region: on
-    /// a torus a coordinate lifted to the period becomes that of the lower side, the same place; in a bounded region it
-    /// is rounded down.
+    /// f32 formats round to the nearest f32, and a sum with an origin is rounded, too, but never beyond the upper side of
+    /// the region: on a torus a coordinate lifted to the period becomes that of the lower side, the same place; in a
+    /// bounded region it is rounded down. An origin that is no f32 may be rounded down itself, and a position at the lower
+    /// side with it.
     #[must_use]
     pub fn file_from_domain(&self, point: [f64; 2]) -> [f64; 2] {
         let point = DVec2::from(point);
@@ -291,6 +292,7 @@ mod tests {
                         Boundary::Bounded => (0.0..=width).contains(&at),
                     };
                     assert!(back.iter().all(is_inside), "{back:?} at {origin:?}");
+                    // That at the largest coordinate of the origins.
                     let spacing = 5.4e6_f64.next_up() - 5.4e6;
                     assert!(mapping.shift(edge, back) <= spacing);
                 }

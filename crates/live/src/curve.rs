@@ -1,5 +1,5 @@
 //! The run as a curve: numbers of the catalogue over its events. It is made in slices, so that a window can show how far it
-//! is and stop it.
+//! is and stop it. A slice ends after so many *counted steps*, units of work that are the same on every machine.
 
 use std::fmt::Write;
 use std::sync::Arc;
@@ -11,8 +11,8 @@ use crate::course::Course;
 use crate::moment::{LiveMoment, Wanted};
 use crate::numbers::{is_of_spectrum, wanted_for};
 
-/// The moments of a curve of the spectrum, if no number of them is stated: reading the rings of a quarter of a million
-/// frequencies takes as long as ten changes do, and a curve is drawn a thousand points wide.
+/// The moments of a curve of the spectrum, if no number of them is stated: reading a spectrum of a quarter of a million
+/// frequencies takes as long as ten changes of the samples do, and a curve is drawn a thousand points wide.
 pub const MOMENTS_OF_SPECTRUM: usize = 1_000;
 
 /// The most samples of a curve of the spectrum. Both the frequencies and the changes grow with the samples, so that the time
@@ -95,6 +95,7 @@ pub enum CurveError {
 pub struct CurveMaker {
     moment: LiveMoment,
     wanted: Wanted,
+    /// The moments of the curve, each by how many events have happened there.
     cursors: Vec<usize>,
     curve: Curve,
 }
@@ -199,7 +200,8 @@ impl CurveMaker {
     }
 }
 
-/// Returns the cursors of a curve: both ends, and those after changes. At most `most` are taken, which is two or more.
+/// Returns the cursors of a curve: both ends of the run, and those after its changes. If there are more than `most`, which
+/// is two or more, so many are taken.
 fn spread_cursors(course: &Course, most: usize) -> Vec<usize> {
     let after = course
         .changes()

@@ -34,7 +34,7 @@ fn name(number: &'static SetNumber) -> NumberName {
 }
 
 /// Returns the function that gives the value of a number at a cursor of a recording. Its last argument is the most
-/// steps that it may take.
+/// steps that it may take. Where the run has too many samples, it returns an error instead.
 fn follow(recording: &Recording) -> NumberAt {
     let samples = recording.run().samples.len();
     // These are all samples that the run ever has. How many there are at once is known only after its events are read below.
@@ -53,7 +53,7 @@ fn follow(recording: &Recording) -> NumberAt {
         };
 
         // A watch is evaluated in every frame of a run that plays. The cost of a spectrum depends on how many samples there are at
-        // once, which are fewer than the run ever has.
+        // once, which may be fewer than the run ever has.
         let most = moment.course().most_samples();
         if is_of_spectrum(found) && most > MAX_SAMPLES_OF_SPECTRUM {
             return Err(format!(

@@ -49,7 +49,8 @@ pub fn live_numbers() -> impl Iterator<Item = &'static SetNumber> {
     CATALOGUE.iter().filter(|number| is_live(number))
 }
 
-/// Returns the numbers with these keys.
+/// Returns the numbers with these keys. Fails without any key, and for one that is not known, that not every moment has, or
+/// that is there twice.
 pub fn numbers_named<K: AsRef<str>>(keys: &[K]) -> Result<Vec<&'static SetNumber>, NumberError> {
     let known = || {
         let keys: Vec<&str> = live_numbers().map(|number| number.key).collect();

@@ -305,7 +305,8 @@ fn check_beside_levels(has_count: bool, has_pattern: bool) -> PyResult<()> {
     Ok(())
 }
 
-/// Checks that one argument says how large the set is, and then all parameters, before anything is made.
+/// Checks that one argument says how large the set is, and then all parameters, before anything is made. For a number of
+/// samples the parameters get an estimate of the radius.
 fn settle_radius(
     parameters: &mut Parameters,
     count: Option<u64>,

@@ -60,7 +60,8 @@ impl Made {
             let (judged, points) = (&varying.judged, &self.set.points);
             return match self.facts.made {
                 None => judged.verify(points, options, control),
-                // The first of more samples need not cover every place: how far they do is measured.
+                // The set is the first of more samples that were made, and need not cover every place: how far places are
+                // from it is measured.
                 Some(_) => judged.verify_prefix(points, options, control),
             };
         }
@@ -96,7 +97,7 @@ pub fn provenance(sources: &[Source]) -> Vec<Provenance> {
 ///
 /// # Panics
 ///
-/// If the run has no sample of one of the ids.
+/// If the run has no sample of one of the ids. In debug builds, also if a sample was dropped.
 #[must_use]
 pub fn point_set(run: &Run, ids: &[u32]) -> PointSet {
     let samples = &run.samples;

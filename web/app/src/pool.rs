@@ -50,7 +50,8 @@ struct Inner {
 
 struct Slot {
     worker: Worker,
-    /// The generations of the sessions that it keeps.
+    /// The sessions that it keeps, each by its number, which is called its generation. Tasks name the sessions that they
+    /// need by it, since whole sessions are too large to send with each task.
     kept: Vec<u64>,
     busy: Option<Busy>,
     /// Whether it has finished a task.
@@ -134,7 +135,7 @@ impl Pool {
         }
     }
 
-    /// Ends cancelled tasks. Called with every frame.
+    /// Ends cancelled tasks: those that wait at once, and those at work after [`GRACE_MS`]. Called with every frame.
     pub fn tick(&self) {
         self.drop_cancelled();
         let mut graced = Vec::new();

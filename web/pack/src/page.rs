@@ -303,10 +303,12 @@ impl Assembly<'_> {
         Ok(true)
     }
 
+    /// Returns what takes the place of a placeholder. A file that it names is finished first.
     fn value(&mut self, placeholder: Placeholder<'_>) -> Result<String> {
         match placeholder {
             Placeholder::Asset(WORKER) | Placeholder::Size(WORKER) => {
-                // A name with a digest of a list that has this name would depend on itself.
+                // The worker's content depends on all files in its list, and so on the one with this placeholder, which
+                // would depend on the worker's.
                 bail!("{WORKER} lists this file; it has a stable name, so write that")
             }
             Placeholder::Asset(name) => {

@@ -1,10 +1,11 @@
 //! SVG circles in domain units, for drawing and plotting tools.
 //!
-//! Each point is a disk of half the sampling radius, so the disks of a conflict-free set do not overlap. Reads back the
-//! circles that are drawn, in user units. What would draw them elsewhere, or draw points in another way, is refused.
+//! Each point is a disk of half the sampling radius, if that is known, so the disks of a conflict-free set do not overlap.
+//! Reads back the circles that are drawn, in user units. What would draw them elsewhere, or draw points in another way, is
+//! refused.
 //!
 //! A picture of dots on paper stands upright: its circles are in a group that is reflected in the middle of the view, where
-//! y points up. They are read as they are there.
+//! y points up. Their centres are read by their attributes, without the reflection. The dots have radii of their own.
 
 use roxmltree::{Document, Node, ParsingOptions};
 

@@ -144,8 +144,8 @@ impl Bench {
         Ok(base)
     }
 
-    /// Carries out all rounds, each with a seed of its own: engines that make one set, and those that make one of each
-    /// leaf size. Engines of one group make the same set.
+    /// Carries out all rounds, each with a seed of its own. The engines of `once` make one set in a round, those of
+    /// `by_leaf` one of each leaf size. Engines of one group make the same set.
     pub(super) fn rounds(
         &self,
         open: &Engines,

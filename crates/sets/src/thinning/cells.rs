@@ -1,5 +1,8 @@
 //! The points of one octave of radii in the cells of a grid, sorted by cell and, in a cell, by rank.
 //!
+//! An octave reaches from a radius to its double. A rank is a place in the order in which points are taken. All points
+//! together are the cloud.
+//!
 //! Only cells with points exist, so that the memory follows the points and not the rectangle around them.
 
 use std::sync::atomic::{AtomicBool, AtomicU32, Ordering};

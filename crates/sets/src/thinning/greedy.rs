@@ -99,8 +99,8 @@ pub(super) fn choose(
     Ok(kept)
 }
 
-/// Returns the points by octaves of their radii: in a grid of one width the cells of the smallest would be searched for the
-/// largest, or hold thousands of the smallest.
+/// Returns the points by octaves of their radii, each from a radius to its double. In a single grid, points of large radii
+/// would search thousands of small cells, or large cells would hold thousands of points of small radii.
 fn layers(cloud: &Cloud<'_>, low: [f64; 2], size: [f64; 2]) -> Vec<Layer> {
     let (points, ranks, is_periodic) = (cloud.points, cloud.ranks, cloud.period().is_some());
     let all = 0..points.len() as u32;

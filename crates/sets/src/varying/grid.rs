@@ -63,8 +63,8 @@ impl RadiusGrid {
         Self::new(node_columns, means.collect())
     }
 
-    /// Returns radii from the density of pixels: 1 where it is 1, and elsewhere so that samples are as dense; at most 64 times the
-    /// least.
+    /// Returns radii from the density of pixels: 1 where it is 1, and elsewhere such that samples are as dense as the pixels say;
+    /// at most 64 times the least.
     ///
     /// # Errors
     ///

@@ -1,5 +1,6 @@
 //! Verdicts on the density. The published one is confirmed if the difference lies within the errors of both, and if the same
-//! rule refuses sets that are known to be wrong.
+//! rule refuses sets that are known to be wrong. The lattice of the sampler leaves out a few samples; two estimates say
+//! how many.
 
 use serde_json::json;
 use tilescope_analysis::measures::student_quantile;
@@ -20,6 +21,7 @@ pub fn claims(found: &DensityResults) -> Vec<Claim> {
 
 /// Judges whether the density is the published one.
 fn published(found: &DensityResults) -> Claim {
+    // The density is the counted one and what the lattice leaves out together.
     let [density, error] = found.density();
     let [counted, counted_error] = found.all.density();
     let [left_out, doubt] = found.lattice.used();

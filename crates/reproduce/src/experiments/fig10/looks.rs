@@ -37,7 +37,7 @@ pub fn amounts(settings: &Settings) -> (usize, u64) {
     settings.pick((25_000, 10), (12_800, 4))
 }
 
-/// Returns the mean spectrum of `wanted` sets of about `count` samples, or of as many as the sampler has.
+/// Returns the mean spectrum of `wanted` sets of about `count` samples, or of fewer sets where the sampler has no more.
 pub fn spectrum(
     sampler: Sampler,
     count: usize,

@@ -37,7 +37,7 @@ fn group(row: &LeafTimes) -> BarGroup {
                 number(median, 2),
                 number(1e3 * seconds.quartiles[1], 3)
             ),
-            // Elimination and the first insertion, which the paper is about, have a colour of their own.
+            // Elimination and the first insertion, which the paper is about, have the first colour, all others the second.
             color: usize::from(!procedure.is_first()),
         }
     });

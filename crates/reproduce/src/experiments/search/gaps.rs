@@ -158,9 +158,12 @@ impl GapCounts {
 #[derive(Clone, Debug, Serialize, Deserialize)]
 pub struct GapStatistics {
     pub leaf: f64,
+    /// Whether the sets are made by Algorithm 4 as printed in the paper, and not in stages.
     pub printed: bool,
     pub seed: u64,
+    /// The gaps that are left where detectors look for them within 2r.
     pub two: GapCounts,
+    /// Those where they look within 4r.
     pub four: GapCounts,
 }
 
@@ -172,7 +175,7 @@ pub fn worst(found: &[GapStatistics]) -> Option<&GapStatistics> {
     gaps.max_by(|a, b| a.two.covering_radius.total_cmp(&b.two.covering_radius))
 }
 
-/// Returns how many there are in a million samples.
+/// Returns how many there are in a million samples, if there are `part` in `whole` samples.
 pub fn a_million(part: f64, whole: usize) -> f64 {
     1e6 * part / whole.max(1) as f64
 }

@@ -84,7 +84,8 @@ fn density(
     chart
 }
 
-/// Returns the chart of inserted samples by rank in their gap, relative to a uniform distribution.
+/// Returns the chart of inserted samples by rank in their gap, relative to a uniform distribution. A rank tells how far a
+/// sample is from all others, beside places of the gap that are drawn uniformly.
 fn ranks(subjects: &[Subject<'_>]) -> LineChart {
     let series = |&(number, subject): &Subject<'_>| {
         // Without inserted samples there are no ranks to draw.
@@ -227,8 +228,8 @@ fn distances(found: &UniformityResults) -> Table {
         |(one, border, class, deviation)| {
             let off = one.against(deviation);
             let [low, high] = off.interval.map(|end| 100.0 * end);
-            // The test expects as many samples as these sets have. The table compares with the reference sampler, whose
-            // sets have fewer or more by the factor of the density.
+            // The test expects as many samples as these sets have. The table compares with the reference sampler: what is
+            // expected of its sets is less where these sets are denser, and more where they are thinner.
             let expected = deviation.expected * one.density.recip();
             // Inserted samples are counted by distance from the borders of blocks alone.
             let inserted = one.inserted.get(class).filter(|_| border == "block");
