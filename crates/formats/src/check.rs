@@ -1,7 +1,7 @@
 //! Re-verification: compares a file with the statements of its certificate.
 //!
-//! Verifies the positions afresh and lists every difference by name. Of the certificate's numbers only the region and
-//! the radius are used for that, and only if the caller gives none.
+//! Verifies the positions afresh and lists every difference by name. Of the certificate only what is claimed is used for
+//! that: the region, its origin and the radius, if the caller gives none, nested levels, and whether the set is a prefix.
 
 use std::fmt;
 use std::sync::Arc;
@@ -232,10 +232,10 @@ pub enum CheckError {
 }
 
 /// Re-verifies `data`, a file called `name`, against `certificate`, the bytes of its certificate file, or the certificate
-/// inside.
+/// inside, unless `overrides` leave them out.
 ///
-/// Without any certificate the radius must be given, and the region too unless the format is of the unit torus. Returns also
-/// the set, in domain units and in the file's order.
+/// Without any certificate the radius must be given, and the region too unless the format is of the unit torus; a domain with a
+/// varying radius takes the place of both. Returns also the set, in domain units and in the file's order.
 ///
 /// # Errors
 ///
