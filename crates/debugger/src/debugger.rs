@@ -47,7 +47,8 @@ pub enum Stop {
     Breakpoint(usize),
     /// The condition of the breakpoint of this index could not be evaluated.
     BadCondition(usize, ExpressionError),
-    /// There was nothing to reach; the cursor is at the end or the start.
+    /// There was nothing to reach, or the caller stopped the run. After a run to a breakpoint that there is not, the cursor is
+    /// at the end or the start.
     End,
 }
 

@@ -34,8 +34,8 @@ impl Density {
             }
             EventKind::Test | EventKind::Eliminate => &mut self.conflicts,
             EventKind::Candidate => &mut self.gaps,
-            // An accepted dart is examined twice, as it lands and when its rank is reached. The second time counts as a
-            // gap, the first among `others`.
+            // Where darts have ranks, an accepted one is examined twice, as it lands and when its rank is reached. The
+            // second time counts as a gap, the first among `others`.
             EventKind::Dart if event.is_ranked() => &mut self.gaps,
             EventKind::Insert => &mut self.insertions,
             _ => &mut self.others,

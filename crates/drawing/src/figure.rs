@@ -53,7 +53,7 @@ fn pair(apart: f32) -> [Vec2; 2] {
     [vec2(-x, 0.0), vec2(x, 0.0)]
 }
 
-/// Returns three samples around an uncovered middle.
+/// Returns three samples around an uncovered middle, a third of a turn apart.
 fn around_gap() -> [Vec2; 3] {
     [0.52, 2.62, 4.71].map(|angle: f32| OPEN * R * Vec2::angled(angle))
 }

@@ -98,8 +98,8 @@ impl<'a> Scene<'a> {
         self.scale() * self.shown.disk_radius() as f32
     }
 
-    /// Returns the screen points that symbols of samples are as large as in one r: more where fewer samples of nested levels
-    /// are shown, or where radii are larger than r, which leaves more room.
+    /// Returns the screen points in one r by which symbols of samples get their size: more than there are where fewer samples
+    /// of nested levels are shown, or where radii are larger than r, which leaves more room.
     #[must_use]
     pub fn symbol_scale(&self) -> f32 {
         self.scale() * self.shown.spacing() as f32

@@ -471,8 +471,8 @@ impl NestedPlane {
         Radius::before(self.levels - 1 - level)
     }
 
-    /// Computes all levels in a window with halos of `halo` radii, and returns whether all its samples are known. In the
-    /// region coordinates begin at the window's corner.
+    /// Computes all levels in a window with a halo of `halo` radii for the finest level and wider ones for the others, and
+    /// returns whether all its samples are known. In the region coordinates begin at the window's corner.
     fn compute(
         &self,
         region: &mut LevelRegion,

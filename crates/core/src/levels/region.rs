@@ -387,7 +387,7 @@ impl Claimant {
     /// Returns a number that compares as the fields do, one after another. To compare it takes no branches.
     #[inline]
     fn key(&self) -> u128 {
-        // A negative number becomes one that is smaller than all others.
+        // Negative numbers become the smaller ones, in their order.
         let [row, column] = [self.row, self.column].map(|at| u128::from(at as u32 ^ 1 << 31));
         u128::from(self.turn) << 96 | row << 64 | column << 32 | u128::from(self.block)
     }

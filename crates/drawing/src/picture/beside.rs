@@ -137,7 +137,7 @@ impl Beside {
     /// Returns the radial mean, or its empty frame with the reason for the lack. Its vertical axis ends where the shades of the
     /// periodogram do.
     fn mean(&self) -> Panel {
-        // The unit of the frequencies is that of the finished set, whose number of samples the spectrum has for that.
+        // Frequencies are in the unit of the finished set: the spectrum states the number of its samples, not of the moment's.
         let samples = grouped(self.spectrum.profile.samples.round() as usize);
         let frequency = format!("frequency \u{3bd} = |k| / \u{221a}{samples}");
         let power = format!("power P(\u{3bd}), cut off at {BLACK}");
