@@ -110,7 +110,7 @@ const PROBE_TOLERANCE: f64 = 0.007;
 
 /// Returns the radius in user units with which every engine makes `count` samples: the one that [`search_radius`] finds
 /// when it makes whole sets, or an estimate for a set too large for the sequential engine. Sets of more than a million
-/// samples are made only if a smaller one shows that the estimate misses.
+/// samples are made only if a smaller one shows that the estimate misses, or if the domain allows no smaller one.
 ///
 /// Fails as [`search_radius`].
 pub fn radius_for_count(

@@ -133,7 +133,7 @@ fn on_large_tori(study: &Study<'_>) -> Result<Vec<TorusSets>> {
 
     for batch in 0..plan.batches {
         let key = format!("batch-{batch}");
-        // A long run that was stopped may end here with what it left.
+        // With `kept` only the batches count that an earlier run, which may have been stopped, has left.
         if study.settings.kept && !study.has_kept::<TorusSets>(&key) {
             study.skip();
             continue;

@@ -41,7 +41,7 @@ impl CellPattern {
         let (columns, rows) = (cells(shape.width), cells(shape.height));
         let cell = |p: Point| (p.y >> CELL_BITS) as usize * columns + (p.x >> CELL_BITS) as usize;
 
-        // Samples are sorted by cell: a cell's begin at the sum of the counts of all cells before it.
+        // Samples are sorted by cell: those of a cell begin where the samples of all cells before it end.
         let mut samples = std::mem::take(&mut shape.samples);
         samples.sort_by_key(|(p, _)| cell(*p));
         let mut starts = vec![0_u32; columns * rows + 1];

@@ -212,7 +212,7 @@ pub fn lost_reach(pattern: &Pattern, domain: &Domain, insertion: Insertion) -> i
 
 /// Returns the intersection of `cells` of a frame and `window`, in the domain.
 fn part_of(frame: &Frame, cells: &Rect, window: &Rect) -> Rect {
-    // A frame may reach beyond the domain, where its cells have no coordinates of 32 bits.
+    // A frame may reach beyond the domain, where coordinates may be too large for 32 bits, or below 0.
     let at = |cell: i32, axis: usize| {
         (frame.origin[axis] + (i64::from(cell) << CELL_BITS)).clamp(0, i32::MAX.into()) as i32
     };

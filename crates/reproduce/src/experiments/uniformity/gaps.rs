@@ -30,7 +30,7 @@ struct Gap {
     region: GapRegion,
     /// Farthest that a place may be from the deepest one.
     reach: f64,
-    /// Sums of the areas of the triangles, up to each.
+    /// Sums of the areas of the triangles that fill the region, up to each.
     areas: Vec<f64>,
 }
 
