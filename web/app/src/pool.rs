@@ -135,7 +135,7 @@ impl Pool {
         }
     }
 
-    /// Ends cancelled tasks: those that wait at once, and those at work after [`GRACE_MS`]. Called with every frame.
+    /// Ends cancelled tasks: those that wait at once, and those at work after `GRACE_MS`. Called with every frame.
     pub fn tick(&self) {
         self.drop_cancelled();
         let mut graced = Vec::new();
