@@ -75,6 +75,7 @@ impl CanvasBrush {
         let begins = response.drag_started_by(PointerButton::Primary)
             || response.clicked_by(PointerButton::Primary);
         if begins {
+            // A drag begins some points away from its press. A click is found when the press is over, and has no origin any more.
             let origin = ui.input(|input| input.pointer.press_origin());
             let from = origin.or(response.interact_pointer_pos());
             drawn.path = from.map(place).into_iter().collect();
@@ -124,7 +125,8 @@ impl CanvasBrush {
         }
     }
 
-    /// Draws a stroke, and the brush at the pointer, or in the middle while the canvas has the keyboard's focus.
+    /// Draws a stroke, and the brush: at the pointer, or else in the middle of the canvas, where a command of the keyboard paints, while
+    /// the canvas has the focus.
     fn draw(&self, ui: &Ui, response: &Response, subject: &Subject<'_>, path: &[[f64; 2]]) {
         let session = subject.shown.session;
         let painter = ui.painter_at(response.rect);

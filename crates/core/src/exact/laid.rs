@@ -37,7 +37,7 @@ pub fn exact_pieces(
 ) -> Result<(Vec<ExactPiece>, usize), SampleError> {
     let mut run_clipper = clipper(parameters, pattern)?;
     run_clipper.check_blocks()?;
-    // Sources name blocks by their indices, which blocks have only once they are counted.
+    // A piece names its block by the index, which blocks have only once they are counted.
     run_clipper.count_blocks();
 
     let ground = Ground::whole(&parameters.validate()?);

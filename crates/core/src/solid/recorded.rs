@@ -27,8 +27,8 @@ pub struct SolidRun {
 /// Makes the set of [`crate::solid_sample`] on this thread, and reports events to `recorder`. Events have the projections of
 /// places, and their third coordinate as `z`. `planar` is the domain of the projections, with the lattice of `domain`.
 ///
-/// Of the parameters, the seed alone changes the set; those of the run have uniform insertion. Fails only when `observer`
-/// stops it. No memory is asked for: callers record small sets only.
+/// Of the parameters, the seed alone changes the set. Those of the run say uniform insertion, as all its samples are darts. Fails only
+/// when `observer` stops it. No memory is asked for: callers record small sets only.
 pub fn solid_recorded<T: Recorder>(
     domain: SolidDomain,
     planar: Domain,

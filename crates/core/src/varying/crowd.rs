@@ -23,6 +23,7 @@ pub(super) struct OpenDart {
     pub rank: u32,
     pub at: Point,
     pub radius: i32,
+    /// Which radii a dart or a sample near it may have.
     pub sight: Sight,
 }
 
@@ -159,7 +160,7 @@ impl Crowd {
     }
 }
 
-/// Takes back what is said of the darts that an earlier kept one is near.
+/// Sets `is_kept` to false for each dart that is near an earlier one which is kept. All darts begin as kept.
 fn decide(darts: &[OpenDart], lists: &[EarlierDarts], is_kept: &mut [bool]) {
     // A dart with a list is known by its number, the portion that listed it, and its place among the lists there.
     let mut listed: Vec<(u32, u32, u32)> = Vec::new();

@@ -144,8 +144,8 @@ impl NearSamples {
         std::iter::successors(group(list.first), move |before| group(before.next))
     }
 
-    /// Returns which quarters of a cell lie near one sample of a list as a whole, as bits. Of some whose farthest place is near a
-    /// sample by little it does not say so.
+    /// Returns which quarters of a cell lie, as a whole, near one sample of a list: a bit each, row by row. A quarter that only just
+    /// does may be missing.
     #[inline(always)]
     pub fn covered_quarters<S: Simd>(&self, simd: S, list: NearList, test: &QuarterTest) -> u32 {
         let half = test.half as f32;

@@ -113,7 +113,7 @@ impl Parcels {
         // No base cell is wider than the octave of the largest radius.
         let bits = greatest.max(least + PARCEL_BITS);
 
-        // The rectangle of a bounded domain is a unit wider than the domain, as it has the far border, too.
+        // The rectangle has the far borders of a bounded domain, too: places on them may need parcels of their own.
         let rect = field.domain().rect();
         let squares: Vec<Cell> = tiling_cells(&rect, 1 << bits).collect();
         let parcel = |&square: &Cell| Parcel::new(square, surroundings);
@@ -128,7 +128,7 @@ impl Parcels {
         self.all.iter().all(Parcel::is_finished)
     }
 
-    /// Makes the throw of an iteration, before which parts are cut if it is the first one of its level.
+    /// Makes the throw of an iteration. Before the first throw of each level but level 0, parts are cut.
     fn throw(
         &mut self,
         throw: LevelThrow,

@@ -62,7 +62,8 @@ fn sliders(ui: &mut Ui, context: &FormContext<'_>, brush: &mut Brush) {
             .max_decimals(0);
         ui.add(slider).labelled_by(label).known_as("brush-size");
     });
-    // A slider that was not moved leaves the size as it is, bit by bit.
+    // A percentage and back is not always the same number: the size changes only with the slider, so that a slider at rest issues
+    // no command.
     if percent.to_bits() != (100.0 * brush.size).to_bits() {
         brush.size = percent / 100.0;
     }
@@ -106,6 +107,7 @@ fn painted(ui: &mut Ui, context: &FormContext<'_>, commands: &mut Vec<Command>) 
         "unpaint",
         PaintCommand::Reset,
     );
+    // An image that was opened as painted has no radii from before.
     let has_way_back = context.form.draft.ground.unpainted.is_some();
     for (name, why, id, command) in [Some(save), has_way_back.then_some(reset)]
         .into_iter()

@@ -96,6 +96,7 @@ impl Parcel {
             });
         });
 
+        // A square that holds no place of the shape has no families: it is finished, and its two numbers below are not used.
         let widths = families.iter().map(|family| u32::from(family.bits));
         let bits = widths.min().unwrap_or_else(|| square.side.ilog2());
         let radii = families.iter().map(|family| family.range.greatest);
@@ -128,7 +129,8 @@ impl Parcel {
         }
     }
 
-    /// Lists the new samples, cuts the active parts, if the throw is the first one of a level, and throws darts into them.
+    /// Lists the new samples, cuts the active parts at the first throw of a level, and throws darts into them. The parts of level 0 are
+    /// whole base cells.
     #[inline(always)]
     pub fn advance<S: Simd>(
         &mut self,
@@ -199,8 +201,8 @@ impl Parcel {
         }
     }
 
-    /// Cuts the parts of the level before this one: their quarters are active that hold places of the domain and are not covered
-    /// by a single sample.
+    /// Cuts the parts of the level before this one: their quarters are active that are not covered by a single sample, and may hold places
+    /// of the shape. `before` is a buffer.
     #[inline(always)]
     fn cut<S: Simd>(
         &mut self,
@@ -290,7 +292,7 @@ impl Family {
         }
     }
 
-    /// Appends the quarters of a part, `half` units wide, that hold places of the domain and are not covered by a single sample.
+    /// Appends the quarters of a part, `half` units wide, that are not covered by a single sample and may hold places of the shape.
     #[inline(always)]
     fn cut<S: Simd>(
         &self,
@@ -309,7 +311,8 @@ impl Family {
         let least = if self.range.least == self.range.greatest {
             [self.range.least; 4]
         } else {
-            field.quarter_bounds(cell).0
+            let (least, _greatest) = field.quarter_bounds(cell);
+            least
         };
         let test = QuarterTest {
             corner: part.min - self.min,
