@@ -27,7 +27,7 @@ impl Recording {
             ..*parameters
         };
         let count = points.len() as u32;
-        // No cell is active, as nothing is thrown here.
+        // One throw holds all samples. No cell is active in it, as the samples were made elsewhere.
         let (number, detectors) = (1, 0);
 
         let mut tape = Tape::new(&parameters, DEFAULT_BUDGET);

@@ -73,7 +73,8 @@ async fn recorded(
     observer: &mut dyn Observer,
 ) -> Result<(Run, Vec<PassReport>), GpuError> {
     let limits = gpu.report().limits;
-    let memory = memory_of(gpu.report(), None);
+    let no_limit = None;
+    let memory = memory_of(gpu.report(), no_limit);
     let mut room = DartRoom::expected(parameters, arrived)?;
 
     // Room is an estimate. With twice what a list turned out to need, few tries are needed.
@@ -175,7 +176,8 @@ impl ExactWork {
         })
     }
 
-    /// Runs to the end, or until a list is too short. Fails if the observer stops it.
+    /// Runs to the end and returns `None`, or until a list is too short and returns the room that is needed. Fails if the
+    /// observer stops it.
     async fn run(&mut self, observer: &mut dyn Observer) -> Result<Option<DartRoom>, GpuError> {
         while self.step != ExactStep::End {
             // The host waits for the device once a step, so that a run can be stopped as often.
@@ -210,7 +212,8 @@ impl ExactWork {
             }
         }
 
-        // So do a swap and cleared counters after it, up to the next pass: a visitor sees the buffers under their new names.
+        // A swap and cleared counters up to the next pass are carried out now, too: a visitor sees the buffers under their new
+        // names.
         while let Some(command) = self.queue.pop_front_if(|command| !is_pass(command)) {
             self.device.submit(&[command], self.stage())?;
         }
@@ -228,7 +231,8 @@ impl ExactWork {
     fn stage_of(&self, step: ExactStep) -> Stage {
         match step {
             ExactStep::Lay => Stage::Tile,
-            // As darts count as inserted: those of levels 0 and 1 in iteration 1.
+            // Darts of levels 0 and 1 count as inserted in iteration 1, and those of a later level in the iteration of its
+            // number.
             ExactStep::Begin(index) | ExactStep::Rounds(index) => {
                 Stage::Iterate(self.throws[index].level.max(1))
             }
@@ -244,7 +248,8 @@ impl ExactWork {
 
     /// Reports progress. Fails if the observer stops the run.
     fn ask(&self, observer: &mut dyn Observer) -> Result<(), SampleError> {
-        // How many rounds a throw takes is not known, so that throws are counted, and the laying down as one more.
+        // How many rounds a throw takes is not known, so that throws are counted. The laying down before them is one step more,
+        // and the counting and collecting after them another.
         let throws = self.throws.len() as u64;
         let done = match self.step {
             ExactStep::Lay => 0,
@@ -336,7 +341,8 @@ impl ExactWork {
                     let (stage, code) = (self.stage(), FAULT_ROUNDS);
                     return Err(GpuError::Fault { stage, code });
                 }
-                // A last round that changed nothing proves the answers, and those after it did nothing.
+                // A round that changes nothing proves the answers, and all rounds after it do nothing, so that the last one
+                // says so.
                 if self.counter(counter::CHANGED) > 0 {
                     ExactStep::Rounds(index)
                 } else {
@@ -361,7 +367,7 @@ impl ExactWork {
     /// Returns the room of the next attempt if a list is too short, as far as the device has come.
     fn shortage(&self) -> Option<DartRoom> {
         // Counters go on beyond the room of their lists. That of marked cells is cleared once they are cut; if their list was too
-        // short, the pass that cuts them passes the number on.
+        // short, the pass that cuts them raises the counter of the open cells to their number.
         let lists = [
             counter::FRESH_CELLS,
             counter::OPEN_CELLS,
@@ -409,7 +415,7 @@ impl ExactWork {
             blocks: self.plan.blocks as u64,
             ..WindowCounts::default()
         };
-        // Of the pattern's samples those are lost that have become no sources.
+        // A sample of the pattern that is the source of no sample was lost.
         let mut kept = 0;
         for source in &sources {
             match source {

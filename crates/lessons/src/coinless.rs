@@ -1,19 +1,19 @@
-//! What becomes of a set in a field of radii if its darts have a wrong clock: the comparison of a lesson. Begin with
-//! [`without_coin`].
+//! A set in a field of radii whose darts have a wrong clock: where the side of the cells doubles, the samples show a stripe. A
+//! lesson compares it with the right set. Begin with [`without_coin`].
 
 use std::sync::Arc;
 
 use tilescope_core::{Key, Locality, Parameters, Point, SampleGrid, Stream};
 use tilescope_debugger::Recording;
 
-/// The darts that fall into each cell in the mean. Chosen, not measured: the few samples that more darts would add lie anywhere, and
-/// change nothing of the stripe.
+/// The mean number of darts in a cell. Chosen, not measured: more darts would add a few samples all over the domain, and the
+/// stripe would stay.
 const DARTS_A_CELL: f64 = 64.0;
 
 /// Returns the recording of the samples that darts make which no coin thins: all cells throw equally often, whatever
-/// the radius is inside them, so that time is the same in a whole octave of radii and jumps between two. A dart becomes
-/// a sample unless it is near an earlier one, as in the right process. The coin that is missing leaves out a share of
-/// the darts where the radius is larger than the side of the cell.
+/// the radius is inside them. So darts are equally dense in a whole octave of radii, and four times less dense in the next one.
+/// A dart becomes a sample unless it is near an earlier one, as in the right process. The coin that is missing leaves out a
+/// share of the darts where the radius is larger than the side of the cell.
 pub(crate) fn without_coin(locality: &Arc<Locality>, parameters: &Parameters) -> Recording {
     let domain = locality.field.domain();
     let [width, height] = [domain.width(), domain.height()].map(f64::from);

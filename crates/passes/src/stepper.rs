@@ -136,7 +136,8 @@ impl AnyReference {
                 let reference = CpuReference::new(parameters, &pattern)?;
                 Ok(Self::Kdrt(Box::new(reference)))
             }
-            // The engine goes from difference to difference, so that stages are told apart by the arrivals of its samples.
+            // The CPU's engine does not go stage by stage. A finished run is compared: when each of its samples arrived gives the
+            // stage.
             TilingMethod::Exact => {
                 let history = PatternHistory::of_spec(spec, observer)?;
                 let reference = ExactReference::new(parameters, &history, observer)?;

@@ -101,7 +101,8 @@ impl Words<'_> {
             (_, Verdict::Outside) => {
                 format!("a dart at {at} lands outside the box and is discarded")
             }
-            // Balls have one radius, and only candidates of detectors have a reach.
+            // Balls have one radius, so that no coin thins their darts. A reach and a rival that is nearer are of candidates
+            // alone.
             (_, Verdict::Thinned | Verdict::TooFar | Verdict::NotNearest { .. }) => return None,
         })
     }

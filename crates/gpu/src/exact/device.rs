@@ -56,6 +56,7 @@ fn too_little_room_is_noticed_and_made_up_for() {
     let room = DartRoom::expected(&run.0, &run.1).unwrap();
     let expected = attempt(&gpu, &run, room).expect("the expected room suffices");
 
+    // 99 darts are fewer than the samples that are laid down. In 2,500 those fit, but not the darts that are thrown as well.
     for mut small in [
         DartRoom { darts: 99, ..room },
         DartRoom {
@@ -95,7 +96,7 @@ fn a_run_that_does_not_fit_is_refused_by_the_name_of_the_limit() {
     };
     assert_eq!(plan.check(&roomy, u64::MAX), Ok(()));
 
-    // A limit of its own name each: of one binding, and of all buffers together.
+    // The refusals name different limits: that of one binding, and that of all buffers together.
     let tight = Limits {
         max_storage_buffer_binding_size: 100_000,
         ..roomy

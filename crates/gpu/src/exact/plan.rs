@@ -39,15 +39,16 @@ impl DartRoom {
         // radius, at leaves of 6, 20 and 80 r: 0.64, 0.22 and 0.06 darts that became questions, and 0.94, 0.33 and 0.10 cells in
         // the longest list. There is room for a third more.
         let share = |most: f64, per_leaf: f64| area * (per_leaf / parameters.leaf).min(most);
-        // In small domains numbers vary more, and 4,096 entries cost little.
+        // A domain may get 2% more of the pattern's samples than the mean: chosen, not measured. In small domains numbers vary
+        // more, and 4,096 entries cost little.
         Ok(Self {
             darts: ((1.02 * density * area + share(0.9, 6.5)) as u32).saturating_add(4096),
             cells: (share(1.3, 10.0) as u32).saturating_add(4096),
         })
     }
 
-    /// Fails if the list of darts does not fit a buffer of a device: so large a domain is not planned, which would take
-    /// minutes, and whose cells might not fit 32 bits.
+    /// Fails if the list of darts does not fit a buffer of a device. This is asked before the run is planned: the plan of a
+    /// larger domain would take minutes, and the number of its cells might not fit 32 bits.
     pub(super) fn check(self, parameters: &Parameters, limits: &Limits) -> Result<(), GpuError> {
         let end = parameters.validate()?.rect().max;
         let needed = u64::from(self.darts) * size_of::<Dart>() as u64;
@@ -164,6 +165,7 @@ impl ExactPlan {
             (Name::OpenCells, listed),
             (Name::NextOpenCells, listed),
             (Name::Starts, starts),
+            // A sum for each part; lengths are rounded up to whole words.
             (Name::Sums, starts.div_ceil(SCAN_PART.into())),
             (Name::Counters, words(counter::COUNT)),
             // Three words for each dispatch.

@@ -104,8 +104,8 @@ impl ExactStepper {
             return self.work.points().await;
         }
 
+        // The counter goes on beyond the room of the list, after which the run restarts.
         let count = u64::from(self.work.counter(counter::DARTS).min(self.room.darts));
-        // A restart follows where darts were left out.
         let bytes = count * size_of::<Dart>() as u64;
         let darts = self.work.device.bytes(Name::Darts, 0..bytes).await?;
         let darts: Vec<Dart> = bytemuck::pod_collect_to_vec(&darts);

@@ -236,6 +236,7 @@ pub(crate) fn begin(throw: Throw, own: u32) -> Vec<Command> {
     // Cells are cut when a level begins. Those of the first level have not been listed yet, and are as wide as marked ones.
     if throw.number == 0 && throw.level > 0 {
         let Throw { side_bits, .. } = throw;
+        // The throw, the binary logarithms of the sides before and after, and the counter of the cells that are cut.
         let job = [throw.label(), side_bits + 1, side_bits, counter::OPEN_CELLS];
         commands.extend([
             prepare_darts(0),
@@ -260,7 +261,7 @@ pub(crate) fn begin(throw: Throw, own: u32) -> Vec<Command> {
     commands
 }
 
-/// Records the darts of the cells that have not thrown theirs, of which those marked last are cut before.
+/// Records that the cells marked last are cut, and that all cells that have not thrown in this throw do so.
 fn thrown(throw: Throw, flags: u32) -> Vec<Command> {
     let Throw { side_bits, key, .. } = throw;
     // Only samples of earlier throws leave a cell out, since those of this one may still be lost.
