@@ -474,6 +474,7 @@ impl App {
     /// Restores the settings of an earlier use of the program. Without one the tour begins, if the window opens with the
     /// default session (`is_default`) rather than with a link or a command.
     pub fn remember(&mut self, storage: &dyn eframe::Storage, is_default: bool) {
+        // Every use stores these two settings.
         let has = |key| storage.get_string(key).is_some();
         if is_default && ![LAYOUT_KEY, LOOK_KEY].into_iter().any(has) {
             self.state.apply(Command::Scene(SceneCommand::Tour));

@@ -67,6 +67,7 @@ pub fn run(study: &Study<'_>) -> Result<Outcome> {
     })
 }
 
+/// Makes the dots of all methods for an image, a unit each, and measures how well they show it.
 fn compared(study: &Study<'_>, subject: StippledImage) -> Result<ComparedImage> {
     let (side, dots) = amounts(study.settings);
     let (image, seed) = (subject.image(side)?, study.settings.seed);

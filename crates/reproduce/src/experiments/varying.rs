@@ -160,7 +160,8 @@ fn on_waves(study: &Study<'_>, sets: usize) -> Result<Vec<(f64, FieldCounts)>> {
     let units = CONTRASTS.into_iter().map(|contrast| {
         // The logarithm of the radius is a wave from 0 to that of the contrast.
         let half = 0.5 * contrast.ln();
-        // A torus must be more than four times as high as the largest radius.
+        // A torus must be more than four times as high as the largest radius: six times leaves some room. Low contrasts get 32
+        // for more samples. Both are chosen, not measured.
         let height = (6.0 * contrast).max(32.0);
         let field = Written {
             radius: format!("exp({half}*(1-cos(2*pi*x/{WAVE})))"),
@@ -176,11 +177,12 @@ fn on_waves(study: &Study<'_>, sets: usize) -> Result<Vec<(f64, FieldCounts)>> {
             |seed, control| Ok(samples(&ground, seed, control)?.len() as u64),
         )?;
 
-        let to_strip = |x: f64| {
+        // How much a unit of x adds to the area in squared local radii.
+        let area_at = |x: f64| {
             let radius = (half * (1.0 - (TAU * x / WAVE).cos())).exp();
             height / (radius * radius)
         };
-        let area = integral(0.0, WAVE, to_strip);
+        let area = integral(0.0, WAVE, area_at);
         Ok((contrast, FieldCounts { counts, area }))
     });
     units.collect()

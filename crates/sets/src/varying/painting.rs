@@ -18,7 +18,7 @@ pub const PAINTED: &str = "painted.png";
 /// steps from pixel to pixel are lost in its soft edge; one step to undo holds half a megabyte.
 const PIXELS: usize = 512;
 
-/// Pixels of an image or a mask are painted themselves up to this number on a side; larger images are painted in [`PIXELS`].
+/// The pixels of an image are painted themselves up to this number on a side. A larger image is painted in [`PIXELS`].
 const MAX_OWN_PIXELS: usize = 1024;
 
 /// The largest radius is at most this many times the least: half the limit of a lattice, as its r may lie up to a factor of two below
@@ -109,6 +109,7 @@ impl PaintedRadii {
         if let RadiusSource::Image { image, radii } = &recipe.radius
             && image.name() == PAINTED
         {
+            // The squares are the image's, so that the rounding of the sides to the lattice does not matter.
             let size = recipe.ground()?.field.domain().size();
             return Ok(Self {
                 columns: image.columns,
@@ -131,7 +132,8 @@ impl PaintedRadii {
         let unit = domain.radius() / f64::from(tilescope_core::R);
         let extremes = field.extremes().map(|radius| f64::from(radius) * unit);
         let is_periodic = recipe.boundary == Boundary::Periodic;
-        // A periodic domain is wider than four of its largest radii; a little less is never refused.
+        // A side of a periodic domain must be longer than four times the largest radius. A radius a little below a quarter of
+        // it is never refused.
         let most = if is_periodic {
             size[0].min(size[1]) / 4.01
         } else {
@@ -167,7 +169,7 @@ impl PaintedRadii {
             if distance >= reach {
                 continue;
             }
-            // One in the middle, and without a corner there and at the edge, so that no line is seen.
+            // The weight is 1 in the middle. It has no corner there or at the edge, which would be seen as a line.
             let share = distance / reach;
             let weight = (1.0 - share * share) * (1.0 - share * share);
 

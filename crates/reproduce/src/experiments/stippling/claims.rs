@@ -20,7 +20,8 @@ pub fn claims(all: &[ComparedImage]) -> Vec<Claim> {
     let any = |_: StippledImage| true;
     let (stipple, voronoi) = (DotMethod::Stipple, DotMethod::Voronoi);
 
-    // The first method of a pair is the one that the claim says is better: of the five, others than stipples are so in two.
+    // The claim says that the first method of a pair is better, at the blurs that are listed: the two coarsest, the finest, all
+    // but the finest, or all.
     vec![
         by_errors(
             "stippling/coarse",
@@ -95,10 +96,10 @@ fn by_errors(
 
 /// Judges whether stipples have less wrong tones than weighted Voronoi stippling, on all images.
 fn tones(all: &[ComparedImage]) -> Claim {
+    // The methods begin with stipples and weighted Voronoi stippling.
     let worst =
         |one: &ComparedImage| [0, 1].map(|method| one.by_method[method].quality.worst_tone());
     let verdicts = all.iter().map(|one| {
-        // The methods begin with stipples and weighted Voronoi stippling.
         let [stipple, voronoi] = worst(one);
         let gain = voronoi - stipple;
         Rule::Above(0.0).verdict(Some([gain - EQUAL_TONE, gain + EQUAL_TONE]))

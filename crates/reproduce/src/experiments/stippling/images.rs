@@ -83,7 +83,7 @@ fn text(side: usize) -> Result<GrayImage> {
     let length = side as f64;
     let mut scene = Scene::new(length, length, [255; 4]);
     let mut group = Group::new("text");
-    // Letters from a third of the height of the image to a twentieth.
+    // The sizes of the type are shares of the side: capitals are about a quarter of it high, and small letters a twentieth.
     for (words, size, y) in [
         ("Rain", 0.34, 0.38),
         ("on paper", 0.18, 0.62),

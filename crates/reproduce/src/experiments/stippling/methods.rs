@@ -97,6 +97,7 @@ fn scattered(dark: &Darkness, dots: usize, seed: u64) -> Vec<[f64; 2]> {
     let side = dark.side as f64;
 
     let mut placed = Vec::with_capacity(dots);
+    // A place takes two draws: its coordinates, and its coin.
     for index in (0_u32..).step_by(2) {
         if placed.len() == dots {
             break;
@@ -197,28 +198,29 @@ fn centroids(dark: &Darkness, sites: &[[f64; 2]]) -> Vec<[f64; 2]> {
 
 /// Returns the dots of error diffusion on the raster on which black pixels are about as many as the dots asked for.
 fn diffused(dark: &Darkness, dots: usize) -> Vec<[f64; 2]> {
-    // As many black cells as dots: their number is that of all cells times the mean darkness.
+    // The raster has so many cells that, times the mean darkness, they are as many as the dots: so many become black.
     let length = dark.side as f64;
-    let cells = (dots as f64 * length * length / dark.sum())
+    let columns = (dots as f64 * length * length / dark.sum())
         .sqrt()
         .round()
         .max(1.0) as usize;
-    let pitch = length / cells as f64;
+    let pitch = length / columns as f64;
     let part = |index: usize| (index as f64 + 0.5) / PARTS as f64;
     let tone = |index: usize| {
-        let corner = [index % cells, index / cells];
+        let corner = [index % columns, index / columns];
         let parts = (0..PARTS * PARTS).map(|of| {
             let place = [(corner[0], of % PARTS), (corner[1], of / PARTS)];
             dark.pixels[dark.index(place.map(|(cell, of)| (cell as f64 + part(of)) * pitch))]
         });
         parts.sum::<f64>() / (PARTS * PARTS) as f64
     };
-    let tones: Vec<f64> = (0..cells * cells).map(tone).collect();
+    let tones: Vec<f64> = (0..columns * columns).map(tone).collect();
 
-    // Ink that goes beyond a border is lost, so that few dots are missing: a darker image has them.
+    // Ink that goes beyond a border is lost, so that some dots are missing: the image is made a little darker, until their
+    // number is met.
     let (mut factor, mut best) = (1.0, Vec::new());
     for _ in 0..TRIES {
-        let found = black_cells(&tones, cells, factor);
+        let found = black_cells(&tones, columns, factor);
         factor *= dots as f64 / found.len().max(1) as f64;
         if found.len().abs_diff(dots) < best.len().abs_diff(dots) {
             best = found;
@@ -229,7 +231,7 @@ fn diffused(dark: &Darkness, dots: usize) -> Vec<[f64; 2]> {
     }
     let middle = |at: usize| (at as f64 + 0.5) * pitch;
     best.into_iter()
-        .map(|index: usize| [middle(index % cells), middle(index / cells)])
+        .map(|index: usize| [middle(index % columns), middle(index / columns)])
         .collect()
 }
 

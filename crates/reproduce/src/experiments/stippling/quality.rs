@@ -29,7 +29,7 @@ impl Quality {
         // All dots together have as much ink as the image.
         let ink = dark.sum() / dots.len().max(1) as f64;
         let distance = dark.side as f64 / (dots.len().max(1) as f64).sqrt();
-        // Pixels beyond the border take part in no blur of the compared ones.
+        // Only pixels so far from the border are compared that no blur of theirs reaches beyond it.
         let margin = (CUT * BLURS[3] * distance).ceil() as usize;
         let shown = inked(dark, dots, ink);
         let error: Vec<f64> = shown
@@ -78,7 +78,7 @@ fn blurred(pixels: &[f64], side: usize, deviation: f64) -> Vec<f64> {
     let weights: Vec<f64> = (0..=2 * reach).map(weight).collect();
     let all: f64 = weights.iter().sum();
 
-    // Each pass blurs along rows and turns the image over, so that two passes blur both axes and turn it back.
+    // Each pass blurs along rows and swaps rows and columns, so that two passes blur both axes and restore the image.
     let pass = |from: &[f64]| {
         let mut to = vec![0.0; from.len()];
         for (row, line) in from.chunks_exact(side).enumerate() {

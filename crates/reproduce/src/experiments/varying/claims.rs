@@ -101,6 +101,7 @@ fn plateaus(found: &VaryingResults) -> Claim {
 
 /// Judges whether pairs on gentle ramps are as far apart, in local radii, as pairs of one radius.
 fn pairs(found: &VaryingResults) -> Claim {
+    // The first ramp has a slope of 0: one radius.
     let level = &found.ramps[0].pairs;
     let gentle = (found.ramps[1..].iter()).filter(|one| one.slope <= PAIR_SLOPE);
     // The errors of pairs are those of counts, not of a spread: their quantile is the normal one.
@@ -129,6 +130,7 @@ fn pairs(found: &VaryingResults) -> Claim {
 
 /// Judges which rules keep the request on slopes and on strips: the harmonic mean must, and no other one may.
 fn rules(found: &VaryingResults) -> Claim {
+    // Densities are relative to those of the first field, which has one radius.
     let fields = 1..found.ruled.len();
     let sets = found.ruled[0].1.by_rule[0].counts.len();
     let kept = |rule: usize| {

@@ -90,7 +90,7 @@ pub fn samples(ground: &Ground, seed: u64, control: &Control<'_>) -> Result<Vec<
 
 /// Returns how many samples a torus of `side` radii has whose radius is `octave` times the least one of a field, everywhere.
 ///
-/// An expression cannot ask for it: of one radius everywhere, the lattice has always 2^15 units to it.
+/// An expression cannot ask for it: a field with one radius everywhere gets a lattice on which this radius has 2^15 units.
 pub fn plateau(octave: f64, side: f64, seed: u64, control: &Control<'_>) -> Result<u64> {
     let domain = Domain::from_size([side * octave; 2], 1.0, Boundary::Periodic)?;
     let radius = (octave * f64::from(R)).round() as i32;
@@ -98,7 +98,7 @@ pub fn plateau(octave: f64, side: f64, seed: u64, control: &Control<'_>) -> Resu
         RadiusField::constant(domain, radius).map_err(tilescope_sets::VaryingError::from)?;
     let points = varying_sample(&field, &Shape::rectangle(), seed, &mut control.observer())?;
 
-    // The judge gets the radius in units, and its region in least radii.
+    // The judge gets the radius and the sides in units. Its region, and the radius that its report states, are in least radii.
     let (region, sides) = (region(&domain), [domain.width(), domain.height()]);
     let radii = Radii::Constant(radius);
     let judged = VaryingRegion::new(region, sides, octave, radii, &JudgedShape::Rectangle)?;

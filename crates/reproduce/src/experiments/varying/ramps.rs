@@ -149,13 +149,12 @@ impl Ramp {
     /// the same from each of them, in radii of that place.
     fn bin_areas(self) -> [f64; BINS] {
         let mut areas = [0.0; BINS];
-        // Samples are as dense as 1 / R^2: an area counts in squares of the radius that it has.
-
         let steps = || (-AREA_REACH..AREA_REACH).map(|step| (f64::from(step) + 0.5) * AREA_STEP);
         for x in steps() {
             let radius = self.radius_at(x);
             for y in steps() {
                 if let Some(bin) = self.bin([0.0; 2], [x, y]) {
+                    // Samples are as dense as 1 / R^2: an area counts in squares of its own radius, not of the sample's.
                     areas[bin] += (AREA_STEP / radius).powi(2);
                 }
             }
@@ -167,10 +166,10 @@ impl Ramp {
     pub fn joined(self, sets: &[RampSet]) -> RampSets {
         // Only samples inside the margins were counted.
         let [width, _] = self.size();
-        let to_strip = |x: f64| self.height_inside(x, MARGIN) / self.radius_at(x).powi(2);
+        let area_at = |x: f64| self.height_inside(x, MARGIN) / self.radius_at(x).powi(2);
         let counts = FieldCounts {
             counts: sets.iter().map(|set| set.count).collect(),
-            area: integral(0.0, width, to_strip),
+            area: integral(0.0, width, area_at),
         };
 
         let mut pairs = Vec::new();
@@ -180,7 +179,8 @@ impl Ramp {
             for (bin, area) in self.bin_areas().into_iter().enumerate() {
                 let found: u64 = sets.iter().map(|set| set.pairs[bin]).sum();
                 let expected = centers as f64 * density * area;
-                // Most pairs are found from both ends, so that half as many are independent.
+                // Most pairs are found from both ends, so that half as many are independent. Without a pair the error is that of
+                // one.
                 let error = (2.0 * found.max(1) as f64).sqrt();
                 pairs.push([found as f64, error].map(|count| count / expected));
             }

@@ -166,7 +166,7 @@ impl RuledField {
             let (row, column) = (place / columns, place % columns);
             samples.push([x_of(column), x_of(row)]);
 
-            // All places that are near the sample can have none any more. Rows repeat, columns do not.
+            // No place near the sample can have another one. Rows repeat, columns do not.
             let reach = (rule.reach(radii[column], greatest) * PLACES) as usize;
             let beside = column.saturating_sub(reach)..(column + reach + 1).min(columns);
             for other in beside {
@@ -190,13 +190,13 @@ impl RuledField {
     /// Returns the sets that were counted, over the area in which they were.
     pub fn joined(self, counts: Vec<u64>) -> FieldCounts {
         let [width, height] = self.size();
-        let to_strip = |x: f64| {
+        let area_at = |x: f64| {
             let counted = f64::from(u8::from(self.counts_at(x)));
             counted * height / self.radius_at(x).powi(2)
         };
         FieldCounts {
             counts,
-            area: integral(0.0, width, to_strip),
+            area: integral(0.0, width, area_at),
         }
     }
 }
