@@ -140,7 +140,8 @@ pub(crate) fn plan(
     Ok(plan)
 }
 
-/// Returns the longest side, in cells, of a window that fits the device, at most the domain's longer side.
+/// Returns the side, in cells, of the largest of the windows tried that fits the device. The first has the whole domain. No
+/// side is shorter than [`MIN_SIDE`].
 pub(crate) fn longest_side(setup: &Setup, limits: &Limits, memory: u64) -> Result<u32, GpuError> {
     let max = setup.domain.rect().max;
     let [columns, rows] = setup.cells();

@@ -351,7 +351,7 @@ fn uniform_of(setup: &Setup, frame: &CoreFrame) -> Frame {
     }
 }
 
-/// Estimates the room that a run needs, with some to spare. A window that needs more is computed again.
+/// Estimates the room that a window needs, with some to spare. A window that needs more is computed again.
 fn expected(setup: &Setup, frame: &Frame, images: &[Image]) -> Room {
     let area = |image: &Image| {
         f64::from(image.clip_max_x - image.clip_min_x)

@@ -74,7 +74,7 @@ fn tabs_height(state: &State) -> f32 {
     if caption::is_below(state) { 0.0 } else { TABS }
 }
 
-/// Returns the rectangle of everything but the canvas: in a landscape window the side column.
+/// Returns the rectangle that all parts but the canvas share: in a landscape window the side column, otherwise the whole room.
 fn column(room: Rect, state: &State) -> Rect {
     if state.window().drawer.arrangement != Arrangement::Landscape {
         return room;

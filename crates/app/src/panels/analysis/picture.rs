@@ -22,9 +22,9 @@ pub const WHITE: f64 = 3.0;
 /// Maximum width of the picture, in screen points.
 pub const MAX_SIDE: f32 = 480.0;
 
-/// Shows the periodogram of a run in a square of the full width, with frequencies up to [`Spectrum::MAX_NU`] along both
-/// axes. `run` ends the picture's id, "" or "-b"; `faded` says that the spectrum is of another moment; `brush` is the
-/// ring, from its inner to its outer frequency. Returns the change of the ring, if it was changed.
+/// Shows the periodogram of a run in a square as wide as the room, at most [`MAX_SIDE`], with frequencies up to
+/// [`Spectrum::MAX_NU`] along both axes. `run` ends the picture's id, "" or "-b"; `faded` says that the spectrum is of another
+/// moment; `brush` is the ring, from its inner to its outer frequency. Returns the change of the ring, if it was changed.
 pub fn show(
     ui: &mut Ui,
     run: &str,

@@ -28,7 +28,7 @@ pub(super) fn show(
     palette: &Palette,
     commands: &mut Vec<PassCommand>,
 ) {
-    // A buffer of one row has a line for each of its fields instead.
+    // A buffer of one row has a line for each of its fields instead: its name, and its value before and after the pass.
     if table.total == 1 {
         let size = [table.columns.len() + 1, 3];
         return spoken(ui, "Fields of the buffer", size, Role::Table, |ui| {

@@ -37,6 +37,7 @@ pub fn exact_recorded<T: Recorder>(
         return exact_recorded(parameters, history, observer, &mut NoEvents);
     }
 
+    // The run keeps the origin and the fate of every sample, and has the limit of such runs.
     let domain = parameters.validate_sequential()?;
     let mut run_clipper = clipper(parameters, history.pattern())?;
     // Origins name blocks by their indices, which blocks have only once they are counted.
