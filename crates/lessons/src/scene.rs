@@ -59,6 +59,7 @@ impl Scene {
                 );
                 return Err(LessonError::new(spec.line, message));
             }
+            // Darts without the coin make other samples, which have a recording of their own.
             if !spec.has_coin {
                 let parameters = &recording.run().parameters;
                 scene = Self::at(&Arc::new(without_coin(locality, parameters)), 0);

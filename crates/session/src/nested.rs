@@ -56,8 +56,8 @@ impl NestedLevels {
         let mut claims: Vec<PrefixClaim> = whole.collect();
 
         // Behind the last whole level there may be a part of the next one, or all that a density has left
-        // (`is_painted`): those samples are of the last level, and how far they cover is not known. A density leaves
-        // samples of all levels, which keep only the distance of the finest one.
+        // (`is_painted`): those samples make a last claim. They cover no less than the last whole level, if there is one. A
+        // density leaves samples of all levels, which keep only the distance of the finest one.
         let last = claims.last().copied();
         let count = levels.ranks.len();
         if last.is_none_or(|claim| claim.count < count) {

@@ -19,7 +19,7 @@ use crate::recipe::Recipe;
 use crate::session::{MakeError, Reporter, Session};
 use crate::stipple::{MadeStipple, StippleRequest};
 
-/// Makes the set that a recipe asks for, on the CPU: with its events, unless it has more than [`MAX_RECORDED`] samples.
+/// Makes the set that a recipe asks for, on the CPU: with its events, unless more than [`MAX_RECORDED`] samples are expected.
 ///
 /// Fails as [`VaryingRecipe::make`] does, and when `monitor` is cancelled.
 pub fn sample(
@@ -29,8 +29,7 @@ pub fn sample(
     monitor: &Monitor,
 ) -> Result<Session, MakeError> {
     let wanted = request.recipe(&recipe.parameters);
-    // The field and the shape may be refused in these two lines; after that the user may stop the work, and a recorded set
-    // without samples is refused.
+    // A field or a shape that cannot be made is refused in these two lines.
     let expected = wanted.expected_samples().map_err(of_ground)?;
     let locality = locality(&wanted)?;
     let observer = &mut Reporter { monitor };
@@ -42,7 +41,7 @@ pub fn sample(
         return prepared(made?, recipe, request, generation, observer);
     }
 
-    // A run that is too large for events keeps its samples alone, in the order of their arrival.
+    // A run that is too large for events keeps its samples alone, in the order of their arrival. It is too large to be empty.
     let Locality { field, shape } = &*locality;
     let points = varying_sample(field, shape, parameters.seed, observer)?;
     let domain = *field.domain();

@@ -120,8 +120,8 @@ impl Place {
         })
     }
 
-    /// Returns about how far a place is from the region of right places, in r, if that is at most [`REACH`] and less
-    /// than `off`, its distance from the single right places; otherwise `None`.
+    /// Returns about how far a place is from the region of right places, in r, if that is at most [`REACH`] and less than `off`;
+    /// otherwise `None`. `off` is how far the place lies beyond [`Self::within`] of the nearest single right place.
     fn off_region(
         &self,
         [x, y]: [f64; 2],
