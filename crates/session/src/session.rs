@@ -372,8 +372,8 @@ impl Session {
         self.starts.partition_point(|&start| start < cursor)
     }
 
-    /// Returns the cursor after the last event of the stage at `index`, if events were recorded; of nested levels and
-    /// of a stipple the number of samples.
+    /// Returns the cursor after the last event of the stage at `index`, if events were recorded; of nested levels the number
+    /// of samples.
     #[must_use]
     pub fn stage_end(&self, index: usize) -> Option<usize> {
         if self.has_prefixes() {

@@ -58,7 +58,7 @@ impl RunCurve {
     ///
     /// # Errors
     ///
-    /// The number is defined at no moment of the run, so that there is no picture.
+    /// [`FigureError`] when there is no picture, as of a number that is defined at no moment of the run.
     pub fn file(
         &self,
         session: &Session,

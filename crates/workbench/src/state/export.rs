@@ -164,22 +164,17 @@ impl Exports {
             return Err(ExportRefusal::NoSession);
         };
 
-        // The kind is checked before the name of the file, since a name does not help where there is nothing to export.
+        // The kind is checked before the name of the file, since a name does not help where there is nothing to export. The
+        // name gives the format, which for a set in space needs a third coordinate.
         let refusal = source.kind_refusal(form.kind);
         let of_name = || form.name_refusal().or_else(|| lacks_third(form, session));
         if let Some(refusal) = refusal.or_else(of_name) {
             return Err(refusal);
         }
 
-        if form.kind.is_set()
-            && let Some(refusal) = lacks_third(form, session)
-        {
-            return Err(refusal);
-        }
-
         match form.kind {
             ExportKind::Result | ExportKind::Samples if source.is_stipple() => {
-                // The sheet has no field in which a wrong colour of another format could be mended.
+                // Only for an SVG the sheet has the fields of colours, so that a wrong one refuses no other format.
                 if form.draws_samples() {
                     form.ink.look()?;
                 }
@@ -520,7 +515,7 @@ fn checked_scenes(
     Ok((shown, scale?))
 }
 
-/// Returns the scale of a sheet, unless the picture is too large.
+/// Returns the scale of a sheet. Refuses a picture that is too large or would draw too many samples.
 fn checked_scale(
     form: &ExportForm,
     source: ExportSource<'_>,

@@ -74,7 +74,7 @@ impl Form {
         let session = run.session.as_ref().filter(|_| run.sampling.is_none())?;
 
         if !session.has_recipe() {
-            // Only combinations and nested levels of a file have no recipe.
+            // Combinations have no recipe, nor have nested levels of a file.
             let what = match session.kind() {
                 SessionKind::Combination => "A combination is",
                 SessionKind::Run
@@ -97,7 +97,7 @@ impl Form {
         let shape = |ground: &Option<GroundRequest>| {
             ground.as_ref().and_then(|ground| ground.shape.clone())
         };
-        // Of a request without a field the radius is that of the parameters, which are named above.
+        // A request without a field has no radius of its own: that of the parameters is compared above.
         let of_made = made.ground.map(|ground| *ground);
         if radius(&ground).flatten() != radius(&of_made).flatten() {
             names.push("radius as a function");
