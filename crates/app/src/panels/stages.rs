@@ -22,8 +22,8 @@ use tilescope_workbench::command::{Command, TimeCommand};
 
 pub const CONTENT: Content = Content::of_run(Room::Scrolled, show);
 
-/// Shows the table of stages, or of nested levels, and what gluing did, if sets were glued. Without a session only its
-/// heading is shown.
+/// Shows the table of stages, or of nested levels; of a stipple how many dots there are and of how many; and what gluing did,
+/// if sets were glued. Without a session only the heading is shown.
 pub fn show(ui: &mut Ui, context: &PanelContext<'_>, commands: &mut Vec<Command>) {
     let palette = context.palette;
     let heads = match context.run.prefix() {

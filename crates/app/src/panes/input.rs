@@ -26,8 +26,8 @@ const PICK_BY_FINGER: f64 = 24.0;
 /// How far an arrow key pans the view, in screen points.
 const PAN: f32 = 80.0;
 
-/// Pans, zooms, hovers and selects; returns the pointer's position, if it hovers. Where a brush paints the canvas, its button and a
-/// single finger do neither.
+/// Pans, zooms, hovers and selects; returns the pointer's position, if it hovers. Where a brush paints the canvas
+/// (`is_painted`), nothing is selected, and the primary button and a single finger do not pan.
 pub fn handle(
     ui: &Ui,
     response: &Response,

@@ -123,8 +123,8 @@ fn means(spectrum: &Spectrum, side: usize) -> Vec<f64> {
     sums.into_iter().map(|[sum, count]| sum / count).collect()
 }
 
-/// Shows the difference of the spectra of runs A and B in a square of the full width, which is empty if one of the two
-/// is missing (`None`).
+/// Shows the difference of the spectra of runs A and B in a square as wide as the room, at most [`MAX_SIDE`]. The square is
+/// empty if one of the two is missing (`None`).
 pub fn show(ui: &mut Ui, spectra: Option<[&Arc<Spectrum>; 2]>, palette: &Palette) {
     let side = ui.available_width().min(MAX_SIDE);
     let room = vec2(ui.available_width(), side);
