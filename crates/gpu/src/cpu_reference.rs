@@ -16,9 +16,9 @@ pub struct RunDifference {
     pub list: &'static str,
     /// The index in the list; `None` if the list has no indices.
     pub index: Option<usize>,
-    /// The element on the device; empty past the end of its list.
+    /// The element on the device; empty past the end of its list, and if the list has no indices.
     pub device: String,
-    /// The element on the CPU; empty past the end of its list.
+    /// The element on the CPU; empty past the end of its list, and if the list has no indices.
     pub cpu: String,
 }
 

@@ -98,7 +98,7 @@ impl State {
         if self.stage.is_none() {
             return Ok(run);
         }
-        // If the device began with an iteration, the stages before it are those that the CPU computed.
+        // If the device began after elimination, the samples up to there are those of the CPU.
         if let Some((Stage::Iterate(_) | Stage::Finish, base)) = &work.base {
             run = base.clone();
             self.iterations(work, &mut run);
@@ -287,7 +287,7 @@ impl State {
         });
     }
 
-    /// Returns the candidates sorted by position. If several triples of sites make the same candidate, the lowest is
+    /// Returns the candidates sorted by position. If several sets of sites make the same candidate, the lowest is
     /// kept.
     fn candidates(
         &self,
@@ -316,7 +316,7 @@ impl State {
             })
             .collect();
 
-        // The sequence of proposals depends on atomics, and several triples may make one point.
+        // The sequence of proposals depends on atomics, and several sets of sites may make one point.
         tilescope_core::stages::insert::unique(&mut candidates);
         candidates
     }

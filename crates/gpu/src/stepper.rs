@@ -41,8 +41,8 @@ impl Stepper {
     /// Returns a run before its first pass. The CPU computes the stages before `first_gpu_stage`; with
     /// [`Stage::Blocks`] the device computes all of them.
     ///
-    /// Fails when the parameters cannot be sampled, when the run does not fit the device in one go, and when a
-    /// run ends before `first_gpu_stage`.
+    /// Fails when the parameters cannot be sampled, when the run does not fit the device in one go, when
+    /// `first_gpu_stage` is [`Stage::Regions`], and when a run ends before `first_gpu_stage`.
     pub async fn new(
         gpu: Arc<Gpu>,
         parameters: &Parameters,

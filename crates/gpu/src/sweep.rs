@@ -190,7 +190,7 @@ impl GpuSweep {
         }
     }
 
-    /// Computes the next band in windows of at most `longest` cells.
+    /// Computes the next band in windows of at most `longest` cells a side.
     async fn band(
         &mut self,
         longest: u32,

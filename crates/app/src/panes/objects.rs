@@ -132,9 +132,8 @@ impl ObjectList<'_> {
         let (down, up) = (press(Key::ArrowDown), press(Key::ArrowUp));
         let target = match selected {
             Some(at) => (at + down).saturating_sub(up),
-            // Without a selection the first press down leads to object 0, and the first press up to the last one:
-            // presses start between these two, at `count`, which the remainder makes 0, and the first press down does
-            // not move on.
+            // Without a selection presses are counted from `count`, which the remainder makes object 0. The first press
+            // down adds nothing, and so leads to object 0; the first press up leads to the last object.
             None => (down + count).saturating_sub(up + usize::from(down > 0)) % count.max(1),
         };
 

@@ -66,7 +66,8 @@ impl MarkedCells {
         let sources = held.sources;
 
         // A first blocker is at most r from its dart. A dart deeper than r in the part has its first blocker in the
-        // part, and is not marked. The part is half open, so that below and left it takes a unit more.
+        // part, and is not marked. `deeper` is half open: it begins with the first place deeper than r, and ends with
+        // the first one that is not.
         let Rect { min, max } = held.placed(&sources);
         let deeper = Rect {
             min: Point::new(min.x.max(part.min.x + R + 1), min.y.max(part.min.y + R + 1)),

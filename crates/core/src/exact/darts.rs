@@ -28,7 +28,7 @@ pub(crate) const LANES: usize = 8;
 pub struct Arrival(u64);
 
 impl Arrival {
-    /// Returns the arrival of a dart of `rank` in a throw; a level has at most four.
+    /// Returns the arrival of a dart of `rank` in a throw; a level has at most four throws.
     #[must_use]
     pub const fn new(level: u32, throw: u32, rank: u32) -> Self {
         Self(((4 * level + throw) as u64) << 32 | rank as u64)

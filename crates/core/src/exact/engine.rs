@@ -227,7 +227,7 @@ impl<'a> ExactTiling<'a> {
         let moved = self.present.ground().moved(block);
         self.present.add_tile(moved);
 
-        // The turned pattern's place at the lowest corner of `rect` enlarged by r, as `block.start` is that of the whole
+        // Where the turned pattern has the lowest corner of `rect` enlarged by r. `block.start` is the same for the whole
         // block.
         let start = I64Vec2::from(block.start) + I64Vec2::from(rect.min) - block.rect.min;
         let pattern_rect = self.history.pattern().domain().rect();

@@ -97,7 +97,7 @@ impl<'a> PresentSamples<'a> {
     /// Returns where the ground has a place that the domain has in a tile.
     pub(crate) fn on_ground(&self, tile: u32, place: Point) -> Point {
         let IVec2 { x, y } = self.moves[tile as usize];
-        // The domain may begin so far below the ground that only the sum fits into the integers.
+        // The move may be too large for 32 bits, and wraps around. The sum fits.
         Point::new(place.x.wrapping_add(x), place.y.wrapping_add(y))
     }
 

@@ -2,7 +2,8 @@
 //! samples.
 //!
 //! The *first blocker* of a dart is the earliest sample of the pattern that covers it, its *second blocker* the next
-//! one. A sample of the pattern is *missing* in a block if it lies outside of the block, or is lost or doubtful there.
+//! one. A sample of the pattern is *missing* in a block if it lies outside of the block, or is lost or doubtful there. It is
+//! *doubtful* if no certain earlier sample covers it, but something may that lies beyond the ground or is doubtful itself.
 
 use fearless_simd::Simd;
 use glam::IVec2;
@@ -98,9 +99,8 @@ impl SeamTiling<'_> {
     #[inline(never)]
     fn lose(&mut self, id: u32) -> bool {
         let sample = &mut self.samples[id as usize];
-        // A sample is left out of the listed ones that the window takes because it comes with the interior of its
-        // block, which is copied, or because it is doubtful. From the interior a doubtful one is then removed, too,
-        // which changes nothing if it is not there.
+        // A sample was left out before if the interior of its block has it, which is copied, or if it was doubtful. In
+        // both cases it is removed from the interior, which changes nothing if it is not there.
         let is_deep = std::mem::replace(&mut sample.is_left_out, true);
         let ListedSample {
             place,

@@ -115,7 +115,7 @@ impl DiskLists {
         (row * self.stride + column) as usize
     }
 
-    /// Returns whether the list of a cell is whole, and says that it will be.
+    /// Returns whether the list of a cell was whole, and marks it as whole.
     #[inline(always)]
     pub(super) fn make_whole(&mut self, cell: usize) -> bool {
         std::mem::replace(&mut self.cells[cell].is_whole, true)
@@ -365,8 +365,8 @@ impl DiskLists {
     ) -> u32 {
         let too_far = i32x8::splat(simd, R + 1);
         // By quarter and lane, the least of the squared distances from the quarter's farthest place to a sample, less R
-        // squared: where that is at most 0, the sample covers the quarter. It is asked once, behind the last group. To
-        // stop at a group that covers all quarters would take a branch that the processor cannot foresee.
+        // squared: where that is at most 0, the sample covers the quarter. The numbers are looked at once, after the last
+        // group. To stop at a group that covers all quarters would take a branch that the processor cannot foresee.
         let mut beyond = [i32x8::splat(simd, i32::MAX); 4];
         let mut index = self.cells[cell].first as usize;
         while index != 0 {
