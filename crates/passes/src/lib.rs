@@ -160,7 +160,7 @@ impl Passes {
             PassCommand::First => self.select(0),
             PassCommand::Last => self.select(last),
             PassCommand::Buffer(index) => {
-                // The result of the last export is about another buffer, and below about other rows.
+                // The result of the last export is about another buffer; in the two cases that follow, about other rows.
                 self.export_result = None;
                 self.shown.show(self.visit.as_ref(), index);
             }

@@ -7,7 +7,7 @@
 const MAX_EXACT: f64 = 9_007_199_254_740_992.0;
 
 /// Returns whether a character separates thousands wherever it stands between two digits: blanks of any width, which
-/// people paste from other programs, and apostrophes, as the Swiss write.
+/// people paste from other programs, apostrophes, as the Swiss write, and underscores.
 const fn separates(c: char) -> bool {
     matches!(
         c,
@@ -26,8 +26,8 @@ fn are_thousands<'a>(mut parts: impl Iterator<Item = &'a str>) -> bool {
     leads && parts.all(|part| is_digits(part) && part.len() == 3)
 }
 
-/// Returns a typed number as Rust writes numbers, or `None` if blanks separate anything but thousands. Other texts that
-/// are no numbers stay such, and are refused where the result is read.
+/// Returns a typed number as Rust writes numbers, or `None` if blanks, apostrophes or underscores separate anything but
+/// thousands. Other texts that are no numbers stay such, and are refused where the result is read.
 fn plain(text: &str) -> Option<String> {
     let text = text.trim();
     // Rust reads only the hyphen as the sign of a negative number.
@@ -49,7 +49,7 @@ fn plain(text: &str) -> Option<String> {
             return None;
         }
         whole.retain(|c| !separates(c));
-        // "1 000,5": after blanks a comma can only be a decimal one, unless there is a point as well.
+        // "1 000,5": after these separators a comma can only be a decimal one, unless there is a point as well.
         if whole.matches(',').count() == 1 && !rest.starts_with('.') {
             whole = whole.replace(',', ".");
         }

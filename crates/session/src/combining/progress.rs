@@ -1,5 +1,5 @@
-//! The progress of making a combination, over all its sets and the steps after them. The shares are fixed, as
-//! measured for sets that are sampled, not read from files.
+//! The progress of making a combination, over all its sets and the steps after them. The shares are fixed:
+//! those of the stages of tiling were measured, and all others are estimates.
 
 use std::ops::ControlFlow;
 use std::sync::atomic::{AtomicU64, AtomicUsize, Ordering};

@@ -233,7 +233,8 @@ impl Draft {
         self.ground.request(self.parameters.radius)?.ok()
     }
 
-    /// Chooses how the radius is given. A field seldom goes around, so that the domain becomes bounded, as on the command line.
+    /// Chooses how the radius is given. Where it was one number, the domain becomes bounded, as on the command line: few fields
+    /// are periodic.
     pub(super) fn choose_radius_by(&mut self, by: RadiusBy) {
         // Without an image there is nothing to read the radius from.
         let is_of_image = matches!(by, RadiusBy::Image | RadiusBy::Density | RadiusBy::Stipple);
@@ -386,14 +387,14 @@ impl Draft {
             stipple: None,
         });
 
-        let told = |error: VaryingError| sentence(&error.to_string());
-        let mut radii = PaintedRadii::of(&request.recipe(&self.parameters)).map_err(told)?;
+        let in_words = |error: VaryingError| sentence(&error.to_string());
+        let mut radii = PaintedRadii::of(&request.recipe(&self.parameters)).map_err(in_words)?;
         radii.paint(stroke);
         // Painted radii are always those of an image.
         let RadiusSource::Image {
             image,
             radii: [black, white],
-        } = radii.source().map_err(told)?
+        } = radii.source().map_err(in_words)?
         else {
             return Ok(());
         };
@@ -437,7 +438,7 @@ impl Draft {
         let Some(before) = self.ground.unpainted.take() else {
             return;
         };
-        // Another choice of the radius was made since, and stays.
+        // If the radius was chosen otherwise since then, that choice stays.
         if self.ground.is_painted() {
             let Unpainted {
                 by,

@@ -128,8 +128,8 @@ impl StippleDraft {
         typed::number(text).ok_or_else(|| format!("\"{text}\" is not a number."))
     }
 
-    /// Returns the stipple of an image that is asked for. A text that is no number is among the refusals, and stands for
-    /// the number at first.
+    /// Returns the stipple of an image that is asked for. A text that is no number is among the refusals; the
+    /// number with which the form begins takes its place.
     pub(super) fn request(&self, image: GrayImage) -> StippleRequest {
         let number = |number, first: f64| self.read(number).unwrap_or(first);
         StippleRequest {

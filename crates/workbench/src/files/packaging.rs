@@ -67,8 +67,8 @@ fn page_files() -> std::future::Ready<Result<Vec<NamedBytes>, String>> {
     ))
 }
 
-/// Reads the files of a page's folder; the error of a missing one names the folders that were looked at. It goes on
-/// after "There is no package: ".
+/// Reads the files of a page's folder; the error of a missing one names the folders that were looked at. Its text
+/// ends the sentence that begins with "There is no package: ".
 #[cfg(not(target_arch = "wasm32"))]
 fn files_of_folder(
     folder: Result<std::path::PathBuf, Vec<std::path::PathBuf>>,

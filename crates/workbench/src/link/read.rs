@@ -210,7 +210,7 @@ impl LinkReader {
 
         let at = self.take("at", |text| text.parse().ok());
         let stage = self.take("stage", name);
-        // Ranks are at least 0 and below 1: 0 would show no sample, and 1 shows all.
+        // The samples below this rank are shown. Theirs go from 0 to below 1: 0 would show none, and 1 shows all.
         let is_rank = |rank: &f64| *rank > 0.0 && *rank <= 1.0;
         let rank = self.take("rank", |text| finite(text).filter(is_rank));
         // An event, or a number of samples, is more exact than a rank, and a rank more than a stage.
@@ -371,7 +371,7 @@ impl LinkReader {
         if let Some(speed) = self.take("speed", |text| speed(text.parse().ok()?)) {
             content.view.playback.choose_speed(speed);
         }
-        // This is read last, because choosing a clock or a speed ends playing by a duration.
+        // This is read after the clock and the speed, because choosing one of these ends playing by a duration.
         if let Some(secs) = self.take("whole-run", |text| whole_run(text.parse().ok()?)) {
             content.view.playback.whole_run_secs = Some(secs);
         }

@@ -48,7 +48,7 @@ impl SaveTask {
         let session = first.session.as_ref();
         let run = first.debugger.as_ref().zip(session);
 
-        // One of the two is `None`: combinations have no events.
+        // At least one of the two is `None`: combinations have no events.
         Self {
             // Saving from the sheet puts the name that is typed there in its place.
             name: LAST_SESSION.to_owned(),

@@ -57,7 +57,7 @@ impl SavedView {
         context.ask(Effect::Layout(self.layout.clone()));
 
         let run = &mut runs.first;
-        // A view without a camera is fitted into the canvas. Until there is one, the camera stays as it is.
+        // A view without a camera is fitted into the canvas. Until there is a canvas, the camera stays as it is.
         let without_canvas = self.camera.unwrap_or(run.camera);
         run.take_camera(self.camera, without_canvas);
         if let Some(place) = self.plane {
