@@ -70,7 +70,7 @@ impl Objects {
         (self.listed.iter()).position(|object| object.selection == selection)
     }
 
-    /// Adds the nearest of `found`, and says how many others there are; `kind` is what one of them is called, and several.
+    /// Adds the nearest of `found`, and says how many others there are; `kind` has the words for one other and for several.
     fn add(&mut self, mut found: Vec<Near>, kind: [&str; 2], object: impl Fn(&Near) -> Object) {
         // By their numbers where they are equally near, so that the order does not change from frame to frame.
         let order = |a: &Near, b: &Near| a.away.total_cmp(&b.away).then(a.number.cmp(&b.number));
@@ -139,7 +139,7 @@ impl<'a> View<'a> {
         let size = shown.session.size_radii();
 
         let found = gaps.iter().enumerate().filter_map(|(number, gap)| {
-            // A gap across a seam has places beyond the domain, where nothing can be selected.
+            // A gap across the border of a periodic domain has places beyond it, where nothing can be selected.
             let place = gap.deepest.0.rem_euclid(size);
             self.near(number, place)
         });

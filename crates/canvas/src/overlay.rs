@@ -107,7 +107,7 @@ fn local_position(subject: &Subject<'_>, position: DVec2) -> Option<String> {
     Some(format!("{text}  radius {}", significant(radius * unit)))
 }
 
-/// Returns 1, 2 or 5 times the power of ten that is nearest below `radii`.
+/// Returns the largest number that is at most `radii` and 1, 2 or 5 times a power of ten.
 fn round_length(radii: f64) -> f64 {
     let power = 10_f64.powf(radii.log10().floor());
     let steps = [5.0, 2.0, 1.0];

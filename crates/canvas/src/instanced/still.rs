@@ -66,8 +66,8 @@ impl Stills {
         }
     }
 
-    /// Returns the pass that redraws the picture of `layer`, cleared, unless it is up to date; the caller must then
-    /// draw into it.
+    /// Returns the pass that redraws the picture of `layer`, cleared, in which the caller must draw it; `None` if it is
+    /// up to date.
     pub fn renew(
         &mut self,
         device: &wgpu::Device,
