@@ -1,4 +1,4 @@
-//! A set in a field of radii whose darts have a wrong clock: where the side of the cells doubles, the samples show a stripe. A
+//! A set in a field of radii whose darts no coin thins: where the side of the cells doubles, the samples show a stripe. A
 //! lesson compares it with the right set. Begin with [`without_coin`].
 
 use std::sync::Arc;

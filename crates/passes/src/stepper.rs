@@ -19,7 +19,7 @@ pub(super) enum AnyStepper {
     Exact(Box<ExactStepper>),
 }
 
-/// What places the rows of buffers that are read between the same two passes.
+/// The data from which the places of buffer rows follow, read between the same two passes as the rows.
 pub(super) enum AnyRows {
     Kdrt(RowLocator),
     Exact(ExactRows),

@@ -53,7 +53,7 @@ pub fn exact_pieces(
             continue;
         };
 
-        // The turned pattern's place at the lowest corner of `rect` enlarged by r, as `block.start` is that of the whole block.
+        // Where the turned pattern has the lowest corner of `rect` enlarged by r. `block.start` is the same for the whole block.
         let start = I64Vec2::from(block.start) + I64Vec2::from(rect.min) - block.rect.min;
         let symmetry = Symmetry(block.symmetry);
         let placed = pieces(count, &rect, start, symmetry, &held);

@@ -28,7 +28,7 @@ pub struct SolidRun {
 /// places, and their third coordinate as `z`. `planar` is the domain of the projections, with the lattice of `domain`.
 ///
 /// Of the parameters, the seed alone changes the set. Those of the run say uniform insertion, as all its samples are darts. Fails only
-/// when `observer` stops it. No memory is asked for: callers record small sets only.
+/// when `observer` stops it. The memory is not asked for in advance: callers record small sets only.
 pub fn solid_recorded<T: Recorder>(
     domain: SolidDomain,
     planar: Domain,
@@ -45,7 +45,7 @@ pub fn solid_recorded<T: Recorder>(
     let (mut points, mut heights) = (Vec::new(), Vec::new());
     let (mut iterations, mut cubes) = (Vec::new(), Vec::new());
 
-    // This ends: cubes become smaller level by level, and one of a single place throws exactly it.
+    // This ends: cubes become smaller level by level, and the dart of a cube of one place falls on that place.
     while !process.is_finished() {
         let number = iterations.len() as u32 + 1;
         let first = points.len() as u32;

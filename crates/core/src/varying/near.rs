@@ -54,7 +54,7 @@ pub(super) struct QuarterTest {
     pub corner: IVec2,
     /// The side of a quarter.
     pub half: i32,
-    /// Of each quarter, row by row, a radius that no place in it is below.
+    /// Of each quarter, row by row, a lower bound of its radii.
     pub least: [i32; 4],
 }
 
@@ -111,7 +111,7 @@ impl NearSamples {
         list.count += 1;
     }
 
-    /// Returns the number of a new group.
+    /// Adds a group, in the place of a free one if there is any, and returns its number.
     fn add_group(&mut self, group: SampleGroup) -> u32 {
         if self.free == NO_GROUP {
             self.groups.push(group);

@@ -37,7 +37,7 @@ impl DartRoom {
 
         // Darts are thrown along the borders of blocks, whose length to an area falls as the leaf grows. Measured to a squared
         // radius, at leaves of 6, 20 and 80 r: 0.64, 0.22 and 0.06 darts that became questions, and 0.94, 0.33 and 0.10 cells in
-        // the longest list. There is room for a third more.
+        // the longest list. There is room for a quarter to a half more.
         let share = |most: f64, per_leaf: f64| area * (per_leaf / parameters.leaf).min(most);
         // A domain may get 2% more of the pattern's samples than the mean: chosen, not measured. In small domains numbers vary
         // more, and 4,096 entries cost little.
@@ -52,7 +52,7 @@ impl DartRoom {
     pub(super) fn check(self, parameters: &Parameters, limits: &Limits) -> Result<(), GpuError> {
         let end = parameters.validate()?.rect().max;
         let needed = u64::from(self.darts) * size_of::<Dart>() as u64;
-        // Room ends with the numbers of 32 bits, and binding limits may lie beyond.
+        // Room is counted in 32 bits, and a binding limit may be larger than that.
         let allowed = limits.max_storage_buffer_binding_size.min(MOST_DART_BYTES);
         if needed > allowed {
             return Err(GpuError::ExactTooLarge {
@@ -187,10 +187,10 @@ impl ExactPlan {
             cells,
             ..
         } = self.ground;
-        // No set has more samples to an area.
-        let most = (f64::from(cells) * MAXIMAL_DENSITY) as u32;
+        // The result is about as long as that of any maximal set.
+        let expected = (f64::from(cells) * MAXIMAL_DENSITY) as u32;
         let mut lengths = self.lengths();
-        lengths.extend(Self::result_lengths(most));
+        lengths.extend(Self::result_lengths(expected));
         // Each buffer is bound as a whole.
         let longest = lengths.iter().map(|(_, length)| *length).max().unwrap_or(0);
         let sum = lengths.iter().map(|(_, length)| length).sum();

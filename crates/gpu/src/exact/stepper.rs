@@ -110,7 +110,7 @@ impl ExactStepper {
         let darts = self.work.device.bytes(Name::Darts, 0..bytes).await?;
         let darts: Vec<Dart> = bytemuck::pod_collect_to_vec(&darts);
         let states = self.work.device.words(Name::States, 0..count).await?;
-        // Samples of later levels are present as they were laid down, which the CPU does not compare.
+        // Samples of later levels are present as they were laid down. They are left out, as in the CPU's samples.
         let is_decided = |dart: &Dart| {
             // A label has four times the level, plus the throw, below the piece.
             let level = (dart.label % (1 << THROW_BITS)) / 4;
@@ -133,7 +133,7 @@ impl ExactStepper {
         BufferRows::read(&self.work.device, name, rows).await
     }
 
-    /// Returns what places buffer rows that are read between the same two passes.
+    /// Returns the data from which the places of buffer rows follow; the rows must be read between the same two passes.
     pub async fn rows(&self) -> Result<ExactRows, GpuError> {
         let ExactWork {
             current,

@@ -154,7 +154,7 @@ impl Parcel {
         }
     }
 
-    /// Adds each new sample to the lists of the families that have a place that it can be near.
+    /// Adds each new sample to the lists of the active families in which it can be near a place.
     fn list_new_samples(&mut self) {
         let last = self.square.side - 1;
         for sample in self.new_samples.drain(..) {
@@ -218,7 +218,7 @@ impl Parcel {
             let family = &mut self.families[number as usize];
             let first = self.parts.len();
 
-            // A part of one point has thrown that point.
+            // A part of one point has thrown a dart at it, and is not cut.
             if level <= u32::from(family.bits) {
                 let half = 1 << (u32::from(family.bits) - level);
                 for part in parts {
@@ -232,7 +232,7 @@ impl Parcel {
         }
     }
 
-    /// Throws darts into all active parts, and keeps those that exist and that no sample is near.
+    /// Throws darts into all active parts, and keeps those in the shape that the coin leaves and that no sample is near.
     #[inline(always)]
     fn throw<S: Simd>(
         &mut self,
@@ -255,7 +255,7 @@ impl Parcel {
                     continue;
                 }
 
-                // Most darts are covered, and that is found sooner than whether they exist at all.
+                // Most darts are covered, which is found sooner than whether they are in the shape or left out by the coin.
                 let radius = family.radius_at(dart.at, field);
                 let offset = dart.at - family.min;
                 if self.near.covers(simd, family.near, offset, radius) {
