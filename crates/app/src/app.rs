@@ -193,9 +193,9 @@ impl App {
     /// Shows the panels as they are arranged in a window of this size and look.
     fn show_panels(&mut self, ui: &mut Ui) {
         if let Some(embedding) = self.embedding() {
-            // A lesson beside the canvas has issued commands already. Only those that a window in the frame of a page
-            // may carry out (`in_frame`) are kept, as the others open what this part of the window does not show; and
-            // the files that were dropped on a small window with a lesson.
+            // A lesson beside the canvas has issued commands already. Two kinds of them are kept: those that a window in
+            // the frame of a page may carry out (`in_frame`), as the others open what this part of the window does not
+            // show, and files that were dropped on a small window with a lesson.
             let takes_files = self.state.window().embedding.is_none();
             let stays = |command: &Command| {
                 command.rules().in_frame || takes_files && matches!(command, Command::File(_))
@@ -439,7 +439,7 @@ impl App {
         }
     }
 
-    /// Applies the look and the style for fingers or a mouse, where one of them has changed.
+    /// Applies the look, and the style for fingers or a mouse and with less motion or not, if one of them has changed.
     fn follow_look(&mut self, ctx: &Context) {
         let is_compact = self.state.window().drawer.arrangement.is_compact();
         let input_style = InputStyle {
@@ -600,7 +600,7 @@ impl Behavior<Panel> for Shower<'_> {
         }
     }
 
-    /// Gives a tab its id and its menu, and scrolls to the tab of a panel that was opened by a command or a link.
+    /// Gives a tab its id and its menu, and scrolls to the tab of a panel that has come forward.
     fn on_tab_button(
         &mut self,
         _: &mut Tiles<Panel>,

@@ -26,7 +26,7 @@ use rules::{RadiusRule, RuleCounts, RuledField};
 
 /// How many times the least radius the largest is, on waves.
 const CONTRASTS: [f64; 4] = [2.0, 4.0, 16.0, 32.0];
-/// The length of a wave in least radii. At a contrast of 32 the radius grows by up to 0.27 for each unit, at 16 by 0.12.
+/// The length of a wave in least radii. At a contrast of 32 the radius grows by up to 0.29 for each unit, at 16 by 0.13.
 const WAVE: f64 = 512.0;
 /// Radii of sets of one radius, in least radii of a field. A process whose cells have sizes of powers of two could have other
 /// densities just below and above an octave.
@@ -83,7 +83,7 @@ struct VaryingResults {
 }
 
 impl VaryingResults {
-    /// Returns the densities of all rules on a field, relative to that of one radius, with the error of both.
+    /// Returns the density by a rule on a field over that by the same rule for one radius, and the error of this ratio.
     fn relative(&self, rule: usize, field: usize) -> [f64; 2] {
         let [one, one_error] = self.ruled[0].1.by_rule[rule].density();
         let [here, error] = self.ruled[field].1.by_rule[rule].density();

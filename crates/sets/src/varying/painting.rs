@@ -53,7 +53,7 @@ impl Default for Brush {
 impl Brush {
     /// The least and the largest size: from a few pixels to half of the domain.
     pub const SIZES: [f64; 2] = [0.01, 0.5];
-    /// The least and the largest strength: from an eighth more to four times as much.
+    /// The least and the largest strength: from 7 % more to four times as much.
     pub const STRENGTHS: [f64; 2] = [0.1, 2.0];
 
     /// Returns the brush with its numbers within their limits.
@@ -282,7 +282,7 @@ fn pixels(recipe: &VaryingRecipe, size: [f64; 2]) -> Result<[usize; 2], VaryingE
 fn squares(size: [f64; 2]) -> Option<[usize; 2]> {
     let longer = size[0].max(size[1]);
     let counts = |along: usize| size.map(|side| side / longer * along as f64);
-    // Sides are rounded to the lattice, by less than a part in 2^30.
+    // The quotients of the sides are rounded, by some parts in 2^53.
     let is_whole = |count: f64| count >= 0.5 && (count / count.round() - 1.0).abs() < 1e-12;
     let along = (1..=PIXELS)
         .rev()

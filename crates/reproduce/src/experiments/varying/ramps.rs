@@ -21,7 +21,7 @@ pub const RAMPS: [Ramp; 6] = [
 /// Samples are counted this many of their own radii from the border, where there are more of them (0.23 for each R of it).
 /// Farther in, no place of a ramp steeper than 0.5 would be left.
 const MARGIN: f64 = 2.0;
-/// Pairs need more room: the other sample of a pair may be this many radii away, with its own radius.
+/// Pairs need more room: the other sample of a pair may be some three radii away, and has a disk of its own.
 const PAIR_MARGIN: f64 = 4.0;
 /// No place of a steeper ramp is this far from both ends.
 const STEEPEST_WITH_PAIRS: f64 = 0.2;

@@ -10,7 +10,7 @@ use tilescope_core::{Key, Stream};
 
 use super::fields::{FieldCounts, integral};
 
-/// How two radii make the distance below which samples are in conflict.
+/// How two radii make the distance up to which samples are in conflict.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum RadiusRule {
     Least,
@@ -39,7 +39,7 @@ impl RadiusRule {
         }
     }
 
-    /// Returns the distance below which places of these radii are near each other.
+    /// Returns the distance up to which places of these radii are near each other.
     fn near(self, one: f64, other: f64) -> f64 {
         match self {
             Self::Least => one.min(other),
@@ -50,8 +50,8 @@ impl RadiusRule {
         }
     }
 
-    /// Returns how far from a place of some radius others can be near it, where no radius is above `greatest`. All rules
-    /// grow with the other radius.
+    /// Returns how far from a place of some radius others can be near it, where no radius is above `greatest`. No rule
+    /// gives less for a larger one.
     fn reach(self, radius: f64, greatest: f64) -> f64 {
         self.near(radius, greatest)
     }

@@ -76,7 +76,7 @@ fn pair_chart(found: &VaryingResults) -> LineChart {
     let with_pairs = found.ramps.iter().filter(|one| !one.pairs.is_empty());
     let series = with_pairs.enumerate().map(|(number, ramp)| {
         let places = ramp.pairs.iter().enumerate();
-        // "here" has the look 0.
+        // Look 0 is that of "here" in the other charts.
         let name = format!("slope {}", ramp.slope);
         measured(
             &name,
