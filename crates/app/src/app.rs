@@ -439,7 +439,7 @@ impl App {
         }
     }
 
-    /// Applies the look, and the style for fingers or a mouse and with less motion or not, if one of them has changed.
+    /// Applies the look, and the style for fingers and for less motion, if one of them has changed.
     fn follow_look(&mut self, ctx: &Context) {
         let is_compact = self.state.window().drawer.arrangement.is_compact();
         let input_style = InputStyle {

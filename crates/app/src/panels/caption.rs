@@ -133,7 +133,7 @@ pub fn show(ui: &Ui, state: &State, commands: &mut Vec<Command>) {
         });
 }
 
-/// Room for title, buttons and margins of a card below the canvas, and for the buttons that some cards have more.
+/// Room for title, buttons and margins of a card below the canvas, and for the further buttons that some cards have.
 const AROUND_TEXT: [f32; 2] = [108.0, 60.0];
 
 /// Returns the height of the card below a canvas, where it is `width` wide.

@@ -69,7 +69,7 @@ fn min_canvas_height(ctx: &Context) -> f32 {
     MIN_CANVAS_HEIGHT.min(share.round())
 }
 
-/// Returns the height of the row of tabs. The tour needs its room: one thing at a time.
+/// Returns the height of the row of tabs, which the card of the tour replaces.
 fn tabs_height(state: &State) -> f32 {
     if caption::is_below(state) { 0.0 } else { TABS }
 }

@@ -35,7 +35,7 @@ pub fn show(ui: &mut Ui, state: &State, commands: &mut Vec<Command>) {
         // Text and Enter may come in one frame: the text filters the list first.
         let (field_id, filter) = field(ui, open, commands);
         found = actions::found(&filter, state);
-        // The last letter typed may have left so few actions that the chosen row is gone: the last row is chosen then.
+        // A script may choose a row beyond the end, and actions may go while the list is open: the last row is chosen then.
         let choice = filter.choice.min(found.len().saturating_sub(1));
 
         ui.add_space(6.0);
