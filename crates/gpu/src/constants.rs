@@ -37,7 +37,7 @@ pub const SCAN_EACH: u32 = 16;
 /// Elements that one workgroup sums up.
 pub const SCAN_PART: u32 = SCAN_EACH * WORKGROUP;
 
-/// Sides of a pixel, in units: an eighth of a cell.
+/// The binary logarithm of the side of a pixel, which is an eighth of a cell wide.
 const PIXEL_BITS: u32 = CELL_BITS - 3;
 
 /// The largest distance of a point in a pixel from its centre: 2048 units on each axis, which make 2896.3, and one unit

@@ -16,8 +16,8 @@ pub(crate) const HALO: i32 = 24;
 /// The shortest side of a window, in cells. Chosen, not measured: around one so short, nearly all of the frame is halo.
 pub(crate) const MIN_SIDE: u32 = 8;
 
-/// How often a window may need more room before that counts as a fault. Chosen, not measured: most of the room doubles
-/// each time.
+/// How often a window may need more room before that counts as a fault. Chosen, not measured: a list gets at least the
+/// room that it was found to need each time.
 pub(crate) const MAX_TRIES: usize = 8;
 
 /// The halo of a window and the room of its lists. Both grow until they suffice.

@@ -31,7 +31,8 @@ impl SeamTiling<'_> {
         let symmetry = Symmetry(block.symmetry);
         // Late darts at places that something unknown may cover are not thrown.
         if let Some(core) = Rect64::from(rect).within(&self.ground.core()) {
-            // The clip of the core starts as far from that of the block as its lowest corner lies from the block's.
+            // Where the turned pattern has the lowest corner of `core` enlarged by r. `block.start` is the same for the whole
+            // block.
             let start = I64Vec2::from(block.start) + I64Vec2::from(core.min) - block.rect.min;
             let pattern_rect = self.history.pattern().domain().rect();
             for piece in pieces(tile, &core, start, symmetry, &pattern_rect) {
