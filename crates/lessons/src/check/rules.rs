@@ -17,7 +17,8 @@ use crate::prose;
 const MAX_WORDS: usize = 60;
 /// The most words of a question: as many as of a step's text.
 const MAX_ASK_WORDS: usize = 60;
-/// The largest share of seeds in which one option is right: above it, who always chooses the same is right most of the time.
+/// The largest share of seeds in which one option is right: above it, a learner who always chooses the same is right most of
+/// the time.
 const MAX_SHARE: f64 = 0.6;
 /// The largest share of seeds in which the right option is at one place of the list: of three shuffled options each place has
 /// about a third, of two a half, which is too much.

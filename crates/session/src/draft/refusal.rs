@@ -65,8 +65,8 @@ impl DraftRefusal {
 }
 
 impl Draft {
-    /// Returns all errors, field by field: unreadable texts first, then errors of the core. If there are none, the draft can
-    /// be run.
+    /// Returns the errors, each at a field: all unreadable texts, then the first error of the core. If there are none, the draft
+    /// can be run.
     #[must_use]
     pub fn refusals(&self) -> Vec<DraftRefusal> {
         let unreadable = |field| {
@@ -147,7 +147,7 @@ impl Draft {
             return refused(FormPart::Depth, sentence(&error.to_string()));
         };
         let part = match of_parameters {
-            // Of a side in r `part_of` asks whether another radius would do, which it knows of planar domains alone.
+            // For a side in r `part_of` tests whether another radius would do, but only in a planar domain.
             ParameterError::Side { name: "depth", .. }
             | ParameterError::SideTooShort { name: "depth", .. }
             | ParameterError::SideTooLong { name: "depth", .. } => FormPart::Depth,
