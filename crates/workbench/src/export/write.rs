@@ -243,7 +243,7 @@ fn samples(
     job: &ExportJob,
     monitor: &Monitor,
 ) -> Result<(PointSet, ExportContext, bool), WriteError> {
-    // Named for the work of the caller, which takes longer than gathering the samples.
+    // The activity is what the caller does after this, which takes longer than gathering the samples.
     monitor.set_activity("verifying what was written");
     go_on(monitor)?;
     let (session, run) = (&*job.session, job.session.run());

@@ -25,7 +25,7 @@ struct SolidExport {
 impl SolidExport {
     /// Gathers the samples of a job. Fails if it is cancelled.
     fn of(job: &ExportJob, solid: &MadeSolid, monitor: &Monitor) -> Result<Self, WriteError> {
-        // Named for the work of the caller, which takes longer than gathering the samples.
+        // The activity is what the caller does after this, which takes longer than gathering the samples.
         monitor.set_activity("verifying what was written");
         go_on(monitor)?;
         let (session, run) = (&*job.session, job.session.run());
