@@ -349,8 +349,8 @@ fn lesson(fields: &Map<String, Value>) -> Result<LessonRequest, RequestError> {
         });
     };
 
-    // The other fields are of some requests alone: "step" and "practice" of "open", "name" of "text", "practice" also
-    // of "again". Beside others they are not looked at.
+    // The other fields count only beside some of these: "step" and "practice" beside "open", "name" beside "text", and
+    // "practice" beside the act "again". Elsewhere they are ignored.
 
     // The field is present, so that the default is never used.
     let value = text(field)?.unwrap_or_default();

@@ -77,7 +77,7 @@ impl Thumbnails {
     }
 
     /// Takes the picture that was being drawn, drops those that are of no scene any more, as after a change of the
-    /// session or of its look, and starts the next one.
+    /// session or of the look, and starts the next one.
     pub(crate) fn follow(
         &mut self,
         session: &Arc<Session>,
@@ -141,7 +141,8 @@ impl Thumbnails {
 }
 
 /// Returns the place of a scene's event if the scene shows the whole domain: at this size all of its moments look alike, so the
-/// picture shows the surroundings of the event. `None` where a stage ends, which concerns the whole domain.
+/// picture shows the surroundings of the event. `None` if the scene has a camera of its own, or is of the end of a stage, which
+/// concerns the whole domain.
 fn place_to_show(debugger: &Debugger, scene: &SavedScene) -> Option<DVec2> {
     let is_whole = SceneCamera::of(&scene.view).is_none() && scene.ends.is_none();
     place_of_scene(debugger, scene).filter(|_| is_whole)

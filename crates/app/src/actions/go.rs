@@ -52,7 +52,7 @@ pub(super) fn add(list: &mut List, state: &State) {
         }
     });
 
-    // Prefixes of nested levels can be looped over, too: they have a cursor without events.
+    // Prefixes can be looped over, too: they have a cursor, although they have no events.
     let no_loop = why_no_events.filter(|_| state.runs().first.cursor().is_none());
     let (no_way_on, no_way_back) = (why_no_events.or(at_end), why_no_events.or(at_start));
     let (forwards, backwards) = (Direction::Forwards, Direction::Backwards);

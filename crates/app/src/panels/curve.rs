@@ -27,7 +27,7 @@ const BORDER: f32 = 6.0;
 /// The least width beside the curve in which the number is chosen.
 const MIN_BESIDE: f32 = 150.0;
 
-/// Returns the room that the curve takes; none if no number is chosen.
+/// Returns the height of the curve with the gap below it; 0 if no number is chosen.
 pub fn height(context: &TimeContext<'_>) -> f32 {
     let curve = context.curve;
     curve
@@ -201,7 +201,7 @@ fn unknown(ui: &mut Ui, context: &TimeContext<'_>, chart: Rect) {
         .known_as("curve.status");
 }
 
-/// Returns the ends of the axis: one that is not a point.
+/// Returns the ends of the vertical axis. They differ even if all values are equal.
 fn ends(points: &CurvePoints) -> [f64; 2] {
     let [low, high] = points.range().unwrap_or([0.0, 1.0]);
     if high > low {

@@ -174,7 +174,7 @@ impl Exports {
 
         match form.kind {
             ExportKind::Result | ExportKind::Samples if source.is_stipple() => {
-                // Only for an SVG the sheet has the fields of colours, so that a wrong one refuses no other format.
+                // The sheet has fields for colours only if the format is SVG. A wrong colour does not refuse another format.
                 if form.draws_samples() {
                     form.ink.look()?;
                 }
@@ -228,7 +228,7 @@ impl Exports {
         }
     }
 
-    /// Returns the number of frames of the animation: the one that was counted last, if nothing has changed since.
+    /// Returns the number of frames of the animation. It is counted anew only if something has changed since the last count.
     fn frame_count(
         &self,
         form: &ExportForm,
@@ -550,7 +550,7 @@ fn check_measured(
 
 /// Returns why the format of a sheet cannot hold the set, if that is in space.
 fn lacks_third(form: &ExportForm, session: &Session) -> Option<ExportRefusal> {
-    // Pictures show its plane.
+    // Pictures show a plane of the set, and need no third coordinate.
     session.solid.as_ref().filter(|_| form.kind.is_set())?;
     let format = Format::from_path(&form.file())?;
     let refused = check_solid_format(format).err()?;

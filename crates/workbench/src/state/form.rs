@@ -30,7 +30,7 @@ pub struct Form {
 }
 
 impl Form {
-    /// Takes the input of another form; whether small runs start at once, and the brush stay.
+    /// Takes the parameters and the pattern of another form. The brush, and whether small runs start at once, stay.
     pub(super) fn take(&mut self, other: Self) {
         (self.draft, self.own_pattern) = (other.draft, other.own_pattern);
     }

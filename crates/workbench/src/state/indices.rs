@@ -28,7 +28,8 @@ impl Runs {
 }
 
 impl RunView {
-    /// Returns why there is no item of this number; `None` if there is one, and where nothing is there to be numbered.
+    /// Returns why there is no item of this number; `None` if there is one, or if the session, the debugger or the passes that
+    /// would have it are missing.
     fn number_refusal(&self, item: Numbered) -> Option<String> {
         let session = self.session.as_ref();
         let debugger = self.debugger.as_ref();

@@ -62,15 +62,15 @@ impl<'a> LinkSource<'a> {
         Link { left_out, ..link }
     }
 
-    /// Returns the parts of the set that is shown which a link leaves out: if there are any, it leads to another set.
+    /// Returns the parts of the set that is shown which a link leaves out: if there are any, the link leads to another set.
     pub(super) fn left_out_of_set(&self) -> Vec<String> {
         let mut left_out = Vec::new();
         self.put_run(&mut LinkContent::default(), &mut left_out);
         left_out
     }
 
-    /// Returns the link to the step of the lesson that is open, or that an opened link asks for and that follows; `None`
-    /// without either. It names no run, so that it does not show what happens after the question.
+    /// Returns the link to a step of a lesson: of the lesson that an opened link asks for and that opens next, otherwise of the
+    /// one that is open; `None` without either. It names no run, so that it does not show what happens after the question.
     fn lesson_link(&self) -> Option<Link> {
         let lessons = self.lessons;
 

@@ -298,7 +298,7 @@ impl History {
         }
     }
 
-    /// Adds the step of a run that starts since a parameter changed, unless it goes on with the step of the one before. `now`
+    /// Adds the step of a run that starts because a parameter changed, unless it goes on with the step of the one before. `now`
     /// is `None` if there is no run yet.
     pub(super) fn remember_live_run(&mut self, command: &Command, now: Option<Memento>) {
         let field = typed_in(command);
@@ -317,8 +317,8 @@ impl History {
     }
 
     /// Takes the last change back, or does it again. Before a large run is made again, asks; `asked` is the notice that
-    /// is shown. `typed` are the parameters of the panel, for which the run may still be being made; `None` where the
-    /// set that is shown was made from none, as a combination.
+    /// is shown. `typed` are the parameters of the panel, for which the run may still be being made; `None` if the
+    /// set that is shown was not made from parameters, as a combination.
     pub(super) fn step(
         &mut self,
         step: HistoryStep,
@@ -343,7 +343,7 @@ impl History {
 
         let (layout, made) = (now.layout.clone(), now.made.clone());
         let mut memento = now;
-        // Redo is to make the run of the typed parameters, which may not be ready yet, and not the one that is shown.
+        // A later redo has to make the run of the typed parameters, which may not be ready yet, not the one that is shown.
         // An undo after a redo makes the run that was shown before it.
         if change.makes_run() && step == HistoryStep::Undo {
             memento.made = typed.map(Made::Run).or(memento.made);

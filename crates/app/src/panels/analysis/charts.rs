@@ -19,8 +19,8 @@ const HEIGHT: f32 = 168.0;
 const MIN_SIDE: f32 = 150.0;
 /// Share of a colour that remains in outdated curves.
 const FADED: f32 = 0.38;
-/// End of the axis of power: that of a maximal set with room above its peaks. It never changes, so that a moment has
-/// one picture, whichever moments were seen before, and charts can be compared while stepping. Higher values, as the power after
+/// The end of the axis of power, with room above the peaks of a maximal set. It never changes, so that the chart of a moment
+/// does not depend on the moments seen before, and charts can be compared while stepping. Higher values, as the power after
 /// tiling, are cut off and marked with their number. The periodogram is white from the same power on.
 const END_OF_POWER: f64 = periodogram::WHITE;
 /// End of the axis of g, likewise fixed.

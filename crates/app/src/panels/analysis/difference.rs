@@ -1,5 +1,5 @@
-//! The difference of two periodograms as a picture. One frequency of one set scatters by as much as its power, so that
-//! single frequencies cannot be compared: means over cells can. Sizes are in screen points, and chosen, not measured,
+//! The difference of two periodograms as a picture. The power of one set at one frequency scatters by as much as that power,
+//! so that single frequencies cannot be compared: means over cells can. Sizes are in screen points, and chosen, not measured,
 //! where no reason stands beside them.
 
 use std::sync::Arc;
@@ -16,14 +16,14 @@ use super::super::common::texture_of;
 use super::picture::MAX_SIDE;
 use crate::ENABLED;
 
-/// The difference that is drawn in the full colour: over three times what two cells of 100 frequencies of noise differ by, by
-/// chance.
+/// The difference that is drawn in the full colour: over three times the difference that two cells of 100 frequencies of noise
+/// have by chance.
 pub const FULL: f64 = 0.5;
 
 /// The most cells along a side. Each then has 100 frequencies of a set of 10,000 samples, whose mean scatters by a tenth of the
 /// power.
 const MAX_CELLS: usize = 50;
-/// Frequencies along the side of a cell of a small set, if it has this many.
+/// Frequencies along the side of a cell of a small set, if the set has this many.
 const MIN_FREQUENCIES: usize = 3;
 
 /// What the powers of two spectra differ by, in cells of equal frequencies.

@@ -58,7 +58,7 @@ fn on_click(control: &Response, id: &str, to: &DraftCommand, commands: &mut Vec<
 impl Answers<'_> {
     /// Shows the answer so far; it can be changed while the question is open.
     pub fn show(&self, ui: &mut Ui, commands: &mut Vec<Command>) {
-        // A closed question is read: its options do not fade.
+        // A closed question is still read, so that its options do not fade.
         let faded = std::mem::replace(&mut ui.visuals_mut().disabled_alpha, 1.0);
         ui.add_enabled_ui(self.open.learner.is_open(), |ui| {
             ui.visuals_mut().disabled_alpha = faded;
@@ -106,7 +106,8 @@ impl Answers<'_> {
         }
     }
 
-    /// Returns what follows the words of an item once the question is closed: whether it is right, and the learner's.
+    /// Returns the words behind those of an item once the question is closed: that the item is right, that it is the learner's,
+    /// or both. `None` for all other items.
     fn grade(&self, item: &Item) -> Option<String> {
         let grade = item.grade?;
         let right = grade.is_right.then_some(self.labels.right_mark);

@@ -415,8 +415,8 @@ fn code(ui: &Ui, state: &State) {
                 .inner_margin(Margin::same(18))
                 .show(ui, |ui| {
                     ui.vertical_centered(|ui| {
-                        // The margins and the address below the code take 130 points of the height; of the width the
-                        // same is left, as the code is a square. From 120 to 330 points it can be read and leaves
+                        // The margins and the address below the code take 130 points of the height. The code is a
+                        // square, so that as many points of the width are left. From 120 to 330 points it can be read and leaves
                         // something of the canvas in view: chosen, not measured. The address is at least 300 points
                         // wide, so that it takes few lines.
                         let side = (rect.size().min_elem() - 130.0).clamp(120.0, 330.0);

@@ -91,7 +91,7 @@ impl RunView {
         self.show_prefix(to);
     }
 
-    /// Returns the number of samples that is being verified, if it is not the one that the verdict is about.
+    /// Returns the number of samples that are shown, if the verdict on them is still to come.
     #[must_use]
     pub fn prefix_at_work(&self) -> Option<usize> {
         let count = self.prefix()?;

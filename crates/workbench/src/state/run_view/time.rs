@@ -30,8 +30,8 @@ impl RunView {
                 format!("{} of {samples}", grouped(count)),
                 format!("radius {:.2} r", nested.disk_radius(count) / radius),
             ];
-            // A program that has the ranks gets the same samples by this number. Beside the count it would answer
-            // questions about ranks: moving the slider there would be enough.
+            // A program that has the ranks gets the same samples by this number. Shown beside the count, it would give away
+            // the answer to a question about ranks: a learner would only have to move the slider.
             let threshold = nested.threshold(count).filter(|_| !is_veiled);
             texts.extend(threshold.map(|threshold| format!("ranks below {threshold}")));
             return texts;
