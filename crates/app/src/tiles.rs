@@ -132,7 +132,7 @@ fn tile(tiles: &Tiles<Panel>, id: TileId, depth: usize) -> Option<layout::Layout
     })
 }
 
-/// Takes back what a small window did to shares: `shown` is `before` with tiles enlarged to fit, and these tiles are `shown`
+/// Takes back what a small window did to shares: `shown` is `before` with tiles enlarged to fit, and `tree` is `shown`
 /// after changes by the user. A row or column that is still as in `shown` gets its shares of `before`.
 #[must_use]
 pub fn with_shares_of(

@@ -229,7 +229,7 @@ fn located(text: &str, place: DVec2) -> String {
     format!("{text}, at ({:.1}, {:.1}) r", place.x, place.y)
 }
 
-/// Draws what an object of the list is called beside it; `text` is in the language of the window.
+/// Draws the description of an object of the list beside it: `text`, in the language of the window.
 pub fn show_chosen(
     ui: &Ui,
     rect: Rect,

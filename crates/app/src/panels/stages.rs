@@ -22,7 +22,7 @@ use tilescope_workbench::command::{Command, TimeCommand};
 
 pub const CONTENT: Content = Content::of_run(Room::Scrolled, show);
 
-/// Shows the table of stages, or of nested levels; of a stipple how many dots there are and of how many; and what gluing did,
+/// Shows the table of stages, or of nested levels; of a stipple how many dots were made and kept; and what gluing did,
 /// if sets were glued. Without a session only the heading is shown.
 pub fn show(ui: &mut Ui, context: &PanelContext<'_>, commands: &mut Vec<Command>) {
     let palette = context.palette;
@@ -106,7 +106,7 @@ fn head(ui: &mut Ui, [first, middle]: [&str; 2], palette: &Palette) {
     row(ui, 0, [first, middle, "samples"], is_current, palette, None);
 }
 
-/// Shows the levels: their radii, and how many samples there are to the end of each.
+/// Shows the levels: their radii, and how many samples there are up to the end of each.
 fn levels(
     ui: &mut Ui,
     context: &PanelContext<'_>,

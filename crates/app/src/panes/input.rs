@@ -1,7 +1,7 @@
 //! The commands of pointer, fingers and keys on a canvas. Nothing is drawn and nothing is changed.
 //!
-//! Where the canvas is part of another page, the plain wheel and one finger are that page's, which scrolls: the wheel zooms
-//! together with Ctrl, and fingers move the picture by two.
+//! Where the canvas is part of another page, the plain wheel and one finger scroll that page. The wheel zooms together with
+//! Ctrl there, and two fingers move the picture.
 
 use egui::{
     Context, Event, EventFilter, FocusDirection, Id, Key, Modifiers, PointerButton, Pos2, Response,

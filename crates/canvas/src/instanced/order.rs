@@ -28,7 +28,7 @@ pub struct CellOrder {
     side: f64,
     cells: [usize; 2],
     size: DVec2,
-    /// How many samples there are to the end of each level.
+    /// How many samples there are up to the end of each level.
     ends: Vec<u32>,
     /// The first position of each cell, by level; one more entry at the end.
     starts: Vec<u32>,
@@ -166,7 +166,7 @@ impl CellOrder {
     /// Returns how many levels hold the first `count` samples, at least one, and how many samples these levels have.
     pub fn levels_of(&self, count: u32) -> (usize, u32) {
         let enough = self.ends.partition_point(|&end| end < count);
-        // With more than there are, all levels are taken.
+        // If there are fewer samples than `count`, all levels are taken.
         let level = enough.min(self.ends.len().saturating_sub(1));
         (level + 1, self.ends.get(level).copied().unwrap_or(0))
     }

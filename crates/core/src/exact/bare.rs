@@ -13,7 +13,7 @@ use crate::lattice::{Point, R, Rect};
 /// The side of the cells that are marked: most of what a lost sample leaves bare is smaller than r.
 pub(crate) const MARK_SIDE: i32 = R / 2;
 
-/// A cell of the pattern in a piece. Its side goes with the level.
+/// A cell of the pattern in a piece. Its side depends on the level.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct PieceCell {
     /// The index of the piece.
@@ -203,7 +203,7 @@ impl MarkedCells {
         }
     }
 
-    /// Returns where a piece has a cell, without what of the cell lies beyond the piece, or `None` if all of it does.
+    /// Returns the place of a cell, as far as the cell lies in its piece; `None` if no part of it does.
     pub(crate) fn placed(&self, PieceCell { piece, min }: PieceCell, side: i32) -> Option<Rect> {
         let piece = &self.pieces[piece as usize];
         let Rect { min: low, max: end } = piece.sources;

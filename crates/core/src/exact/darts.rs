@@ -202,8 +202,8 @@ impl PatternDarts {
         darts.filter(|(_, place)| self.rect.contains(*place))
     }
 
-    /// Appends to `out` what [`Self::of_cell`] returns for each of at most eight cells. The level has one throw: it is not the
-    /// first.
+    /// Appends to `out` what [`Self::of_cell`] returns for each of at most eight cells. The level must have one
+    /// throw, as all but the first have.
     #[inline(always)]
     pub(crate) fn of_cells<S: Simd>(
         &self,
@@ -266,8 +266,8 @@ impl PatternDarts {
         }
     }
 
-    /// Returns the arrival of the first dart at a place of the pattern: a sample's, if there is one. Had the sample
-    /// arrived with a later dart of its place, that one would have been refused, as the first was.
+    /// Returns the arrival of the first dart at a place of the pattern. If a sample is there, it arrived with this dart: had the
+    /// first one been refused, so had all later ones at the place.
     pub(crate) fn first_at(&self, place: Point) -> Arrival {
         let earliest = |throw: &Throw| {
             let side = throw.side();

@@ -79,7 +79,7 @@ pub fn exact_sample(
     Run::of_result(&parameters.as_exact(), history.pattern(), result, summary)
 }
 
-/// Returns what finds the blocks of a run, and the samples that they clip.
+/// Returns the clipper of a run, which finds its blocks and the samples that they clip.
 pub(crate) fn clipper(parameters: &Parameters, pattern: &Pattern) -> Result<Clipper, SampleError> {
     let domain = parameters.validate()?;
     let key = Key::from_seed(parameters.seed);
@@ -160,7 +160,7 @@ impl<'a> ExactTiling<'a> {
         self.agenda.clear();
         self.tile(clipper, observer, recorder)?;
 
-        // The darts of the first levels are not thrown here: the history has them, each by its first blocker. Those
+        // The darts of the first levels are not thrown here: the history has them, each under its first blocker. Those
         // whose blocker is missing are woken, as questions on the agenda.
         self.begin(1, recorder);
         for level in 0..LATE_LEVEL {

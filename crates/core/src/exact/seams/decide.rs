@@ -21,8 +21,8 @@ use crate::exact::seams::{
 use crate::lattice::{Point, R, Rect};
 
 impl SeamTiling<'_> {
-    /// Puts on the agenda the darts whose first blocker, the missing sample `number` of the pattern at `place`, no
-    /// longer refuses them, or defers them as long as their second blocker does.
+    /// Finds the darts whose first blocker is the missing sample `number` of the pattern, at `place`. Puts them on the agenda, or
+    /// defers them as long as their second blocker refuses them.
     pub(super) fn wake(&mut self, tile: u32, place: Point, number: u32) {
         let history = self.history;
         let SeamTile {
@@ -72,8 +72,8 @@ impl SeamTiling<'_> {
         let cell = self.whole_cell(clipper, place, tile);
         let is_earlier = |other: u32| other != id && self.dart(other) < *dart;
         let when = dart.arrival.when();
-        // A sample may be asked about several times. It is lost, and becomes doubtful, only where the lists still have
-        // it as what it was before; then `lose` and `doubt` keep account of it, and return `true`.
+        // A sample may be asked about several times. It is lost, or becomes doubtful, only if the lists do not have it
+        // so already. Then `lose` and `doubt` keep account of it, and return `true`.
         let is_changed = match self.disks.coverage(simd, cell, place, when, is_earlier) {
             Coverage::Certain => self.disks.remove(simd, place) && self.lose(id),
             coverage => {
