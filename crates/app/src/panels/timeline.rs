@@ -47,8 +47,7 @@ const COMPACT_SIZE: f32 = 14.5;
 const SPECIMEN: &str = "The circumcentre of sample 10,774 of block 88 with sample 17,364 of block 88 and sample 10,974 of \
      block 88, 1.99 r away, is nearer to sample 10,775 of block 88.";
 
-/// Returns the last step in the words of the window's language; of nested levels and stipples with the verdict on the samples
-/// that are shown.
+/// Returns the last step in the words of the window's language; of nested levels with the verdict on the samples that are shown.
 fn said(ctx: &Context, context: &TimeContext<'_>) -> String {
     let happened = happened(context.run.shown().as_ref()) + context.run.prefix_verdict();
     ctx.words(happened)
@@ -65,7 +64,7 @@ fn text_height(ctx: &Context, text: &str, size: f32, width: f32) -> f32 {
     ctx.fonts_mut(|fonts| fonts.layout_job(job)).size().y
 }
 
-/// Returns the height of the whole sentence, at least that of [`SPECIMEN`].
+/// Returns the size of the whole sentence, at least that of [`SPECIMEN`].
 fn sentence_height(ctx: &Context, context: &TimeContext<'_>, size: f32, width: f32) -> f32 {
     let height = |text: &str| text_height(ctx, text, size, width);
     height(&ctx.words(SPECIMEN))
@@ -73,7 +72,7 @@ fn sentence_height(ctx: &Context, context: &TimeContext<'_>, size: f32, width: f
         .ceil()
 }
 
-/// Returns the width for counts beside the sentence, the same at every moment; 0 if a row of this width has no room for them.
+/// Returns the room for counts beside the sentence, the same at every moment.
 fn room_beside(ctx: &Context, context: &TimeContext<'_>, width: f32) -> f32 {
     let (Some(session), true) = (&context.run.session, width >= WIDE) else {
         return 0.0;
@@ -86,8 +85,8 @@ fn room_beside(ctx: &Context, context: &TimeContext<'_>, width: f32) -> f32 {
     };
     let digits = session.summary.count.to_string().len();
 
-    // The numbers of stages and iterations are taken to have one digit. There are at most eleven levels, and the radius
-    // of each is that of the next one times the root of 2, so that the first level has at most 32 r.
+    // The numbers of stages and iterations are taken to have one digit. The largest radius is that of the first level of
+    // the most that there can be, eleven: each has that of the next one times the root of 2.
     let texts = match context.run.prefix() {
         Some(_) if context.run.shows_stipple() => vec![format!("{most} of {most} dots")],
         Some(_) => vec![
@@ -430,7 +429,7 @@ pub fn more(ui: &mut Ui, context: &TimeContext<'_>, commands: &mut Vec<Command>)
             ("Loop up to here", TimeCommand::LoopEnd),
             ("No loop", TimeCommand::Loop(None)),
         ] {
-            // Nested levels and stipples have a cursor without events, and can be looped over, too.
+            // Nested levels have a cursor without events, and can be looped over, too.
             let button =
                 ui.add_enabled(context.run.cursor().is_some(), Button::new(ui.words(name)));
             button.known_as(Kebab(&command));
@@ -557,8 +556,8 @@ fn plane(ui: &mut Ui, context: &TimeContext<'_>, commands: &mut Vec<Command>) {
     let Some((depth, mut place)) = context.run.plane_place() else {
         return;
     };
-    // At this width a ball in a usual box takes a few points of the slider. With its number the slider takes at most a
-    // third of the row, as the track follows beside it. Both thirds were chosen, not measured.
+    // As wide as a slider needs on which a ball of a usual box is a few points, and at most a third of the row with its
+    // number, as the track follows beside it. Both thirds were chosen, not measured.
     let width = PLANE.min(ui.available_width() / 3.0 - PLANE_NUMBER);
     if width < PLANE / 3.0 {
         return;

@@ -32,18 +32,17 @@ pub(super) struct DrawnDarts {
 }
 
 impl DrawnDarts {
-    /// For how many parts darts are drawn at a time: chosen, not measured, and below the 256 that a part's number can tell apart.
+    /// For how many parts darts are drawn at a time.
     pub const PARTS: usize = 8 * LANES;
 
-    /// Draws the darts of at most [`Self::PARTS`] parts with the key of a throw. A part is two to the power `bits_of(part)`
-    /// wide.
+    /// Draws the darts of at most [`Self::PARTS`] parts with the key of a throw. A part is two to the power `bits` wide.
     #[inline(always)]
     pub fn draw<S: Simd>(
         &mut self,
         simd: S,
         throw_key: Key,
         parts: &[ActivePart],
-        bits_of: impl Fn(&ActivePart) -> u32,
+        bits: impl Fn(&ActivePart) -> u32,
     ) {
         self.darts.clear();
         for (held, first) in parts.chunks(LANES).zip((0..).step_by(LANES)) {
@@ -55,7 +54,7 @@ impl DrawnDarts {
 
             for ((part, words), number) in held.iter().zip(words).zip(first..) {
                 let cell_key = key_of(words);
-                for index in 0..dart_count(cell_key, 1 << bits_of(part)) {
+                for index in 0..dart_count(cell_key, 1 << bits(part)) {
                     self.darts.push(PartDart {
                         part: number,
                         index,
@@ -67,7 +66,7 @@ impl DrawnDarts {
             }
         }
 
-        // The number of darts of each part is drawn by now; the ranks and places of the darts follow.
+        // Their numbers are drawn by now, and their ranks and places follow.
         for held in self.darts.chunks_mut(LANES) {
             let (mut keys, mut counters) = ([throw_key; LANES], [[0; 2]; LANES]);
             for ((key, counter), dart) in keys.iter_mut().zip(&mut counters).zip(&*held) {
@@ -77,9 +76,8 @@ impl DrawnDarts {
             let words = blocks(simd, keys, counters);
 
             for (dart, [halves, rank]) in held.iter_mut().zip(words) {
-                let bits = bits_of(&parts[usize::from(dart.part)]);
-                // A coordinate has 16 random bits, of which a cell takes the highest. The darts of a wider cell need a second draw, and
-                // are drawn one by one.
+                let bits = bits(&parts[usize::from(dart.part)]);
+                // A coordinate has 16 random bits, of which a cell takes the highest; wider cells draw more, one by one.
                 if bits <= 16 {
                     let (right, up) = (
                         halves >> 16 >> (16 - bits),

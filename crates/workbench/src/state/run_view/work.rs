@@ -172,7 +172,7 @@ impl RunView {
         if let (Some(session), Some(shown)) = (&self.session, self.shown()) {
             let layers = session.drawable(asked.layers).drawn_at(shown.stage);
             // The panel of the analysis shows all measures; a part of the frequencies will do while all would take too many steps.
-            // All measures need one radius for all samples, those of a moment at rest, too.
+            // Measures at rest need one radius, too.
             let is_analysed = asked.is_analysed && !session.has_own_disks();
             let wanted = Wanted {
                 spectrum: is_analysed,
