@@ -267,7 +267,7 @@ shared! {
 }
 
 shared! {
-    /// A cell of the pattern in a piece. Its side goes with the level.
+    /// A cell of the pattern in a piece. Its side depends on the level.
     PieceCell {
         /// The index of the piece.
         piece: u32,

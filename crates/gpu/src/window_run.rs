@@ -122,7 +122,7 @@ impl WindowRun {
         self.step = match stage {
             Stage::Tile => Step::Tile,
             Stage::Eliminate => Step::Eliminate,
-            // What the upload lacks is the grid of survivors, which the end of elimination makes.
+            // The upload lacks the grid of survivors, which the end of elimination makes.
             Stage::Iterate(1) => Step::Survive,
             Stage::Iterate(k) if is_uniform => Step::Level(k),
             Stage::Iterate(k) => Step::Iterate(k),

@@ -112,7 +112,8 @@ impl Incoming {
     }
 
     /// Returns the point set in it, in domain units, if its certificate states a field or a shape; `None` for other
-    /// files. A file that cannot be read gives `None`, too: it is read as another kind after that, which says why.
+    /// files. A file that cannot be read gives `None`, too: it is read as another kind after that, and the error of that
+    /// reading says why.
     #[must_use]
     pub fn varying_set(&self) -> Option<ReadSet> {
         self.within(MAX_PATTERN_BYTES).ok()?;
@@ -335,7 +336,7 @@ pub fn gather(mut files: Vec<NamedBytes>) -> Option<(Incoming, Vec<String>)> {
     let other_names: Vec<String> = others.iter().map(|&k| files[k].name.clone()).collect();
 
     let file = files.remove(opened);
-    // Files beyond the limit, of which the removed one counts, were not looked at, and are not kept either.
+    // The removed file counts, too. Those beyond the limit were not looked at, and are not kept either.
     files.truncate(MAX_FILES - 1);
     let mut incoming = Incoming::new(file);
     let unused = incoming.without_named(other_names);

@@ -330,8 +330,8 @@ impl Layers {
         self.has_gaps() || self.has_net()
     }
 
-    /// Returns those that a stage shows: there are no disks before the first samples are tiled, and while blocks are tiled,
-    /// those that have nothing yet are no gaps.
+    /// Returns those that a stage shows. The layers of nets need samples, which there are from tiling on. Gaps are shown from
+    /// elimination on, since a block without samples during tiling is no gap.
     #[must_use]
     pub fn drawn_at(self, stage: Stage) -> Self {
         let is_drawn = |layer: &Layer| match layer {
@@ -403,7 +403,8 @@ pub enum Colouring {
 }
 
 impl Colouring {
-    /// Returns the colouring of a kind of session instead of this one: nested levels have no blocks, others no levels.
+    /// Returns this colouring, or the one that a kind of session has in its place: nested levels have no blocks, others no
+    /// levels.
     #[must_use]
     pub const fn of(self, kind: SessionKind) -> Self {
         match (self, kind) {

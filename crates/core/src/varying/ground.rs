@@ -119,7 +119,7 @@ impl DartGround for VaryingGround<'_> {
             }
 
             // A sample is near all places of the quarter if it is near the farthest, were the radius there the least.
-            // Places beyond the domain count, too: a quarter that its end cuts may stay in vain.
+            // Places beyond the domain count, too: a quarter that the domain's end cuts may stay in vain.
             let corner = quarter.min - square.min;
             let covered = near.iter().any(|disk| {
                 let across = farthest(disk.offset - corner, IVec2::splat(half - 1));

@@ -243,7 +243,7 @@ impl Draft {
         }
 
         // A stipple has its pixels as the unit of length, as on the command line, and a shape of its own. Other sets have the
-        // unit square, or what of it an image fills. If the choice stays, so does the unit.
+        // unit square, or the part of it that an image fills. If the choice stays, so does the unit.
         let image = self.ground.image.clone().filter(|_| by != self.ground.by);
         match (image, self.ground.by) {
             (Some(image), _) if by == RadiusBy::Stipple => self.measure_in_pixels(&image),
@@ -373,7 +373,7 @@ impl Draft {
     ///
     /// Fails with a sentence where there are no radii to paint, or no pixels fill the domain.
     pub fn paint(&mut self, stroke: &BrushStroke) -> Result<(), String> {
-        // A script may give a stroke without a place, which leaves the radii as they are, and not an image of them.
+        // A script may give a stroke without a place, which leaves the radii as they are, and makes no image of them.
         if stroke.path.is_empty() {
             return Ok(());
         }
@@ -481,7 +481,7 @@ impl Draft {
         (self.ground.shape, self.ground.origin) = (None, [0.0; 2]);
     }
 
-    /// Returns about how many samples a field and a shape ask for; `None` without such, or if they are refused.
+    /// Returns about how many samples a field and a shape ask for; `None` if neither is asked for, or if they are refused.
     pub(super) fn ground_samples(&self) -> Option<f64> {
         let request = self.ground_request()?;
         if let Some(stipple) = &request.stipple {
@@ -531,7 +531,7 @@ impl Draft {
         }
 
         // Each error stands at the field that mends it. The domain of a varying radius is judged with a radius of the
-        // field, so that its errors stand at what gives the field, like most others.
+        // field, so that its errors, like most others, stand at the input that gives the field.
         let error = request.recipe(&self.parameters).glance().err()?;
         let part = match (&error, self.ground.by) {
             (VaryingError::Domain(error), RadiusBy::Constant) => part_of(error, &self.parameters),

@@ -1,5 +1,5 @@
-//! Which samples cover places of a cell, in lists that are read eight samples at a time. A cell of side R that a seam is near is
-//! asked about often, and its list lies in two or four lines of the cache, where the cells around would be read one by one.
+//! Which samples cover places of a cell, in lists that are read eight samples at a time. A cell of side R near a seam is asked
+//! about often. Its list lies in two or four lines of the cache; without it, the cells around would be read one by one.
 
 use fearless_simd::prelude::*;
 use fearless_simd::{Simd, i32x8, mask32x8, u32x8};
