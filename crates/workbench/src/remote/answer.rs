@@ -1,5 +1,5 @@
-//! Answers the requests of a page that embeds the window, and describes the state for it. A page changes the state as a user
-//! does, by commands, but for views and runs that no command has.
+//! Answers the requests of a page that embeds the window, and describes the state for it. A page changes the state by commands,
+//! as a user does. Only views and runs for which there is no command are set by effects.
 
 use serde_json::{Value, json};
 use tilescope_classroom::Classroom;

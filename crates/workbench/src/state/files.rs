@@ -75,9 +75,11 @@ impl SaveTask {
 }
 
 /// Returns the session as the text of a file, from which [`FileCommand::Last`] reopens it: run, moment, view, breakpoints
-/// and scenes. `None` if there is no session, if it is the run with which the program starts, without breakpoints,
-/// watches and scenes, if a lesson or the tour has replaced it, if the window is embedded in another page, or if it has
-/// images or files that neither a session nor a link holds.
+/// and scenes.
+///
+/// `None` in four cases: There is no session. It is the run with which the program starts, without breakpoints, watches and
+/// scenes. A lesson or the tour has replaced it, or the window is embedded in another page. Or it has images or files that
+/// neither a session nor a link holds.
 #[must_use]
 pub fn session_to_keep(state: &State) -> Option<String> {
     // The run of a lesson, of the tour or of a page around the window is not the user's own.
@@ -267,7 +269,7 @@ impl FileState {
         }
     }
 
-    /// Takes chosen files; the name shown is that of the one that would be opened.
+    /// Takes chosen files, and shows their names in the field of the path.
     fn choose(&mut self, files: Vec<NamedBytes>) {
         let Some(form) = self.sheet.as_mut() else {
             return;

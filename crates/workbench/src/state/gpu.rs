@@ -28,8 +28,8 @@ pub struct GpuState {
     pub device: Device,
     /// Why the last GPU run or test failed, if one did.
     pub failure: Option<String>,
-    /// The description of the graphics that draw the window, on a page only. There a GPU that passed its test samples without
-    /// being chosen.
+    /// The description of the graphics that draw the window, on a page only. There a GPU that has passed its test makes runs
+    /// without being chosen.
     pub(super) display: Option<String>,
     /// A part of the name of the adapter to open; `None` for the fastest.
     adapter: Option<String>,
@@ -158,9 +158,9 @@ impl GpuState {
         }
     }
 
-    /// Returns the device that makes a run. Algorithm 4 as printed runs on the CPU, whatever was chosen. So do exact tilings that are
-    /// not asked of the GPU by name: on a page KDRT takes one that passed its test, but the rates of exact tiling on a card have
-    /// not been measured.
+    /// Returns the device that makes a run. Algorithm 4 as printed runs on the CPU, whatever was chosen. So do exact tilings,
+    /// unless the GPU was chosen, as their rates on graphics cards have not been measured. On a page, KDRT takes a GPU that has
+    /// passed its test even if it was not chosen.
     pub(super) fn for_run(
         &self,
         parameters: &Parameters,
@@ -173,7 +173,7 @@ impl GpuState {
         self.device.ready().filter(|_| serves).map(Arc::clone)
     }
 
-    /// Returns whether a run of `parameters` is an exact tiling that the CPU makes, as no GPU was chosen by name.
+    /// Returns whether a run of `parameters` is an exact tiling that the CPU makes, because the GPU was not chosen.
     fn leaves_exact(&self, parameters: &Parameters) -> bool {
         parameters.method == TilingMethod::Exact && self.engine != EngineChoice::Gpu
     }
@@ -220,7 +220,7 @@ impl GpuState {
             return Some(text.to_owned());
         }
 
-        // Algorithm 4 as printed has no passes, either: that it is refused is said when they are to begin. On a page
+        // Algorithm 4 as printed has no passes, either, but it is refused only when they are to begin. On a page
         // the CPU computes its passes, with which those of the GPU are compared, on the thread that draws the window.
         if cfg!(target_arch = "wasm32") && session.summary.count > MAX_PASSES_ON_A_PAGE {
             let most = grouped(MAX_PASSES_ON_A_PAGE);

@@ -49,8 +49,8 @@ pub struct FoundHits {
 }
 
 impl Hits {
-    /// Returns the number of stops in words, that it is being counted, or why it could not be. `None` without
-    /// enabled breakpoints.
+    /// Returns in words how often the breakpoints stop a run, that this is being counted, or why it could not be counted.
+    /// `None` without enabled breakpoints.
     #[must_use]
     pub fn description(&self) -> Option<String> {
         match &self.counting {
