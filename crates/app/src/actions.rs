@@ -340,8 +340,8 @@ impl Action {
 }
 
 impl List {
-    /// Gives Escape to one action, so that each press closes or leaves one thing: the caption, the selection, the brush, the
-    /// open panel or the projector mode, whichever of them comes first.
+    /// Gives Escape to one action, so that each press closes or leaves one thing. It is the first of these that there is: the
+    /// caption of a scene, the selection, the range selected in a curve, the open panel of a small window, the projector mode.
     fn escape(&mut self, state: &State) {
         let projector = (state.appearance().look.is_projector())
             .then_some(Command::Appearance(AppearanceCommand::ToggleProjector));
@@ -409,7 +409,8 @@ fn edit(list: &mut List, state: &State) {
         .on_keys(COMMAND, Key::K);
 }
 
-/// Adds painting radii: with the pointer, and with the keyboard in the middle of the view.
+/// Adds painting radii, with the pointer and with the keyboard in the middle of the view, the choice of the brush, and the
+/// ways to undo and to save all that was painted.
 fn painting(list: &mut List, state: &State) {
     let form = state.form();
     let paint = |command| Command::Form(FormCommand::Paint(command));
@@ -419,7 +420,8 @@ fn painting(list: &mut List, state: &State) {
     let tool = list.add("Paint radii", paint(PaintCommand::Tool(!form.paints)));
     tool.refused(refusal.filter(|_| !form.paints))
         .marked(form.paints);
-    // The canvas then shows no radii of the form: the pointer paints nothing there, either.
+    // Here the canvas does not show the form's radii. The brush can be switched on for later, but neither the key nor the
+    // pointer paints.
     let is_taught = state.lessons().open.is_some() || state.talks().open.is_some();
     let elsewhere = is_taught || state.runs().first.plane().is_some();
     let not_here =
@@ -441,7 +443,7 @@ fn painting(list: &mut List, state: &State) {
     .marked(brush.is_larger);
     let ground = &form.draft.ground;
     let unpainted = (!ground.is_painted()).then_some("No radii were painted.");
-    // Of an image that was painted earlier, or in another session, the strokes are not kept.
+    // The radii from before are kept with the form, and not in files or links.
     let no_way_back = ground
         .unpainted
         .is_none()
@@ -684,9 +686,9 @@ fn colours(list: &mut List, state: &State) {
 /// Adds the numbers that can be drawn over the events of the run.
 fn curves(list: &mut List, state: &State) {
     let shown = state.appearance().curve.number;
-    let no_run = state.runs().first.cursor().is_none();
+    let lacks_events = state.runs().first.cursor().is_none();
     let refusal =
-        no_run.then_some("This session has no events, over which a curve could be drawn.");
+        lacks_events.then_some("This session has no events, over which a curve could be drawn.");
 
     for number in CurveNumber::all() {
         let command = Command::Appearance(AppearanceCommand::Curve(Some(number)));
@@ -848,6 +850,7 @@ fn breakpoints(list: &mut List, state: &State) {
         }
     }
 
+    // Breakpoints have no panel of their own: that of the scenes lists them below.
     let panel = Command::Window(WindowCommand::OpenPanel(Panel::Scenes));
     list.add("Breakpoint: conditions\u{2026}", panel)
         .refused(no_events(state));

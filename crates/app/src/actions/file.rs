@@ -23,10 +23,10 @@ pub(super) fn add(list: &mut List, state: &State) {
     sessions(list, state);
     list.group();
 
-    let form = state.files().exports.sheet.as_ref();
+    let open = (state.files().exports.sheet.as_ref()).map(|form| form.kind);
     // The action that opened a sheet closes it, with the same keys.
     let sheet = |kind| {
-        Command::Export(if form.is_some_and(|form| form.kind == kind) {
+        Command::Export(if open == Some(kind) {
             ExportCommand::Close
         } else {
             ExportCommand::Open(kind)

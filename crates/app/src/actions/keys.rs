@@ -78,8 +78,8 @@ pub fn takes_key(state: &State, name: &str, modifiers: Modifiers) -> bool {
 }
 
 /// Issues the actions whose shortcuts were pressed in this frame, in order: a slow frame may hold several, and what a
-/// key does depends on those before it. While text is typed, only function keys and keys with Ctrl count. Returns
-/// whether there were any.
+/// key does depends on those before it. While text is typed, only function keys and keys with Ctrl count, and under a
+/// sheet only keys with Ctrl. Returns whether there were any.
 pub fn press_keys(ctx: &egui::Context, state: &mut State) -> bool {
     let is_typing = ctx.text_edit_focused();
     let has_focus = ctx.memory(|memory| memory.focused().is_some());
@@ -112,7 +112,7 @@ pub fn press_keys(ctx: &egui::Context, state: &mut State) -> bool {
         if is_text || closes_popup || presses_button || moves_picture {
             continue;
         }
-        // An open sheet takes Escape, which closes it, and letters. Only keys with Ctrl pass.
+        // An open sheet covers the window, takes text and is closed by Escape.
         if has_sheet(state) && !held.command {
             continue;
         }
@@ -201,8 +201,8 @@ fn ahead(ctx: &egui::Context, state: &State) -> Option<Ahead> {
 
         for event in &input.events[from..] {
             match event {
-                // Text after the key that closes the list is not added. It is dropped below, as it was typed for a
-                // list.
+                // Text after Enter or Escape is not added, and dropped below: it was typed for a list that these keys
+                // have dealt with.
                 _ if typed.is_entered || typed.is_closed => {}
                 Event::Text(text) => typed.text.push_str(text),
                 event if press(event) == Some((Key::Enter, NONE)) => typed.is_entered = true,

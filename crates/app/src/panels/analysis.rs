@@ -160,7 +160,7 @@ pub fn show(ui: &mut Ui, context: &AnalysisContext<'_>, commands: &mut Vec<Comma
         return;
     };
 
-    // The measures are those of the plane.
+    // A set in space has no measures here: those of this panel are defined for planar sets.
     if shown.session.solid.is_some() {
         lines(ui, RichText::new(IN_SPACE).color(palette.muted)).known_as("analysis.status");
         return;
@@ -171,7 +171,7 @@ pub fn show(ui: &mut Ui, context: &AnalysisContext<'_>, commands: &mut Vec<Comma
         return;
     }
 
-    // The parts of this panel issue commands of the analysis alone, which become commands of the window at the end.
+    // Commands of the analysis are collected apart, and become commands of the window at the end.
     let mut own = Vec::new();
     let sets = Sets::of(context, &shown);
     status(ui, context, &shown, &sets, &mut own);
@@ -296,7 +296,7 @@ fn spectrum_text(live: &Live, shown: &ShownMoment<'_>) -> String {
             }
             None => "The spectrum follows.".to_owned(),
         },
-        // Rounded, the sentence would say "1 in 1".
+        // The share is 1, a fourth or a ninth.
         Some(in_all) if in_all < 1.5 => "All frequencies are shown.".to_owned(),
         Some(in_all) => format!("1 in {in_all:.0} frequencies is shown."),
     }
@@ -391,8 +391,8 @@ fn entries(ui: &mut Ui, context: &AnalysisContext<'_>, sets: &Sets<'_>) {
             let judged = radius.map_or_else(String::new, |r| format!(", judged at r = {r}"));
             let name = format!("file: {}{guessed}{judged}", file.name());
             entry(ui, Dash::Dashed, palette.conflict, &name).known_as("analysis.file");
-            // The file was judged by the r that the run had then, which `judged` names. If the run's r, in the unit of the
-            // file `sets.unit`, is another by now, a line says so.
+            // The file was judged with the r that the run had when the file was read. A line says so if the run has
+            // another r by now.
             if let Some(reason) = numbers::unjudged(&file.measured.with_radius(sets.unit)) {
                 ui.label(RichText::new(reason).size(12.0).color(palette.muted))
                     .known_as("analysis.unjudged");

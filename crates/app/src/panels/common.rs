@@ -44,8 +44,8 @@ pub fn named_bar(ui: &mut Ui, bar: ProgressBar, name: &str, palette: &Palette) {
     name_group(&shown, &ui.words(name));
 }
 
-/// Shows how far work is, and about how long it still takes. `name` is different for each work, `activity` says what
-/// goes on now, and `fraction` is the share that is done.
+/// Shows how far work is, and about how long it still takes, in a bar of this height. `name` is different for each work,
+/// `activity` says what goes on now, and `fraction` is the share that is done.
 pub fn progress(
     ui: &mut Ui,
     name: &str,
@@ -121,7 +121,7 @@ pub fn no_events(ui: &mut Ui, context: &PanelContext<'_>) {
         Some(session) if session.nested.is_some() => NO_EVENTS_OF_LEVELS.to_owned(),
         Some(session) if session.stipple().is_some() => NO_EVENTS_OF_DOTS.to_owned(),
         Some(session) if session.solid.is_some() => NO_EVENTS_OF_SPACE.to_owned(),
-        // Of the sessions that keep their stages, those above and those of the GPU have no events.
+        // Other sessions that keep their stages have events, unless the GPU's run is not the one that the CPU recorded.
         Some(session) if session.has_stages() => {
             "The GPU's run differs from the CPU's, so that it has no events.".to_owned()
         }

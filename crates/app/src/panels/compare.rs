@@ -65,7 +65,7 @@ impl<'a> CompareContext<'a> {
 /// Shows the comparison, or what a second run would show.
 pub fn show(ui: &mut Ui, context: &CompareContext<'_>, commands: &mut Vec<Command>) {
     let palette = context.palette;
-    // The parts of this panel issue commands of the comparison alone, which become commands of the window at the end.
+    // Commands of the comparison are collected apart, and become commands of the window at the end.
     let mut own = Vec::new();
     if let Some((side, comparison)) = context.second {
         second(ui, side, palette, commands);
@@ -132,8 +132,8 @@ fn compared(ui: &mut Ui, index: usize, name: &str, values: [&str; 2], palette: &
     let lines = if fits { 1.0 } else { 2.0 };
     let size = vec2(ui.available_width(), lines * LINE);
     let (rect, response) = ui.allocate_exact_size(size, Sense::hover());
-    let told = format!("{name}: {}", texts.join(", "));
-    response.widget_info(|| WidgetInfo::labeled(Role::Row, ENABLED, &told));
+    let spoken = format!("{name}: {}", texts.join(", "));
+    response.widget_info(|| WidgetInfo::labeled(Role::Row, ENABLED, &spoken));
 
     // A text stands in the middle of its line, and the values in the last one.
     let top = |line: f32, height: f32| rect.top() + line * LINE + (LINE - height) / 2.0;

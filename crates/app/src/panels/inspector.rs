@@ -162,8 +162,8 @@ fn place(
     }
     let mut nearest: Option<(f64, u32)> = None;
     let mut is_covered = false;
-    // A sample's distance is shown up to 3.5 r away, so that a gap's width can be read, and where radii differ up to twice the
-    // largest. All samples that cover the place are nearer: the harmonic mean of both radii is no more than the largest.
+    // The nearest sample is looked for far beyond its disk, so that in a gap, too, its distance is shown: up to 3.5 r away
+    // (chosen), or up to twice the largest radius. No sample covers a place farther away than the largest radius.
     let reach = f64::max(3.5, 2.0 * shown.session.largest_radius());
     shown.session.index.visit(at, at, reach, |seen| {
         let distance = seen.position.distance(at);
@@ -189,8 +189,8 @@ fn place(
     }
 }
 
-/// Shows which samples cover a place of the plane through a set in space: the earliest of them is why no dart became a sample
-/// there.
+/// Shows which samples cover a place of the plane through a set in space, first the one that arrived first: since then no
+/// dart there could become a sample.
 fn place_in_plane(
     ui: &mut Ui,
     shown: &ShownMoment<'_>,
@@ -241,8 +241,8 @@ fn gap(ui: &mut Ui, context: &PanelContext<'_>, shown: &ShownMoment<'_>, at: DVe
     }
 }
 
-/// Shows where a sample comes from, and its state at this moment and in the end. Samples of nested levels and in space
-/// have no such rows: each is kept from its arrival on.
+/// Shows where a sample comes from, and its state at this moment and in the end. The state is left out for samples of
+/// nested levels and in space, since each is kept from its arrival on.
 fn sample(
     ui: &mut Ui,
     context: &PanelContext<'_>,
@@ -331,7 +331,7 @@ fn sample_in_space(
     row(ui, "z", &format!("{:.4} r", radii(z)), palette);
     let in_files = significant(solid.users_from_plane(z));
     row(ui, "z in files", &in_files, palette);
-    // The cut of a sample that has not arrived yet is that of its place.
+    // A sample that has not arrived yet is cut as it will be then.
     let cut = match shown.cut(id) {
         Some(cut) => format!("radius {:.4} r", cut.radius),
         None => "none: over r away".to_owned(),

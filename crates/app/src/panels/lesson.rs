@@ -186,8 +186,8 @@ impl LessonPanel<'_> {
             let sentence = format!("{} {why}.", self.labels.cannot_show);
             let text = RichText::new(sentence).color(self.palette.conflict);
             ui.add(Label::new(text).wrap()).known_as("lesson-fault");
-        // The run of this step is still being made. In practice it may be one of several: until a run has the step's
-        // moment, another seed is drawn.
+        // The run of this step is still being made. To practise a question, several runs may be made, each with another
+        // seed, until one has the step's moment.
         } else if learner.scene().is_none() {
             ui.label(self.muted(self.labels.makes_run))
                 .known_as("lesson-waits");
@@ -319,7 +319,7 @@ impl LessonPanel<'_> {
             read_out(ui, &label);
             label.known_as("lesson-hint-text");
         }
-        // The question is open, so that `remember` only stores this, for the frame in which it has been closed.
+        // The frame after the answer compares with what is stored here: that the question was open.
         self.remember(ui);
     }
 
@@ -404,7 +404,7 @@ impl LessonPanel<'_> {
     /// Shows the right answer once the question is closed, the text after it, and the events that explain it.
     fn revealed(&mut self, ui: &mut Ui) {
         let learner = &self.open.learner;
-        // There is none to show after an answer that was exactly right.
+        // After a right answer it is shown only where the question has a tolerance, as the answer may have been off by that.
         if let Some(answer) = self.open.told_answer(&self.state.lessons().language) {
             let text = format!("{} {answer}", self.labels.the_answer);
             ui.add(Label::new(RichText::new(text).size(self.size)).wrap())

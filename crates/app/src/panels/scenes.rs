@@ -243,7 +243,7 @@ fn moment(
         return label.on_hover_text(origin);
     };
 
-    // A tilde says that the scene was made in another run, of which this event is only the corresponding one.
+    // A tilde marks a scene that was made in another run: the event is only the corresponding one of this run.
     let tilde = if matches!(marked, Marked::Here(_)) {
         ""
     } else {

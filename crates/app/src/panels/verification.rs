@@ -281,7 +281,7 @@ fn numbers(ui: &mut Ui, context: &PanelContext<'_>, unit: f64) {
     let verdict = context.run.verdict();
     let report = verdict.map(|verdict| &verdict.report);
 
-    let number = |value: Option<f64>, digits: usize, suffix: &str| match value {
+    let text = |value: Option<f64>, digits: usize, suffix: &str| match value {
         Some(value) if value.is_finite() => format!("{value:.digits$}{suffix}"),
         // A single sample has no other one near it: its smallest distance is infinite.
         Some(_) => "none".to_owned(),
@@ -289,10 +289,10 @@ fn numbers(ui: &mut Ui, context: &PanelContext<'_>, unit: f64) {
     };
 
     let in_radii = |value: fn(&Verdict) -> f64| verdict.map(|verdict| value(verdict) / unit);
-    let least = number(in_radii(|verdict| verdict.report.min_distance), 6, " r");
-    let cover = number(in_radii(|verdict| verdict.report.covering_radius), 6, " r");
-    let density = number(report.map(|report| report.density), 4, "");
-    let relative = number(report.map(|report| report.relative_radius), 4, "");
+    let least = text(in_radii(|verdict| verdict.report.min_distance), 6, " r");
+    let cover = text(in_radii(|verdict| verdict.report.covering_radius), 6, " r");
+    let density = text(report.map(|report| report.density), 4, "");
+    let relative = text(report.map(|report| report.relative_radius), 4, "");
     let count = report.map_or_else(|| "\u{2013}".to_owned(), |report| grouped(report.count));
 
     let is_in_space = verdict.is_some_and(|verdict| verdict.space.is_some());
@@ -381,7 +381,7 @@ fn dots(ui: &mut Ui, verdict: Option<&Verdict>, palette: &Palette) {
     let name = ("Conflict-free", glossary::CONFLICT.meaning);
     property(ui, name, free.as_ref(), palette);
 
-    // Fewer dots than all promise no covering, so that only that of all can fail.
+    // A part of the dots promises no covering, so that only the whole set can have gaps.
     let prefix = verdict.map(|verdict| (verdict.maximal(), "gaps".to_owned()));
     property(
         ui,
@@ -462,7 +462,7 @@ fn property(
         });
     });
 
-    // Before the tooltip, which would be the name of a row that has none.
+    // The name comes first: a row without a name would be named by its tooltip.
     name_group(&shown.response, &ui.words(name));
     shown.response.on_hover_text(ui.words(meaning));
 }

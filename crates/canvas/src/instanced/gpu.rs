@@ -256,7 +256,7 @@ impl CallbackTrait for Drawing {
             queue.write_buffer(&resident.slots, offset, bytemuck::bytes_of(&uniforms(part)));
         }
 
-        // A cached picture is drawn in a separate pass, which comes before that of the window.
+        // A cached picture that is outdated is drawn in a separate pass, which comes before that of the window.
         if let Some(layer) = self.still {
             let (size, origin) = (screen.size_in_pixels, self.origin(uniforms));
             if let Some(mut pass) = resident.stills.renew(device, encoder, layer, size, origin) {

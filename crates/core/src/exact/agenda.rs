@@ -71,9 +71,9 @@ impl Agenda {
         if has_same {
             self.order_same(level);
         }
+        // The level before was decided to its end, so that `sudden` is empty.
         self.deciding = Some(level);
         self.done = 0;
-        // The level before was decided to its end, so that `sudden` is empty.
         self.order.len()
     }
 
@@ -173,7 +173,8 @@ fn word(when: u32, index: u32) -> u64 {
     u64::from(when) << 32 | u64::from(index)
 }
 
-/// Bits of a word that count arrivals of a level: its throws, 26 bits of ranks, and the 32 bits of an index below.
+/// The lower bits of a word, in which words of one level differ: two of the throw and 26 of the rank, and below them the 32 of
+/// the index.
 const LEVEL_BITS: u32 = 2 + 26 + 32;
 
 /// Puts words of one level, as [`Agenda::begin`] makes them, into `out` in ascending order.

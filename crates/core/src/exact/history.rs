@@ -32,7 +32,7 @@ pub(crate) struct WaitingDart {
     pub(crate) second: SecondBlocker,
 }
 
-/// A pattern that knows the arrival of its samples, and the darts of levels 0 and 1 that each of them refused first.
+/// A pattern with the arrivals of its samples, and with the darts of levels 0 and 1 that each of them refused first.
 ///
 /// It takes 12 bytes a refused dart, 12 a sample and 4 a cell of half a radius, 101 bytes a squared r: 1.0 MB of a pattern of
 /// 100 r, 16.2 MB of one of 400 r, 404 MB of the largest.

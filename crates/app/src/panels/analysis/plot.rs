@@ -19,7 +19,7 @@ const LEFT: f32 = 30.0;
 const ABOVE: f32 = 23.0;
 /// Margin for the numbers and the label of the horizontal axis.
 const BELOW: f32 = 31.0;
-/// Minimum distance between numbers along an axis.
+/// Minimum distance between numbers along the horizontal and the vertical axis.
 const TICKS_APART: [f32; 2] = [33.0, 26.0];
 
 /// The style of a line, so that lines are distinguishable without colour.
@@ -280,7 +280,7 @@ impl PlotFrame<'_> {
             palette.muted,
         );
 
-        // The axes lie over the lines of the ticks.
+        // The reference level and the axes lie over the lines of the ticks.
         self.level(painter, palette);
         let border = Stroke::new(1.0, palette.border);
         painter.hline(inner.x_range(), inner.bottom(), border);
@@ -430,7 +430,7 @@ pub fn sample(painter: &Painter, rect: Rect, line: Dash, color: Color32) {
             painter.extend(Shape::dashed_line(&ends, Stroke::new(1.7, color), 6.0, 3.5));
         }
         Dash::Long => {
-            // In the width of a legend's sample two dashes that end at its sides stand for the longer pattern of a curve.
+            // A legend's sample is too short for the pattern of the curve: it has two dashes, which fill most of its width.
             painter.extend(Shape::dashed_line(
                 &ends,
                 Stroke::new(1.8, color),

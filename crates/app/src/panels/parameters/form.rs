@@ -74,7 +74,7 @@ impl Fields<'_> {
         let of_group = |parameter: &Parameter| parameter.row().group == group;
         for parameter in draft::numbers().filter(of_group) {
             match parameter {
-                // Width and height share a line, which is shown at the width.
+                // Width and height share a line, which is shown at the width. The depth, which is no parameter, follows it.
                 Parameter::Width => self.pair(ui, "Size", [Parameter::Width, Parameter::Height]),
                 Parameter::Height => self.depth(ui),
                 Parameter::Radius => self.radius(ui),
@@ -91,7 +91,8 @@ impl Fields<'_> {
         }
     }
 
-    /// Shows how the radius is given, and its number, its formula or its image.
+    /// Shows how the radius is given, and its number, its formula or its image; below them the number of samples and the
+    /// brush, where they have a meaning.
     fn radius(&mut self, ui: &mut Ui) {
         let ground = &self.context.form.draft.ground;
         // Images come from files, and only with one are its choices offered.
@@ -109,7 +110,7 @@ impl Fields<'_> {
         );
 
         match ground.by {
-            // The number of samples of a set in space goes with another power of the radius.
+            // The field of the number of samples sets a planar radius: it is left out of a set in space.
             RadiusBy::Constant if self.context.form.draft.is_in_space() => {
                 self.number(ui, Parameter::Radius);
             }
@@ -499,7 +500,7 @@ impl Fields<'_> {
         (current, options): (T, &[Listed<T>]),
         command: impl FnOnce(T) -> Choice,
     ) {
-        // The list changes a copy of the value. Whether a command follows is known once the list was shown.
+        // The list changes a copy of the value. A command follows below if the copy differs.
         let mut chosen = current;
         let current_option = options.iter().find(|(value, ..)| *value == current);
 
@@ -605,7 +606,8 @@ fn drag(ui: &Ui, label: &egui::Response, field: Parameter, commands: &mut Vec<Co
         return;
     }
     let before: f32 = ui.data(|data| data.get_temp(label.id)).unwrap_or_default();
-    let moved = if label.drag_started() { 0.0 } else { before } + label.drag_delta().x;
+    let rest = if label.drag_started() { 0.0 } else { before };
+    let moved = rest + label.drag_delta().x;
     let steps = (moved / STEP).trunc();
     // The rest of a step counts for the next movement.
     ui.data_mut(|data| data.insert_temp(label.id, moved - steps * STEP));

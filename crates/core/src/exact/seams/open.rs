@@ -34,8 +34,8 @@ impl SeamTiling<'_> {
         for tile in &self.tiles {
             for piece in tile.first_piece..tile.end_piece {
                 let source_piece = &self.marked.pieces()[piece as usize];
-                // A cell is closed if one early sample of the pattern covers all of it and is present in the block:
-                // then no late dart in it can become a sample. That leaves out three of four cells.
+                // A cell is closed if one early sample of the pattern covers all of it and is present in the block, at most
+                // R from the piece: then no late dart in it can become a sample. That leaves out three of four cells.
                 let inside = source_piece.sources_around(&tile.whole, R);
                 let is_closed =
                     |column, row| history.is_covered(column, row, &inside, &tile.missing);
@@ -59,8 +59,8 @@ impl SeamTiling<'_> {
         self.cut_fresh(simd, clipper, level, from);
     }
 
-    /// Cuts the cells that were marked down to a level. Of its darts, those that arrive before `from` are decided
-    /// already.
+    /// Cuts the marked cells until they have the size of a level. Of its darts, those that arrive before `from` are
+    /// decided already.
     #[inline(always)]
     pub(super) fn cut_fresh<S: Simd>(
         &mut self,
