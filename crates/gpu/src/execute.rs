@@ -48,8 +48,8 @@ struct Times {
 }
 
 impl Device {
-    /// Returns the buffers for the first phase of a plan. Buffers of `before` are reused where they are long enough; it
-    /// keeps its reports, too, and must have the same `recording`, which only a new one takes.
+    /// Returns the buffers for the first phase of a plan. A device from `before` goes on with its reports, its count of
+    /// swaps, and the buffers that are long enough; it must have been made with the same `recording`.
     ///
     /// Fails when the device has no memory for them, is lost or refuses a command.
     pub(crate) async fn new(

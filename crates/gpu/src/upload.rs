@@ -32,8 +32,7 @@ pub(crate) fn upload(
         // From these stages on the device makes the grid of survivors itself.
         Stage::Eliminate | Stage::Iterate(1) => write_tiled(work, engine.run(), &mut counters)?,
         Stage::Iterate(_) | Stage::Finish => {
-            // The run may end before this iteration. Its end can have passed: a step of the engine that finds no gap
-            // goes on to the end.
+            // The run may have ended before this iteration: a step of the engine that finds no gap goes on to the end.
             if engine.next() != Some(first) && first != Stage::Finish {
                 return Err(GpuError::FirstStage { stage: first });
             }
@@ -254,8 +253,8 @@ fn write_grid(
         // more than searching those near them.
         slots[3] |= FLAG_FRESH;
 
-        // As on the device, the cells at the frame's edge are unsure, since samples beyond it are unknown, and those
-        // beside them hot, since samples inserted there may depend on these.
+        // As on the device, the cells at the frame's edge are unsure, since samples beyond it are unknown. These cells
+        // and those beside them are hot: samples inserted there may depend on unsure cells.
         if to_edge == 0 {
             slots[3] |= FLAG_UNSURE;
             unsure.push(cell as u32);

@@ -98,7 +98,7 @@ impl Verdict {
 
         if points.len() <= MAX_EXTREMES {
             let exact = VerifyOptions {
-                // The tolerance is larger than the hair by which the limits are tighter.
+                // The usual tolerance is larger than the hair by which the limits are tighter, and would hide the circle.
                 covering_tolerance: 0.0,
                 witnesses: 1,
                 // The verdict is known already, so that one judge is enough.
@@ -113,7 +113,8 @@ impl Verdict {
                 closest = sharper.worst_conflicts.first().copied();
             }
 
-            // With a radius just below the covering radius, the largest empty circle is a gap.
+            // With a radius just below the covering radius, the largest empty circle is a gap. (Between samples there is
+            // always some room, so that the covering radius is above 0; a radius of 0 would be refused.)
             if largest.is_none() && report.covering_radius > 0.0 {
                 let sharper = ask(report.covering_radius * (1.0 - HAIR), &exact)?;
                 largest = sharper.worst_gaps.first().copied();
@@ -287,7 +288,8 @@ impl Task for VerifyTask {
             points.truncate(self.prefix.unwrap_or(all));
             let verdict = Verdict::on_ground(&points, made, monitor)?;
             // A file may have only the first dots of a stipple, which promise no covering.
-            let asked = made.asked.1.stipple.as_ref().map(|stipple| stipple.dots);
+            let (_parameters, request) = &made.asked;
+            let asked = request.stipple.as_ref().map(|stipple| stipple.dots);
             let asked = asked.and_then(|dots| usize::try_from(dots).ok());
             let stipple = session
                 .stipple()

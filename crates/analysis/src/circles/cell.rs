@@ -40,7 +40,7 @@ pub(super) struct CellCutter {
 
 impl CellCutter {
     /// Returns how far the cell of the tile's sample `index` reaches, and as gaps its corners farther than `limit`. The cell
-    /// is cut by the samples within `around` grid cells; none is returned if farther samples may matter.
+    /// is cut by the samples within `around` grid cells. Returns `None` if farther samples may matter.
     pub fn cut(
         &mut self,
         samples: &Samples<'_>,

@@ -105,9 +105,9 @@ pub(super) fn ask(
     }))
 }
 
-/// Returns the score of a learner who gives `answers` to the question, after all earlier ones were taken back: each by
-/// the number of events that were traced so far and the number of answers before it. `None` if one of the answers that
-/// the question takes is `None`.
+/// Returns the score of a learner who gives `answers` to the question, after all earlier answers were taken back.
+/// `answers` gets the number of events that were traced so far, and the number of answers before this one; the score is
+/// `None` if it gives no answer where the question needs one.
 fn score(
     learner: &mut Learner,
     question: &Question,

@@ -18,7 +18,7 @@ pub struct Announcer {
 
 impl Announcer {
     /// Updates the announcement, in the language of the window, if the moment, the verdict or the notice has changed.
-    /// During playback the moment is that of the stage.
+    /// During playback only a change of the stage counts as another moment.
     pub(super) fn follow(
         &mut self,
         run: &RunView,

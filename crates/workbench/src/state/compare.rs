@@ -195,7 +195,7 @@ impl Runs {
         context.ask(Effect::Sample(Which::Second, Box::new(recipe), engine));
     }
 
-    /// Makes the current run also the second one, at the same moment.
+    /// Makes the current run also the second one, at the same moment; nested levels and stipples with all of their samples.
     fn keep(&mut self, context: &mut Context) {
         let Some(session) = self.first.session.clone() else {
             return;
@@ -220,7 +220,7 @@ impl Runs {
         let first = &self.first;
         (side.stage, side.camera, side.viewport) = (first.stage, first.camera, viewport);
         (side.fitted, side.before_pattern) = (first.fitted, first.before_pattern);
-        // Of nested levels all samples are shown; other sessions have no prefix that this would change.
+        // Sessions without prefixes are not changed by this.
         side.show_whole(session.summary.count);
         side.session = Some(session);
 
