@@ -8,8 +8,8 @@ use spade::{DelaunayTriangulation, HasPosition, Point2, Triangulation, validate_
 /// Sites that are inserted before the rounds begin. Chosen, not measured.
 const FIRST: usize = 64;
 
-/// Returns the triangulation; none of sites on one line, which have no triangle. The error is spade's, for a coordinate
-/// that it refuses.
+/// Returns the triangulation; `None` for sites on one line, which have no triangle. The error is spade's, for a
+/// coordinate that it refuses.
 pub(crate) fn delaunay<V: HasPosition<Scalar = f64>>(
     mut sites: Vec<V>,
 ) -> Result<Option<DelaunayTriangulation<V>>, String> {

@@ -87,8 +87,8 @@ impl Classes {
         meant.map(before).sum()
     }
 
-    /// Returns the nearest event after (or before) the one at `cursor` of the classes that `wanted`
-    /// accepts, if there is one; it is asked about one event of each class.
+    /// Returns the nearest event after (or before) the one at `cursor` of the classes that `wanted` accepts, if there
+    /// is one. `wanted` is asked about one event of each class.
     pub(crate) fn nearest(
         &self,
         cursor: usize,
@@ -131,8 +131,8 @@ impl BySample {
         // A sample's events end where those of the next begin; the last entry is the end of the last sample's.
         let mut starts = vec![0_u32; count + 1];
 
-        // A sort by counting begins with how many events name each sample. `get_mut` skips ids from `count` on: the tape of a
-        // run that was cut off may name samples that the run lacks.
+        // A sort by counting: first, how many events name each sample. `get_mut` skips ids from `count` on, since the
+        // tape of a run that was cut off may name samples that the run lacks.
         for event in tape.iter() {
             each_sample(event, |id| {
                 if let Some(start) = starts[..count].get_mut(id as usize) {
@@ -147,7 +147,7 @@ impl BySample {
             total += std::mem::replace(start, total);
         }
 
-        // Each event goes to the next free place of each of its samples, which the sample's start is until the end.
+        // Each event goes to the next free place of each of its samples. Meanwhile a sample's start says where that is.
         let mut events = vec![0; total as usize];
         for (index, event) in (0..).zip(tape.iter()) {
             each_sample(event, |id| {

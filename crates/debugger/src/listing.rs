@@ -94,7 +94,7 @@ pub enum ListingError {
         /// The listing's name, that of its file.
         name: String,
     },
-    /// A line does not have four or five parts, the second of them a number.
+    /// A line does not have four or five parts, the first two of them numbers, or its text is empty.
     #[error(
         "listing {name}: \"{line}\" is not \"number | indentation | text | explanation | erratum\""
     )]

@@ -15,8 +15,8 @@ use crate::recording::Recording;
 pub use short::short;
 pub use tilescope_core::grouped;
 
-/// Returns a sentence that describes the event at `index`, names its samples, and gives distances in r. Past the last
-/// event it says that the run has ended.
+/// Returns a sentence that describes the event at `index`, names its samples, and gives distances: in r or, where the
+/// radius depends on the place, in the units of the domain. Past the last event it says that the run has ended.
 #[must_use]
 pub fn sentence(recording: &Recording, index: usize) -> String {
     let Some(event) = recording.event(index) else {

@@ -407,7 +407,7 @@ pub fn pattern_digest(pattern: &Pattern) -> String {
     )
 }
 
-/// Returns the 64-bit FNV-1a hash of numbers, whose two constants it uses, in hexadecimal digits.
+/// Returns the 64-bit FNV-1a hash of the bytes of numbers, in hexadecimal digits. Both constants are those of FNV-1a.
 pub(crate) fn hash(numbers: impl Iterator<Item = i32>) -> String {
     let mut hash = 0xcbf2_9ce4_8422_2325_u64;
     for byte in numbers.flat_map(i32::to_le_bytes) {

@@ -123,7 +123,7 @@ pub fn write_gif(
     let mut checked = Frames::new(frames, delay, progress)?;
     let first = checked.first(MAX_GIF_SIDE)?;
 
-    // `first` refuses a side that does not fit into 16 bits, and the changed parts of later frames lie within it.
+    // `checked.first` refuses a side that does not fit into 16 bits. Later frames have the same size.
     let (width, height) = (first.width as u16, first.height as u16);
     // There is no palette of the whole file: each frame has the colours that it needs most.
     let mut encoder = Encoder::new(out, width, height, &[]).map_err(refused)?;

@@ -89,7 +89,7 @@ impl Group {
     /// Fails if the view, the clip or a shape of the group cannot be drawn.
     fn validate(&self) -> Result<(), FigureError> {
         let View { scale, origin } = self.view;
-        // View and clip are checked before the shapes, as they are about every one of them. One error stands for both.
+        // View and clip come first, as they hold for all shapes. They share one error.
         let are_finite = origin.is_finite() && self.clip.is_none_or(|clip| clip.is_finite());
         if !(are_finite && scale.is_finite() && scale > 0.0) {
             let group = self.name.clone();

@@ -70,8 +70,8 @@ fn course(
     watch: &TaskWatch,
 ) -> Result<Course, Failure> {
     let mut observer = watch.observer();
-    // A course of too many samples is refused before memory is asked for. With a count the radius is an estimate, which
-    // is near enough for both.
+    // A course of too many samples is refused before memory is asked for. If a number of samples is requested, the
+    // radius is an estimate, which is near enough for both.
     Course::check(&recipe.parameters)?;
     let samples = recipe.parameters.validate_sequential()?.area_radii() * MAXIMAL_DENSITY;
     let ask = |making: Making| ask_for(samples, making.bytes_a_sample());

@@ -109,8 +109,8 @@ pub fn sample<'py>(
     check_method(request, method)?;
     let recipe = recipe_for(request, method)?;
 
-    // Memory is asked for by the number of samples. With a count the radius is an estimate, which is near enough for
-    // that. A set in memory has at most as many samples as the sequential engine takes, whatever makes it.
+    // Memory is asked for by the number of samples. If that is requested, the radius is an estimate, which is near
+    // enough here. A set in memory has at most as many samples as the sequential engine takes, whatever makes it.
     let domain = request.recipe.parameters.validate_sequential();
     let samples = domain.map_err(Failure::from)?.area_radii() * MAXIMAL_DENSITY;
 

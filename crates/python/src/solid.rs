@@ -149,7 +149,8 @@ fn of_verdict(verdict: &SolidVerdict) -> Value {
     all["covering_factor"] = json!(verdict.covering_factor);
     all["relative_radius"] = json!(verdict.relative_radius());
     all["conflict_free"] = json!(report.conflict_free());
-    // Only the beginning of a larger set has a covering factor, and it need not be maximal.
+    // Only the beginning of a larger set has a covering factor. Its report is about that factor, and a set that is
+    // covered within it need not be maximal.
     all["maximal"] = json!(report.maximal() && verdict.covering_factor.is_none());
     all["valid"] = json!(verdict.valid());
     all
@@ -212,8 +213,8 @@ fn given(
     format_name: Option<&str>,
     stated: Option<&Certificate>,
 ) -> PyResult<(Overrides, Option<f64>)> {
-    // A missing side or boundary is as the certificate states, or as of the periodic unit square. Where radius or
-    // format are missing, the reader looks for them itself.
+    // Width, height and boundary that are not given are as the certificate states, or those of the periodic unit
+    // square. The third side, the radius and the format the reader then finds itself.
     let boundary = boundary.map(|name| named("boundary", name)).transpose()?;
     let base = stated.map_or(Region::UNIT_SQUARE, |stated| stated.region);
     let [width, height] = size.map_or([base.width, base.height], |[width, height, _]| {

@@ -51,7 +51,7 @@ pub fn facts_of_exact(
     pattern: &Pattern,
     samples: f64,
 ) -> Facts {
-    // Stated parameters can be typed again as they are, so that those are removed that exact tiling would refuse.
+    // Stated parameters are to be typed again as they are: those that exact tiling would refuse are left out.
     let mut used = stated(parameters);
     for parameter in NOT_OF_EXACT {
         used.remove(parameter.key());

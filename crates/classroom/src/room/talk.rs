@@ -202,6 +202,7 @@ impl Classroom {
 
         let learner = &mut open.learner;
         let is_last = learner.index() + 1 == learner.lesson().steps.len();
+        // A form's question stays open once it is answered (`is_taken`), and then waits for nothing.
         let awaits_answer = learner.is_open() && !learner.is_taken() && open.fault.is_none();
 
         if awaits_answer {

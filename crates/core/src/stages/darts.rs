@@ -244,8 +244,8 @@ impl<G: DartGround> DartProcess<G> {
         self.active.iter().map(square)
     }
 
-    /// Makes one throw, and cuts the cells after the level's last, and returns the new samples in
-    /// the sequence of their ranks.
+    /// Makes one throw and, if it is the level's last, cuts the cells. Returns the new samples in the sequence of their
+    /// ranks.
     pub fn step(
         &mut self,
         stage: Stage,

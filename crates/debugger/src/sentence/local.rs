@@ -60,8 +60,8 @@ impl Words<'_> {
     }
 
     /// Returns the sentence of a dart that lands or, if it is `ranked`, of one whose turn comes; `index` is its
-    /// event's. `None` for verdicts that no dart gets, and if the recording lacks the sample that covers the dart: then
-    /// the sentence is that of any run.
+    /// event's. `None` for verdicts that no dart gets, and if the sample that covers the dart has no place in the
+    /// recording: then the sentence is that of any run. If no such sample is found, the sentence names none.
     fn local_dart(
         &self,
         locality: &Locality,

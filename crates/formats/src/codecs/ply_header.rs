@@ -239,8 +239,8 @@ impl Parser {
             return Err(self.fault("no element \"vertex\"".to_owned()));
         };
 
-        // Rows with lists have no fixed width. Vertices may have no lists, and in a binary file, where earlier rows are skipped
-        // by their width, elements before them neither. In text a row is a line.
+        // Rows with lists have no fixed width. Vertices may have none. Nor may the elements before them in a binary
+        // file, whose rows are skipped by their width; in text a row is a line.
         let binary = encoding != Encoding::Ascii;
         let listed = |(index, e): (usize, &Element)| e.has_list && (index == at || binary);
         if self.elements.iter().take(at + 1).enumerate().any(listed) {

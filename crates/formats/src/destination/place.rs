@@ -169,8 +169,8 @@ impl Place {
         let kept = existed && stated.is_some() && step(|| fs::hard_link(&self.file, &old)).is_ok();
 
         let outcome = self.rename_both(new, stated).map_err(|(error, path)| {
-            // The old file is there if the new one never took its place, if its second name gave it back, or if there was none
-            // and the new one is gone.
+            // All is as before if the new file never took its place, if the old one came back by its second name, or if
+            // there was no old one and the new one is gone.
             let undone = match path {
                 path if path == self.file => true,
                 _ if kept => fs::rename(&old, &self.file).is_ok(),

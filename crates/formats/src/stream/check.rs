@@ -23,8 +23,8 @@ pub const WHOLE_FILE_BYTES: u64 = 32 << 20;
 ///
 /// # Errors
 ///
-/// As [`check`](crate::check), and [`CheckError::TooLarge`] for a file of more than [`MAX_IN_MEMORY`] points that a
-/// stream cannot verify.
+/// As [`check`](crate::check), and [`CheckError::TooLarge`] for a file that a stream cannot verify and that has, or as
+/// a text may have, more than [`MAX_IN_MEMORY`] points.
 pub fn check_stream(
     path: &Path,
     overrides: &Overrides,
@@ -74,7 +74,7 @@ pub(super) fn check_from(
     }
 
     // A text does not state its number of points. A point takes at least four bytes of it, so that this is the largest
-    // number possible; the error below says no more than that.
+    // number possible. The error below names it, and refuses some texts that have fewer points.
     let count = reader.count().unwrap_or(length / 4);
 
     match in_pieces(reader, overrides, control) {

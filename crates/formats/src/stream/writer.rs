@@ -114,8 +114,8 @@ impl Appending {
     }
 }
 
-/// Writes and digests blocks. A second thread waits for the device, so that writing goes on meanwhile. For the blocks
-/// after its last request the owner of the file waits, when it has written the head.
+/// Writes and digests blocks. A second thread waits for the device, so that writing goes on meanwhile. For the last
+/// blocks, after which it is not asked any more, the owner of the file waits, when it has written the head.
 fn append_all(
     mut file: &File,
     incoming: &Receiver<Vec<u8>>,

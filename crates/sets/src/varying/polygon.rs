@@ -125,7 +125,7 @@ impl PlanarPolygon {
             )));
         }
 
-        // A ring that crosses itself may have no area either, and that it crosses is the better message.
+        // A ring that crosses itself may have no area either: the message about the crossing, above, says more.
         let mut rings = self.rings.iter();
         refuse_ring(rings.position(|ring| doubled_area(ring) == 0.0))
     }

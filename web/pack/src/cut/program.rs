@@ -243,8 +243,8 @@ impl<'a> Program<'a> {
                 Operator::Call { function_index }
                 | Operator::ReturnCall { function_index }
                 | Operator::RefFunc { function_index } => calls.push(function_index),
-                // No other operator of today names a function. One that does fails when it is written again, as its
-                // function is then in neither module.
+                // No other operator of today names a function. One that did would fail when it is written again, if its
+                // function is in the other module.
                 _ => {}
             }
         }

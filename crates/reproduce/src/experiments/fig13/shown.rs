@@ -114,8 +114,8 @@ fn samples_tile(method: Method, set: &Set) -> Panel {
     Panel::Tile(tile(None, &method.name(), String::new(), dots))
 }
 
-/// Returns how many columns of cells, an odd number of the given ones, fill one of `plots` plots beside each other. The
-/// sides of cells are whole half pixels: what they leave out is the rim.
+/// Returns how many of the `columns` of cells, an odd number, are shown in one of `plots` plots beside each other: an
+/// odd number, too. The sides of cells are rounded up to half pixels; columns without room are left out at the rim.
 fn cells(columns: usize, plots: usize) -> usize {
     let width = (WIDTH - 2.0 * MARGIN) / plots as f64 - LEFT - RIGHT;
     let cell = 0.5 * (2.0 * width / columns as f64).ceil();
