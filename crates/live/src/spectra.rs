@@ -56,7 +56,7 @@ impl Spectra {
     ) -> Result<u64, MeasureError> {
         let last = if may_be_thinned { STRIDES - 1 } else { 0 };
         // From the finest spectrum on, the first one that gets there is chosen. The steps of beginning do not count in
-        // the choice; the move below has those that they leave.
+        // the choice; the move below gets what they leave of the budget.
         let (mut chosen, mut steps) = (0, 0);
         loop {
             steps += self.begin(chosen, course, target)?;

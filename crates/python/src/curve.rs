@@ -34,7 +34,7 @@ pub fn curve<'py>(
     let method = named("method", method)?;
     check_method(request, method)?;
     let recipe = recipe_for(request, method)?;
-    // Without a choice all numbers but those that need a spectrum at every row, which takes far longer.
+    // Without a choice all numbers but those that need a spectrum at every moment, which takes far longer.
     let numbers = match numbers {
         None => live_numbers()
             .filter(|number| !is_of_spectrum(number))

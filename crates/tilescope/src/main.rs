@@ -16,6 +16,7 @@ use tilescope_cli::Arguments;
 fn main() -> ExitCode {
     let arguments = Arguments::read();
     let played = match arguments.played() {
+        // The lesson to be played is neither a file nor one of the program's.
         Some(Err(error)) => {
             tilescope_cli::note(&format!("error: {error}"));
             return ExitCode::from(tilescope_cli::EXIT_BAD_INPUT);

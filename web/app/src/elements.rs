@@ -132,7 +132,7 @@ impl Walk<'_> {
                 continue;
             };
             let role = role_of(node, place.list);
-            // Text runs are the letters of their parent's text, with places of their own.
+            // Text runs, the letters of their parent's text with places of their own, have no elements.
             if node.role() == Role::TextRun {
                 continue;
             }

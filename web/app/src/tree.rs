@@ -66,7 +66,8 @@ impl Plugin for Tree {
     }
 
     fn input_hook(&mut self, ctx: &Context, input: &mut RawInput) {
-        // The browser's focus is not on the canvas then, and eframe would count the window as left.
+        // While an element of the page has the browser's focus, the canvas has not, and eframe would count the window as
+        // left.
         input.focused |= self.holds_focus;
         self.answers |= !self.asked.is_empty();
 
@@ -90,7 +91,7 @@ impl Plugin for Tree {
     }
 
     fn output_hook(&mut self, ctx: &Context, output: &mut FullOutput) {
-        // It may be taken: eframe's page ignores it, and the speaker's hook runs before this one.
+        // The update may be taken: eframe's page ignores it, and the speaker's hook runs before this one.
         let Some(update) = output.platform_output.accesskit_update.take() else {
             return;
         };

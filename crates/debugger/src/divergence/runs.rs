@@ -202,8 +202,8 @@ impl Pair<'_> {
     /// Returns the first difference of an iteration, counted from 0.
     fn iteration(&self, k: usize) -> Option<Divergence> {
         let number = k as u32 + 1;
-        // Algorithm 4 as printed makes iteration 1 in its first loop, together with elimination. Of runs of two
-        // variants the stage is that of the first.
+        // Algorithm 4 as printed makes iteration 1 in its first loop, together with elimination. If the
+        // runs have different variants, the stage is that of the first run.
         let stage = match self.a.parameters.variant {
             Variant::AsPrinted if number == 1 => Stage::Eliminate,
             _ => Stage::Iterate(number),

@@ -6,7 +6,8 @@ use tilescope_core::{Locality, Point, RunEvent, Verdict};
 use super::{Words, count, grouped, significant};
 
 impl Words<'_> {
-    /// Returns the sentence of an event of darts in a run whose radius depends on the place; `None` for all others.
+    /// Returns the sentence of a dart, a throw, an insertion or a cut in a run whose radius depends on the place. `None`
+    /// for other events and runs, and for a sample without a place in the recording.
     pub(super) fn local(&self, run_event: RunEvent, index: usize) -> Option<String> {
         let locality = self.0.run().locality.as_deref()?;
 
@@ -44,7 +45,7 @@ impl Words<'_> {
             RunEvent::Cut {
                 cell, side, kept, ..
             } => {
-                // A quarter without a place of the shape is left out like one that a sample is near as a whole.
+                // A quarter without a place of the shape is left out like one whose places are all near one sample.
                 let kept = match kept {
                     0 => "each quarter is near one sample as a whole, or outside".to_owned(),
                     1 => "one quarter may be open".to_owned(),

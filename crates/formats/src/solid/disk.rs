@@ -88,7 +88,7 @@ pub fn check_solid(
 ///
 /// # Errors
 ///
-/// As [`check_solid`], but for those of judges, and [`FormatError::FalseCertificate`].
+/// As [`check_solid`], except those of judges; and [`FormatError::FalseCertificate`].
 pub fn read_solid(
     path: &Path,
     overrides: &Overrides,

@@ -220,7 +220,7 @@ impl StippleRecipe {
     ) -> Result<Run, VaryingError> {
         let recipe = self.recipe(image, black);
         let ground = recipe.ground()?;
-        // The memory of the dots that are asked for is reserved before it is needed: a program ends at once when an
+        // The memory of the dots that are wanted is asked for before it is needed: a program ends at once when an
         // allocation fails. Dots that are left out, and those beyond the frame, are not counted here.
         let bytes = Making::Varying.bytes_a_sample();
         ask_for(self.dots as f64, bytes).map_err(SampleError::from)?;

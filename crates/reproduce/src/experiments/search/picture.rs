@@ -149,8 +149,8 @@ fn triangle(witness: &Witness, middle: DVec2, radius: f64, palette: &Palette) ->
     shapes
 }
 
-/// Returns the side from the first to the second of three sites, its length written on a ground of its own beyond its
-/// middle, as seen from the third site.
+/// Returns the side from the first to the second of three sites. The side's length is written beside its middle, away
+/// from the third site, on a ground of its own.
 fn side([from, to, third]: [DVec2; 3], what: &str, radius: f64, palette: &Palette) -> [Shape; 3] {
     let middle = from.midpoint(to);
     // The distance and the sizes of the text and of its ground were set by eye.

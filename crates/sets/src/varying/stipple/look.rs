@@ -25,7 +25,7 @@ pub struct StippleLook {
 
 impl StippleLook {
     /// Returns the drawing of dots at these points; `judged` has their field, and `black` is the radius of black. If
-    /// the tone of the image `is_inverted`, its light places have the dots, and the paper is black.
+    /// the tone of the image `is_inverted`, its light places have the dots, and black is the default paper.
     #[must_use]
     pub fn drawing(
         &self,
