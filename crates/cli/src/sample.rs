@@ -28,7 +28,7 @@ pub fn run(arguments: &SampleArguments) -> Result<u8> {
     }
 
     // The reference sampler alone makes sets of a field or a shape, so that no method is chosen for them. The remarks of
-    // `outcome`, on exact tiling and on the side of a pattern, concern neither these sets nor nested levels.
+    // `outcome` are on patterns and exact tiling, which neither these sets nor nested levels have.
     if arguments.ground.is_given() {
         let outcome = finish(arguments, varying::make(arguments)?)?;
         output::report(arguments.json, || outcome.json(), || outcome.text())?;

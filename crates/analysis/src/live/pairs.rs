@@ -372,7 +372,7 @@ impl LivePairs {
                 candidates.push((!kept, [slot, other]));
             });
         }
-        // The smallest id is searched only where no pair that is kept is closer than a sample and its copy.
+        // The smallest id is searched only where no pair is closer than a sample and its copy.
         let own = self.period_square();
         if let Some(square) = own.filter(|&square| kept == 0 || square <= !kept) {
             let slots = self.grid.all().map(|occupant| occupant.slot);

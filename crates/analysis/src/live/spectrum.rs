@@ -309,8 +309,8 @@ impl LiveSpectrum {
         })
     }
 
-    /// Returns the power at a frequency in cycles per width and height, as [`Periodogram::of`] has it; `None` for a
-    /// frequency that is not kept, and without samples.
+    /// Returns the power at a frequency in cycles per width and height, as [`Periodogram::of`] has it; `None` where that is
+    /// not kept, and of no sample.
     #[must_use]
     pub fn power(&self, frequency: [i64; 2]) -> Option<f64> {
         let stride = i64::from(self.stride);

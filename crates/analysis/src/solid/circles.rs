@@ -78,8 +78,7 @@ pub(super) fn search(
         witnesses,
         ..
     } = question;
-    // The farthest that a place can lie from all samples where the cubes of the first judge show no gap: with this
-    // limit both judges agree.
+    // As far as any place can lie from all samples where the cubes of the first judge show no gap, so that both agree.
     let limit = question.bound();
     let Some(neighbours) = Neighbours::new(points, region, 2.0 * limit) else {
         return Ok(None);

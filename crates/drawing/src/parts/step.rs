@@ -80,7 +80,7 @@ fn blocker_of(scene: &Scene<'_>, dart: Point, verdict: Verdict) -> Option<u32> {
     if by != NONE {
         return Some(by);
     }
-    // Only for sets in a field, a shape or space is the sample looked up. Insertion by darts shows none.
+    // Of all sets only those in a field, a shape or space are made without ids.
     if !scene.session.has_own_disks() {
         return None;
     }

@@ -29,7 +29,7 @@ pub(super) fn groups(
     let layers = shown
         .session
         .drawable(view.layers(shown.session.kind(), shown.stage));
-    // As in `Scene::is_fine`, which decides whether gaps are drawn.
+    // As in `Scene::is_fine`, which decides whether gaps are drawn: at a moment of nested levels disks are larger than r.
     let radius = shown.disk_radius() * shown.session.largest_radius();
     let shows_gaps = layers.has(Layer::Gaps) && view.camera.scale * radius >= MIN_DISK_SCALE;
     // Of a set in space it would be that of the projections, whose disks are not those of the plane.

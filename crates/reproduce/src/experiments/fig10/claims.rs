@@ -19,8 +19,8 @@ const ALIKE: f64 = 0.05;
 /// samples goes with the inverse root of their number: they would have to be half as many again.
 const CLEARLY: f64 = 1.224_744_871_391_589;
 
-/// Returns the claims about low frequencies, zone plates, horizons and the paper's scene; none if random samples, the
-/// reference sampler or KDRT were not measured.
+/// Returns the claims about zone plates and the scene; none if random samples, the reference sampler or KDRT were not
+/// measured.
 pub fn claims(all: &[SamplerResults]) -> Vec<Claim> {
     let find = |sampler: Sampler| all.iter().find(|one| one.sampler == sampler);
     let (Some(random), Some(reference), Some(kdrt)) = (
