@@ -155,8 +155,8 @@ fn scorm_12(package: &Description, files: &[&str]) -> Element {
     ])
 }
 
-/// Returns the manifest of SCORM 2004, fourth edition. Its sequencing says no more than that the page itself reports
-/// completion and success.
+/// Returns the manifest of SCORM 2004, fourth edition. Its sequencing says how the lesson is reached, and that the page
+/// itself reports completion and success.
 fn scorm_2004(package: &Description, files: &[&str]) -> Element {
     let by_page = [
         ("completionSetByContent", "true"),
