@@ -267,7 +267,7 @@ impl<'a, I: ExactSizeIterator<Item = Result<Pixels, FigureError>>> Frames<'a, I>
         })
     }
 
-    /// Draws the first frame and returns it as a change of all pixels, or an error if it is empty or larger than allowed.
+    /// Draws the first frame and returns it as a change of all pixels, or an error if it is empty or too large.
     fn first(&mut self, largest_side: u32) -> Result<Change, AnimationError> {
         self.report()?;
         let pixels = self.draw()?;

@@ -98,7 +98,8 @@ impl Verdict {
 
         if points.len() <= MAX_EXTREMES {
             let exact = VerifyOptions {
-                // The usual tolerance is larger than the hair by which the limits are tighter, and would hide the circle.
+                // The usual tolerance is larger than the hair by which the limits are tighter, and would hide the
+                // circle.
                 covering_tolerance: 0.0,
                 witnesses: 1,
                 // The verdict is known already, so that one judge is enough.
@@ -113,8 +114,8 @@ impl Verdict {
                 closest = sharper.worst_conflicts.first().copied();
             }
 
-            // With a radius just below the covering radius, the largest empty circle is a gap. (Between samples there is
-            // always some room, so that the covering radius is above 0; a radius of 0 would be refused.)
+            // With a radius just below the covering radius, the largest empty circle is a gap. (Between samples there
+            // is always some room, so that the covering radius is above 0; a radius of 0 would be refused.)
             if largest.is_none() && report.covering_radius > 0.0 {
                 let sharper = ask(report.covering_radius * (1.0 - HAIR), &exact)?;
                 largest = sharper.worst_gaps.first().copied();

@@ -66,8 +66,8 @@ impl Plugin for Tree {
     }
 
     fn input_hook(&mut self, ctx: &Context, input: &mut RawInput) {
-        // While an element of the page has the browser's focus, the canvas has not, and eframe would count the window as
-        // left.
+        // While an element of the page has the browser's focus, the canvas has not, and eframe would count the window
+        // as left.
         input.focused |= self.holds_focus;
         self.answers |= !self.asked.is_empty();
 

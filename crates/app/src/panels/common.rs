@@ -44,8 +44,8 @@ pub fn named_bar(ui: &mut Ui, bar: ProgressBar, name: &str, palette: &Palette) {
     name_group(&shown, &ui.words(name));
 }
 
-/// Shows how far work is, and about how long it still takes, in a bar of this height. `name` is different for each work,
-/// `activity` says what goes on now, and `fraction` is the share that is done.
+/// Shows how far work is, and about how long it still takes, in a bar of this height. `name` is different for each
+/// work, `activity` says what goes on now, and `fraction` is the share that is done.
 pub fn progress(
     ui: &mut Ui,
     name: &str,

@@ -162,8 +162,8 @@ fn place(
     }
     let mut nearest: Option<(f64, u32)> = None;
     let mut is_covered = false;
-    // The nearest sample is looked for far beyond its disk, so that in a gap, too, its distance is shown: up to 3.5 r away
-    // (chosen), or up to twice the largest radius. No sample covers a place farther away than the largest radius.
+    // The nearest sample is looked for far beyond its disk, so that in a gap, too, its distance is shown: up to 3.5 r
+    // away (chosen), or up to twice the largest radius. No sample covers a place farther away than the largest radius.
     let reach = f64::max(3.5, 2.0 * shown.session.largest_radius());
     shown.session.index.visit(at, at, reach, |seen| {
         let distance = seen.position.distance(at);
@@ -189,8 +189,8 @@ fn place(
     }
 }
 
-/// Shows which samples cover a place of the plane through a set in space, first the one that arrived first: since then no
-/// dart there could become a sample.
+/// Shows which samples cover a place of the plane through a set in space, first the one that arrived first: since then
+/// no dart there could become a sample.
 fn place_in_plane(
     ui: &mut Ui,
     shown: &ShownMoment<'_>,

@@ -404,7 +404,8 @@ impl LessonPanel<'_> {
     /// Shows the right answer once the question is closed, the text after it, and the events that explain it.
     fn revealed(&mut self, ui: &mut Ui) {
         let learner = &self.open.learner;
-        // After a right answer it is shown only where the question has a tolerance, as the answer may have been off by that.
+        // After a right answer it is shown only where the question has a tolerance, as the answer may have been off by
+        // that.
         if let Some(answer) = self.open.told_answer(&self.state.lessons().language) {
             let text = format!("{} {answer}", self.labels.the_answer);
             ui.add(Label::new(RichText::new(text).size(self.size)).wrap())

@@ -173,8 +173,8 @@ fn word(when: u32, index: u32) -> u64 {
     u64::from(when) << 32 | u64::from(index)
 }
 
-/// The lower bits of a word, in which words of one level differ: two of the throw and 26 of the rank, and below them the 32 of
-/// the index.
+/// The lower bits of a word, in which words of one level differ: two of the throw and 26 of the rank, and below them
+/// the 32 of the index.
 const LEVEL_BITS: u32 = 2 + 26 + 32;
 
 /// Puts words of one level, as [`Agenda::begin`] makes them, into `out` in ascending order.

@@ -6,8 +6,8 @@ use tilescope_core::{Locality, Point, RunEvent, Verdict};
 use super::{Words, count, grouped, significant};
 
 impl Words<'_> {
-    /// Returns the sentence of a dart, a throw, an insertion or a cut in a run whose radius depends on the place. `None`
-    /// for other events and runs, and for a sample without a place in the recording.
+    /// Returns the sentence of a dart, a throw, an insertion or a cut in a run whose radius depends on the place.
+    /// `None` for other events and runs, and for a sample without a place in the recording.
     pub(super) fn local(&self, run_event: RunEvent, index: usize) -> Option<String> {
         let locality = self.0.run().locality.as_deref()?;
 

@@ -142,8 +142,8 @@ fn name_of(parameter: Parameter) -> String {
     }
 }
 
-/// Corrects parameters that could be read to the nearest ones that a link may ask for. Where the corrected ones cannot be
-/// used together, all become the default ones.
+/// Corrects parameters that could be read to the nearest ones that a link may ask for. Where the corrected ones cannot
+/// be used together, all become the default ones.
 fn fit(p: &mut Parameters, run: &str, warnings: &mut LinkWarnings) {
     if p.leaf < MIN_LEAF_RADII {
         warnings.add(format!(

@@ -430,7 +430,8 @@ pub fn sample(painter: &Painter, rect: Rect, line: Dash, color: Color32) {
             painter.extend(Shape::dashed_line(&ends, Stroke::new(1.7, color), 6.0, 3.5));
         }
         Dash::Long => {
-            // A legend's sample is too short for the pattern of the curve: it has two dashes, which fill most of its width.
+            // A legend's sample is too short for the pattern of the curve: it has two dashes, which fill most of its
+            // width.
             painter.extend(Shape::dashed_line(
                 &ends,
                 Stroke::new(1.8, color),

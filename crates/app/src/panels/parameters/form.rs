@@ -74,7 +74,8 @@ impl Fields<'_> {
         let of_group = |parameter: &Parameter| parameter.row().group == group;
         for parameter in draft::numbers().filter(of_group) {
             match parameter {
-                // Width and height share a line, which is shown at the width. The depth, which is no parameter, follows it.
+                // Width and height share a line, which is shown at the width. The depth, which is no parameter, follows
+                // it.
                 Parameter::Width => self.pair(ui, "Size", [Parameter::Width, Parameter::Height]),
                 Parameter::Height => self.depth(ui),
                 Parameter::Radius => self.radius(ui),
@@ -91,8 +92,8 @@ impl Fields<'_> {
         }
     }
 
-    /// Shows how the radius is given, and its number, its formula or its image; below them the number of samples and the
-    /// brush, where they have a meaning.
+    /// Shows how the radius is given, and its number, its formula or its image; below them the number of samples and
+    /// the brush, where they have a meaning.
     fn radius(&mut self, ui: &mut Ui) {
         let ground = &self.context.form.draft.ground;
         // Images come from files, and only with one are its choices offered.

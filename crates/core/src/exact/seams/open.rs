@@ -34,8 +34,9 @@ impl SeamTiling<'_> {
         for tile in &self.tiles {
             for piece in tile.first_piece..tile.end_piece {
                 let source_piece = &self.marked.pieces()[piece as usize];
-                // A cell is closed if one early sample of the pattern covers all of it and is present in the block, at most
-                // R from the piece: then no late dart in it can become a sample. That leaves out three of four cells.
+                // A cell is closed if one early sample of the pattern covers all of it and is present in the block, at
+                // most R from the piece: then no late dart in it can become a sample. That leaves out three of four
+                // cells.
                 let inside = source_piece.sources_around(&tile.whole, R);
                 let is_closed =
                     |column, row| history.is_covered(column, row, &inside, &tile.missing);
