@@ -102,7 +102,7 @@ impl Grid {
         count: usize,
         entry: impl Fn(usize) -> Entry + Sync,
     ) -> Self {
-        // No cell has this number: grids have far fewer cells.
+        // No cell has this number: only grids of some rows leave samples out, and they hold 2^24 cells at most.
         const NOT_HELD: u32 = u32::MAX;
         let cell_of = |index: usize| {
             let [column, row] = cell_at(&domain, cells, entry(index).position);
@@ -215,12 +215,13 @@ impl Grid {
     }
 }
 
-/// The most cells that are sorted on one thread: enough to hide the scheduling.
+/// From this number of cells on two threads share them: enough to hide the scheduling.
 const CELLS_TOGETHER: usize = 4096;
 
 /// Sorts the entries within each cell, for cells that follow each other. `starts` has the bounds of these cells, counted over
 /// the whole grid: the first of `entries` has the number `starts[0]`.
 fn sort_cells(starts: &[u32], entries: &mut [Entry]) {
+    // There is one bound more than cells.
     if starts.len() > CELLS_TOGETHER {
         // The middle bound is the end of the left half and the start of the right one.
         let middle = starts.len() / 2;

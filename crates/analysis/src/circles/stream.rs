@@ -78,7 +78,8 @@ impl CircleBands {
         self.open.add(points, first);
         if self.open.len() >= self.sort_at {
             let cells = cells_of(question)?;
-            // At first `complete` is below 0. Sparse sets are refused where their rows are judged.
+            // `complete` is some radii lower than the highest sample, so that it is below 0 at first. Sparse sets are
+            // refused where their rows are judged.
             let _ = self.sort(&cells, cells.row(complete.max(0.0)));
         }
         Ok(())
@@ -124,7 +125,7 @@ impl CircleBands {
     }
 
     /// Whether a region is so high that its rows are worth being judged in bands: it has many times the rows that are
-    /// kept (eight times; chosen, not measured).
+    /// kept (eight times; chosen, not measured), and circles reach no farther than the next row.
     pub fn streams(question: &Question) -> bool {
         let cells = Cells::new(question.domain, question.limit);
         cells.is_ok_and(|cells| cells.counts[1] >= 8 * KEPT && cells.reach[1] == 1)
@@ -139,7 +140,7 @@ impl CircleBands {
         monitor: &Monitor<'_>,
     ) -> Result<(), VerifyError> {
         let cells = cells_of(question)?;
-        // Samples may still come in this row and the rows above it. At first `complete` is below 0.
+        // Samples may still come in this row and the rows above it. At first `complete` is below 0, as in `add`.
         let open_row = cells.row(complete.max(0.0));
         // The row below it is left for later, too, as its circles reach into the open one.
         let rows = self.closed.max(first_in_turn(&cells))..open_row.saturating_sub(1);
@@ -218,6 +219,7 @@ impl CircleBands {
         self.found = found.map_err(|declined| refused(declined, question, samples.len()))?;
 
         self.farthest = search.farthest();
+        // The search has taken all samples that were ready out of `exposed`, or has declined.
         self.found.exposed = later;
         Ok(())
     }

@@ -1,5 +1,7 @@
 //! Distances between samples, kept while samples come and go: those of g(r), the smallest one, and conflicts. Squared distances
 //! are integers, and each change adds or takes those to the samples around it, so nothing drifts. Begin with [`LivePairs`].
+//!
+//! Its functions return counted steps: the cells and the samples that a search looked at.
 
 use std::cmp::Ordering;
 use std::ops::ControlFlow;
@@ -19,7 +21,7 @@ use crate::worst::Witness;
 /// Bins in a radius, as the pair correlation of a set of one radius has them.
 const BINS_PER_RADIUS: f64 = 40.0;
 
-/// Bins at most: they end at 5 radii.
+/// Bins at most, as there: they end at 5 radii.
 const MAX_BINS: f64 = 200.0;
 
 /// Samples whose distance is kept are at most that many cells apart. Fewer and larger cells than these make a change no
@@ -41,8 +43,8 @@ const STEPS_OF_SAMPLE: u64 = 80;
 struct Histogram {
     plane: Plane,
     /// Two counts for each bin: of the pairs exactly where the bin begins, which rounding may put into the bin before,
-    /// and of all others. The last bin but one has only the pairs exactly at its beginning, and the last one has all
-    /// that are farther.
+    /// and of all others. The last two bins are beyond the curve's end: of them it shows only the pairs exactly where
+    /// the first one begins.
     counts: Vec<[u64; 2]>,
     /// The sums of their weights, in a bounded plane.
     weights: Vec<[u128; 2]>,
@@ -57,7 +59,7 @@ impl Histogram {
         // The bins of `PairCorrelation::in_units_of`: they end just below half of the shorter side, since beyond that a
         // torus shows a pair twice. A dense set has fewer bins there, and `correlation` drops the others.
         let half = 0.499 * plane.region_in_radii().shorter_side();
-        // One more bin holds the pairs exactly at the end, and one more those that are farther.
+        // One more bin begins exactly at the end, and one more takes all pairs that are farther than that bin.
         let bins = (BINS_PER_RADIUS * half).floor().min(MAX_BINS) as usize + 2;
         let weights = match plane.boundary {
             Boundary::Periodic => 0,
@@ -372,7 +374,7 @@ impl LivePairs {
                 candidates.push((!kept, [slot, other]));
             });
         }
-        // The smallest id is searched only where no pair is closer than a sample and its copy.
+        // The smallest id is searched only where no pair that is kept is closer than a sample and its copy.
         let own = self.period_square();
         if let Some(square) = own.filter(|&square| kept == 0 || square <= !kept) {
             let slots = self.grid.all().map(|occupant| occupant.slot);
@@ -477,7 +479,7 @@ impl LivePairs {
     ///
     /// Those of that function.
     pub fn correlation(&self) -> Result<PairCorrelation, MeasureError> {
-        // Sets are refused for the same reasons as by `PairCorrelation::of`.
+        // Sets are refused for the same reasons as by `PairCorrelation::in_units_of`.
         let (count, region) = (self.count, self.histogram.plane.region_in_radii());
         if count < MIN_SAMPLES {
             return Err(MeasureError::TooFew {

@@ -190,8 +190,8 @@ impl LiveSpectrum {
         self.annuli = OnceLock::new();
     }
 
-    /// Replaces all samples by a transform in 64 bits, which takes all rounding out of the sums, and returns the steps.
-    /// On several threads, in the time of a [`Periodogram::of`].
+    /// Replaces all samples by a transform, and returns the steps. The sums lose the rounding of all changes, and are
+    /// right to [`crate::measures::NUFFT_ERROR`]. It runs on several threads, in the time of a [`Periodogram::of`].
     ///
     /// # Errors
     ///
@@ -241,7 +241,7 @@ impl LiveSpectrum {
         (weighed.collect(), squares)
     }
 
-    /// Records that the sums are those of `count` samples, without rounding.
+    /// Records that the sums are those of `count` samples, without the rounding of changes.
     fn begin_with(&mut self, count: usize, squares: i128) {
         self.squares = squares;
         self.count = count;
@@ -469,6 +469,7 @@ impl Renew for LiveSpectrum {
         let transform = plan.and_then(|plan| {
             let (weighed, squares) = self.all_weighed(samples);
             let transform = SlicedTransform::new(plan, &weighed)?;
+            // The sums themselves follow in the last slices: until then the old measure is read.
             empty.begin_with(samples.len(), squares);
             Some(transform)
         });

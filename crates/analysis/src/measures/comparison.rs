@@ -34,7 +34,8 @@ pub struct DifferenceCurve {
 
 impl DifferenceCurve {
     /// Returns the difference of two radial mean powers over `nu`. The band follows from the number of powers behind both alone
-    /// ([`power_difference_band`]), so it is right from one set each on, but for periodic sets only.
+    /// ([`power_difference_band`]), so that one set on each side is enough. It is right for periodic sets only: the
+    /// taper of bounded ones makes neighbouring powers depend on each other.
     ///
     /// # Errors
     ///

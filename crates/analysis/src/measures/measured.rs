@@ -96,7 +96,7 @@ pub struct MeasuredSet {
     pub report: Option<Result<Arc<Report>, String>>,
     /// Distances to nearest neighbours.
     pub distances: Option<Arc<NearestDistances>>,
-    /// The spectrum of low frequencies, until the whole one is known.
+    /// The spectrum of low frequencies; dropped once the whole one is measured.
     pub rough: Option<Arc<Spectrum>>,
     /// The spectrum of all frequencies, once it is measured.
     pub spectrum: Option<Arc<Spectrum>>,
@@ -141,9 +141,9 @@ impl MeasuredSet {
     ///
     /// # Errors
     ///
-    /// Those of the part's own function: fewer than three samples (of the discrepancy none), samples outside the region
-    /// or all at one position, no cell away from the border; `control` broke. That the verifier refuses the set is no
-    /// error: `report` then says why.
+    /// Those of the part's own function: fewer than three samples (for the discrepancy: no sample), samples outside the
+    /// region or all at one position, no cell away from the border; `control` broke. That the verifier refuses the set
+    /// is no error: `report` then says why.
     pub fn measure(
         &mut self,
         part: Part,

@@ -35,7 +35,7 @@ pub(super) struct PairSearch<'a> {
     bins: usize,
     /// The samples' coordinates along x and along y, and zeros of a last incomplete vector.
     coordinates: [Vec<f64>; 2],
-    /// The bin beyond the last one that a lane has.
+    /// For each lane the last bin that its pairs can go into, beyond those that are returned.
     beyond: [f64; LANES],
     level: Level,
 }
@@ -210,9 +210,9 @@ impl<'a> PairSearch<'a> {
         dispatch!(self.level, simd => self.pairs_in_vectors(simd, index, run, once, found));
     }
 
-    /// Finds the bins of as many pairs at a time as a vector has lanes. Pairs beyond the distance go into bins of their
-    /// own, one for each lane. They are half of the compared pairs: a branch would be mispredicted for half of the
-    /// pairs, and in a single bin their counts would wait for each other.
+    /// Finds the bins of as many pairs at a time as a vector has lanes. Pairs beyond the distance go into further bins,
+    /// nearly all into one for each lane. They are half of the compared pairs: a branch would be mispredicted for half
+    /// of the pairs, and in a single bin their counts would wait for each other.
     #[expect(
         clippy::inline_always,
         reason = "it must become a part of what dispatch! compiles for the processor"
