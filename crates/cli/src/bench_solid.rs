@@ -79,7 +79,7 @@ pub fn run(arguments: &BenchArguments) -> Result<u8> {
     Ok(verdict_code(timed.is_valid))
 }
 
-/// Makes a set in both ways and judges it in both; every kind of work runs once.
+/// Makes a set in both ways and judges it by both judges: every kind of work runs once.
 fn add_round(timed: &mut Timed, samples: u64, seed: u64) -> Result<()> {
     let request = SolidRequest {
         size: [1.0; 3],
@@ -110,7 +110,7 @@ fn add_round(timed: &mut Timed, samples: u64, seed: u64) -> Result<()> {
             TimedWork::Make => {
                 let places = solid_sample_parallel(domain, seed, &mut Unobserved)?;
                 seconds.push(began.elapsed().as_secs_f64());
-                // Equal sets are a promise, and a rate of another set would be none.
+                // Both ways promise the same set. Rates of different sets could not be compared.
                 ensure!(
                     domain.users_from_lattice(&places) == positions,
                     "one thread and all threads make different sets of seed {seed}"

@@ -160,7 +160,8 @@ impl GroundArguments {
         Ok(())
     }
 
-    /// Returns the field and the shape that the arguments state for a set without a certificate.
+    /// Returns the field and the shape that the arguments state for a set whose certificate, if it has one, states
+    /// neither.
     fn foreign(&self, set: &SetArguments) -> Result<VaryingRecipe> {
         // An expression gives the radius alone. A density needs a radius beside it, that of black; and where there is a shape
         // alone, the radius is the same everywhere.

@@ -269,6 +269,7 @@ impl Source {
                 && named.extension().is_some()
                 && named.file_stem().is_some_and(|stem| *stem == *name)
         };
+        // An entry that the system fails to list is passed over.
         let entries = entries.filter_map(|entry| Some(entry.ok()?.path()));
         let mut paths: Vec<PathBuf> = entries.filter(is_translation).collect();
         // Systems list a folder in any order; the report is to have one order.
@@ -636,7 +637,7 @@ fn translate(file: &Path, language: &str) -> Result<()> {
         Translation::default()
     };
 
-    // Missing and stale texts are counted in the old translation: a renewed one has neither.
+    // Missing and stale texts are counted in the old translation: the renewed one has every text, if only as TODO.
     let texts = lesson.texts();
     let (missing, stale) = old.compared(&texts);
     write(&target, &old.renewed(&texts))?;

@@ -317,6 +317,7 @@ pub fn keep_painted(
         format,
         ..ranked.context(distance, counts, ranks, statement)
     };
+    // Not every format holds an origin.
     leave_out_origin(output_path, format, &mut context)?;
     save_unverified(&kept, output_path, &context)?;
 

@@ -127,7 +127,7 @@ Examples:
 pub fn run(arguments: &StippleArguments) -> Result<u8> {
     interrupt::listen();
     arguments.threads.set()?;
-    // To make the dots takes longest: before that, the options of the file and of the picture are checked, too.
+    // The dots take longest, so that the options of the file and of the picture are checked before.
     arguments.check_out()?;
     arguments.look.check()?;
     let recipe = arguments.recipe()?;

@@ -130,6 +130,7 @@ pub(super) fn search(
     }
 
     if region.is_periodic() {
+        // A sample and its own image are the shortest period apart.
         all.min_distance = all.min_distance.min(region.shortest());
     } else {
         add_bare_edges(points, region, limit, witnesses, &mut all);
@@ -236,8 +237,8 @@ impl<'a> Neighbours<'a> {
     /// Appends a sample `index` as seen from the sample `own`, and each of its images, if it is nearer than the reach.
     fn add_images(&self, own: usize, index: usize, near: &mut Vec<Other>) {
         let (center, size) = (self.points[own], self.region.size());
-        // A period is longer than the reach, so that on an axis only two images can be near: the sample itself, and the
-        // one a period closer, which lies on the other side of `own`.
+        // A period is longer than the reach, or the set was refused. So on an axis only two images can be near: the
+        // sample itself, and the one a period closer, which lies on the other side of `own`.
         let offsets = [0, 1, 2].map(|axis| {
             let plain = self.points[index][axis] - center[axis];
             let image = plain - size[axis].copysign(plain);

@@ -73,8 +73,8 @@ impl FarthestTask<'_> {
     /// Returns the largest squared distance that is found in a cube, or that of the sketch if none is larger, given all
     /// samples that may be nearest to a place of the cube.
     fn of_cube(&self, cube: &Cube, near: &[[f64; 3]]) -> Result<f64, SolidError> {
-        // A place is no farther from its nearest sample than any sample is from its farthest place of the cube: the
-        // least of these distances bounds all.
+        // A sample is as near to all places of the cube as to the farthest of them. So no place is farther from its
+        // nearest sample than the least of these largest distances.
         let bounds = near.iter().map(|&sample| cube.distances(sample).farthest);
         let bound = bounds.fold(f64::INFINITY, f64::min);
         let may_be_nearest = |&sample: &[f64; 3]| cube.distances(sample).nearest <= bound;

@@ -62,7 +62,7 @@ impl Drawn {
     }
 
     /// Returns the loop that begins with a piece, and marks its pieces. It ends before a marked piece, which is the
-    /// first one again.
+    /// first one again, or where no piece follows.
     fn chain(&mut self, runs: &Runs<'_>, first: Piece, shift: IVec2) -> Vec<Edge> {
         let mut edges = Vec::new();
         let mut at = Some((first, shift));
@@ -127,8 +127,8 @@ impl Runs<'_> {
             // A whole circle is a loop by itself.
             Piece::Arc(run) if self.list[run].closed => None,
             Piece::Arc(run) => {
-                // An arc goes backwards, and so ends where the run's first part begins: on the border with that part's
-                // line.
+                // An arc goes backwards, and so ends where the run's first part begins. On the border, that part's line
+                // follows.
                 let part = *self.list[run].parts.first()?;
                 if self.is_border(part) {
                     return Some((Piece::Line(part), shift));

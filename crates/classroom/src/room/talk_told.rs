@@ -7,8 +7,10 @@ use crate::room::{CanvasView, Classroom};
 use crate::talk::{Cover, advised};
 
 impl Classroom {
-    /// Returns the talk for the lecturer's notes, with the camera of the stage; `null` if no talk or no lesson is open.
-    /// It holds notes and answers: only the notes may show it.
+    /// Returns the talk for the page of notes; `null` if no talk or no lesson is open. Its part `kept`, by which
+    /// another window continues the talk, has the camera of the stage, which follows from `canvas`.
+    ///
+    /// It holds notes and answers: only the page of notes may show it.
     #[must_use]
     pub fn talk_json(&self, canvas: &CanvasView) -> Value {
         let (Some(talk), Some(open)) = (&self.talks.open, &self.lessons.open) else {
@@ -20,7 +22,7 @@ impl Classroom {
         let lesson = learner.lesson();
 
         let question = learner.question();
-        // In a trace the question is about one event after the other.
+        // In a trace the question is about one event after the other. `tries` also counts answers, which are not shown.
         let (_, event) = learner.tries();
         let options = question.map_or(0, |question| question.options().len());
 
@@ -38,7 +40,7 @@ impl Classroom {
 
         let picture = self.talks.next_picture.drawn();
 
-        // A step with a fault shows no question, so that none waits for an answer.
+        // On a step with a fault the stage shows no question, so that none waits for an answer.
         let waits = learner.is_open() && open.fault.is_none();
 
         json!({

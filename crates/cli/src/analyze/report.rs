@@ -14,8 +14,9 @@ use super::measure::{Measure, Spread};
 use super::subject::Subject;
 
 /// Returns the numbers as CSV, one a line; measures have no x. The measures of files precede those of their average.
-/// Differences of measures have no lines, as they follow from those of the two subjects. The table can be opened in a
-/// spreadsheet: it begins with a byte-order mark, and no name in it is a formula.
+/// Differences of measures have no lines, as they follow from those of the two subjects; differences of curves have
+/// lines, and so have their measures. The table can be opened in a spreadsheet: it begins with a byte-order mark, and
+/// no name in it is a formula.
 pub fn csv(analysis: &Analysis) -> String {
     let mut out = format!("{BYTE_ORDER_MARK}file,measure,x,y,lower,upper\n");
     for (index, subject) in analysis.subjects.iter().enumerate() {

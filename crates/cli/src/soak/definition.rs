@@ -120,8 +120,8 @@ fn copies(block: &Block, dihedral: bool, history: &PatternHistory) -> Vec<Patter
         i64::from(below(draw[axis], starts as u32)) + i64::from(R)
     });
 
-    // `first` is where the block begins in the repeated pattern, r behind its clip. A block that reaches over the end
-    // of a periodic pattern goes on in the next copies of it.
+    // `first` is where the block begins in the repeated pattern: r after the clip. A block that reaches over the end of
+    // a periodic pattern goes on in the next copies of it.
     let along = |axis: usize| first[axis] / side..=(first[axis] + size[axis] - 1) / side;
     let all = along(1).flat_map(|row| along(0).map(move |column| I64Vec2::new(column, row)));
     let corner = symmetry.corner(extent).as_i64vec2();
