@@ -32,8 +32,8 @@ pub const MIN_SIDE_RADII_BOUNDED: f64 = 6.0;
 /// longer small enough for the promised covering radius (see [`Domain::covering_bound`]).
 pub const SHORTEST_SIDE_RADII_BOUNDED: f64 = 4.0;
 
-/// By how many units a bound may be off a lattice line and still count as on it: 2^-10. Sums of a thousand lengths are
-/// off by less.
+/// By how many units a bound may lie above a lattice line and still count as on it: 2^-10. Sums of a thousand lengths
+/// are off by less.
 const EXACT_UNITS: f64 = 1.0 / 1024.0;
 
 /// A position in lattice units.
@@ -443,7 +443,7 @@ impl Domain {
 
     /// Returns the lattice rectangle of the samples with `low <= position < high` in user units, in the plane: a
     /// periodic domain repeats without end, and a bounded one is cut at its borders. A window that ends at the upper border
-    /// of a bounded domain, or beyond it, includes that border.
+    /// of a bounded domain, or beyond it, includes that border; one that lies outside holds no point.
     ///
     /// Fails when a side is not finite, not above 0 or longer than the domain's, or begins more than a thousand sides
     /// away.

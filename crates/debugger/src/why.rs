@@ -13,7 +13,8 @@ use crate::recording::Recording;
 pub const POINT_REACH: i32 = R / 8;
 
 /// Returns the event that caused an event, which is always an earlier one; `None` for events without a cause: the
-/// begin of a stage, an iteration, the first split, the end of the run; and where the recording lacks the cause.
+/// begin of a stage, an iteration, the first split, the end of the run, a notice of tests that were left out; and where
+/// the recording lacks the cause.
 #[must_use]
 pub fn cause(recording: &Recording, index: usize) -> Option<usize> {
     let run_event = recording.event(index)?.run_event();
@@ -25,7 +26,8 @@ pub fn cause(recording: &Recording, index: usize) -> Option<usize> {
         RunEvent::Clip { block } => at(&recording.leaves, block),
         RunEvent::Tiled { block, .. } => at(&recording.clips, block),
 
-        // In elimination a sample's turn follows from its tiling, and a decision from the turn, or from the test just before.
+        // In elimination a sample's turn follows from its tiling. It is kept because of its turn, tests others because
+        // it was kept, and eliminates one because of the test just before.
         RunEvent::Take { sample, .. } => Some(life(sample)?.born),
         // A sample kept without a turn (`rest`), and each sample that arrives in exact tiling, has only its tiling as a cause.
         RunEvent::Keep { sample, rest } if rest || recording.is_exact() => Some(life(sample)?.born),
@@ -86,7 +88,7 @@ pub fn history_of_sample(recording: &Recording, sample: u32) -> Vec<usize> {
 #[must_use]
 pub fn history_of_point(recording: &Recording, point: Point) -> Vec<usize> {
     let mut events = Vec::new();
-    // A place of a projection stands for a line through space, of which no event is about all.
+    // A place of a projection stands for a line through space, and no event is about a whole line.
     if recording.is_in_space() {
         return Vec::new();
     }

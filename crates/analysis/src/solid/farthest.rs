@@ -73,8 +73,8 @@ impl FarthestTask<'_> {
     /// Returns the largest squared distance that is found in a cube, or that of the sketch if none is larger, given all
     /// samples that may be nearest to a place of the cube.
     fn of_cube(&self, cube: &Cube, near: &[[f64; 3]]) -> Result<f64, SolidError> {
-        // A sample is as near to all places of the cube as to the farthest of them. So no place is farther from its
-        // nearest sample than the least of these largest distances.
+        // The distance of a sample from its farthest place of the cube bounds that of each place from its nearest
+        // sample. The least of these bounds is the best.
         let bounds = near.iter().map(|&sample| cube.distances(sample).farthest);
         let bound = bounds.fold(f64::INFINITY, f64::min);
         let may_be_nearest = |&sample: &[f64; 3]| cube.distances(sample).nearest <= bound;

@@ -10,10 +10,11 @@
 //! ```
 //!
 //! and the left side exceeds R^2, since no corner covers x. So q > R, and x is nearer to c than the root of q^2 - R^2: this is
-//! the *reach* of c. No sample is nearer to c than q. Rounding moves c by 0.71 units, so that it is found as a place that no
-//! sample covers by two units, if it lies in a cell that is searched. It does if no sample covers it. If one does, then q <
-//! R + 0.71, and x is nearer to c than the root of 1.42 R + 1: cells are searched as much farther than uncovered places may
-//! lie in them ([`centre_margin`]).
+//! the *reach* of c. No sample is nearer to c than q. Rounding moves c by 0.71 units: if a sample covers the rounded
+//! place, it does so by less than two units, and the search finds such places, too, in the cells that it takes. It
+//! takes the cell of the rounded place if no sample covers that. If one does, then q < R + 0.71, and x is nearer to c
+//! than the root of 1.42 R + 1: by as much the search goes beyond the cells in which uncovered places may lie
+//! ([`centre_margin`]).
 //!
 //! So by induction over the iterations all such centres are found, and what is uncovered after an iteration lies within the
 //! reach of one of them. Where a single sample covers all of that disk nothing is left. Only the cells that the other disks
@@ -199,7 +200,7 @@ impl CellSearch {
 
         // Which of the gathered samples are in sight of a pixel is given by the bits of one number, if they are no more
         // than 64. More are gathered only where the search reaches far.
-        let are_bits = self.near.count <= 64;
+        let fit_in_bits = self.near.count <= 64;
         for number in each_bit(open) {
             let mut pixel = GapPixel::of_cell(cell, pixel_side, number);
             // Cells at the upper edges are cut off by the frame.
@@ -210,7 +211,7 @@ impl CellSearch {
             // Samples farther from the centre than this are no sites (see the head of `gaps`). Four units are added for the
             // rounding of squares. Where the samples gathered first are not nearest, this is too far, which does no harm.
             let sight = nearest[usize::from(number)].sqrt() + pixel.site_slack() as f32 + 4.0;
-            if sight >= reach as f32 || !are_bits {
+            if sight >= reach as f32 || !fit_in_bits {
                 // Its sites may lie beyond the samples gathered around the cell.
                 region.find(&mut pixel, &mut self.sites, &mut self.found);
                 continue;
@@ -252,7 +253,7 @@ impl CellSearch {
             .fold(0.0, |a, b| if b > a { b } else { a })
             .sqrt();
         // This exceeds the `sight` of all open pixels, to which `open_cell` adds only four units.
-        let reach = reach.min((farthest + slack as f32) as i32 + 8);
+        let needed = reach.min((farthest + slack as f32) as i32 + 8);
 
         // The grid gathers from a square. From its middle the centres of the open pixels are no farther than `half` on
         // both axes.
@@ -265,7 +266,7 @@ impl CellSearch {
         // One unit more, as halves are rounded.
         region
             .grid
-            .gather(middle, reach + half + 1, cell.min, &mut self.near);
+            .gather(middle, needed + half + 1, cell.min, &mut self.near);
     }
 
     /// Gathers the samples at most `reach` from the places of a cell on both axes, and some others.

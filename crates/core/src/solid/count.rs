@@ -138,7 +138,7 @@ impl SolidRequest {
         // No set is made yet: any number of samples is nearer to the wanted one than this.
         let mut nearest = u64::MAX;
 
-        for number in 0..MAX_TRIES {
+        for tried in 0..MAX_TRIES {
             let (domain, places) = self.attempt(radius, observer)?;
             let found = places.len() as u64;
             if fits(found) {
@@ -153,10 +153,10 @@ impl SolidRequest {
                 nearest = found;
             }
             radius *= (found as f64 / aim as f64).cbrt();
-            if number >= STRAIGHT_TRIES {
+            if tried >= STRAIGHT_TRIES {
                 // Golden-ratio steps through a percent, so that no two tries repeat each other: numbers then vary by
                 // 3%.
-                radius *= 0.995 + 0.01 * (f64::from(number) * 0.618_033_988_749_895).fract();
+                radius *= 0.995 + 0.01 * (f64::from(tried) * 0.618_033_988_749_895).fract();
             }
             radius = radius.clamp(shortest, longest);
         }

@@ -89,7 +89,8 @@ impl Words<'_> {
         }
     }
 
-    /// Returns the short text of an event of tiling or elimination; events of other kinds are passed on.
+    /// Returns the short text of an event of tiling or elimination, or of the mark of a detector; events of other kinds
+    /// are passed on.
     fn short_of_sample(&self, run_event: RunEvent) -> String {
         match run_event {
             RunEvent::Tiled { sample, inside, .. } => {

@@ -100,8 +100,9 @@ impl PieceEntry {
         rect: &Rect,
     ) -> Result<PieceSource, LayoutError> {
         // Values that would have no effect are refused rather than ignored.
-        let of_file = self.radius.is_some() || self.width.is_some() || self.height.is_some();
-        if self.file.is_none() && of_file {
+        let has_values_of_file =
+            self.radius.is_some() || self.width.is_some() || self.height.is_some();
+        if self.file.is_none() && has_values_of_file {
             return Err(LayoutError::OfFile);
         }
         if self.seed.is_none() && self.method.is_some() {

@@ -69,8 +69,8 @@ pub(crate) const MAX_SITES: usize = 65;
 /// A square of a cell: its lowest corner and its side.
 type Square = (i32, i32, i32);
 
-/// The most squares that are waiting to be proven covered: three of each side from a pixel's to [`MIN_SQUARE`], and
-/// one.
+/// Room for the squares that wait to be proven covered: three of each side below a pixel's, 2,048 to [`MIN_SQUARE`],
+/// and one, 19 in all.
 const MAX_WAITING: usize = 24;
 
 impl Near {
