@@ -113,7 +113,7 @@ pub(crate) fn chosen(
     Ok(places)
 }
 
-/// The column that the caller chose, as one of [`chosen`].
+/// The column that the caller chose, by its name or its number, as [`chosen`] takes each of two.
 pub(crate) fn one(wanted: &str, names: &[String], count: usize) -> Result<usize, String> {
     // Names that differ in case alone, such as `Lon` and `LON`, are chosen by their exact spelling. Any other spelling,
     // such as `lon`, could mean each of them, and is refused.

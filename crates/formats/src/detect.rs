@@ -225,7 +225,7 @@ fn text_format(bytes: &[u8], path: &Path) -> Option<Format> {
         // Of three numbers or more, the third is z.
         (_, TextShape::Counted(_) | TextShape::Numbers(3))
         | (NamedText::Any, TextShape::Numbers(_)) => Format::Xyz,
-        // Without a name, many numbers in a line may be anything.
+        // Without a name, many numbers in a line may be anything, and words alone are no table.
         (NamedText::Unknown, TextShape::Numbers(_)) | (_, TextShape::Words { .. }) => return None,
     })
 }

@@ -72,7 +72,8 @@ pub fn draw(scene: &Scene<'_>, surface: &mut impl Surface) {
 }
 
 /// Returns the sample that refused a dart: the event names it, or it follows from the radii at both places. `None` for
-/// a dart that no sample refused, and where insertion by darts did not record the sample.
+/// a dart that no sample refused, where insertion by darts did not record the sample, without a recording, and in space
+/// once another event has followed.
 fn blocker_of(scene: &Scene<'_>, dart: Point, verdict: Verdict) -> Option<u32> {
     let Verdict::Covered { by } = verdict else {
         return None;

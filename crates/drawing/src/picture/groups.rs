@@ -29,10 +29,10 @@ pub(super) fn groups(
     let layers = shown
         .session
         .drawable(view.layers(shown.session.kind(), shown.stage));
-    // As in `Scene::is_fine`, which decides whether gaps are drawn: at a moment of nested levels disks are larger than r.
+    // As in `Scene::is_fine`, which decides whether gaps are drawn. There is no scene yet.
     let radius = shown.disk_radius() * shown.session.largest_radius();
     let shows_gaps = layers.has(Layer::Gaps) && view.camera.scale * radius >= MIN_DISK_SCALE;
-    // Of a set in space it would be that of the projections, whose disks are not those of the plane.
+    // The geometry of a set in space would be that of its projection, whose disks are not those of the plane.
     let is_planar = shown.session.solid.is_none();
     let needs_geometry =
         is_planar && (shows_gaps || layers.has(Layer::CoveredCircles) || layers.has_net());
@@ -164,7 +164,8 @@ fn gaps(scene: &Scene<'_>, area: Rect, ground: Color32) -> [Group; 2] {
     let style = Style::filled(color(ground));
     let mut disks = Vec::new();
     let index = &scene.session.index;
-    // The disk of a sample reaches r far, so that samples a little outside of the drawn part count.
+    // Disks reach at most r far, as nested levels and fields have no gaps here: samples so little outside of the drawn
+    // part count.
     let reach = 1.0;
     let beyond = drawn_around(scene.session) + reach;
     index.visit_around(scene.low, scene.high, reach, beyond, |seen| {

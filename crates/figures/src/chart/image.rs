@@ -42,6 +42,7 @@ pub(super) fn groups(chart: &ImageChart, frame: &Frame<'_>) -> Vec<Group> {
         .filter(|(_, its_runs)| !its_runs.is_empty())
     {
         let line = |run: &CellRun| {
+            // Rows of the values count from below, and y of the picture from above.
             let y = max.y - (run.row as f64 + 0.5) * size.y;
             let columns = [run.columns.start, run.columns.end];
             let [from, to] = columns.map(|column| min.x + column as f64 * size.x);
@@ -53,7 +54,6 @@ pub(super) fn groups(chart: &ImageChart, frame: &Frame<'_>) -> Vec<Group> {
         });
     }
 
-    // Rows of the values count from below, and y of the picture from above.
     let absent_ring = chart.absent.map(|absent| {
         let [column, row] = [absent % chart.columns, absent / chart.columns];
         let offset = (DVec2::new(column as f64, row as f64) + 0.5) * size;

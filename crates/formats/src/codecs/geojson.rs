@@ -1,9 +1,9 @@
 //! `GeoJSON` (RFC 7946): the points of a `FeatureCollection`, a `Feature`, a `Point` or a `MultiPoint`, taken as planar. A
 //! `FeatureCollection` of points is written.
 //!
-//! RFC 7946 has longitudes and latitudes alone, but where all who use a file have agreed on another system; it has no place to
-//! state one. Positions are written as they are. Other geometries are refused by name. Whether positions are rather
-//! longitudes and latitudes shows only beside a domain: see [`ReadSet::degrees`](super::ReadSet).
+//! RFC 7946 has longitudes and latitudes alone, unless all who use a file have agreed on another system, and it has no
+//! place to state one. Positions are written as they are. Other geometries are refused by name. Whether positions are
+//! rather longitudes and latitudes shows only beside a domain: see [`ReadSet::degrees`](super::ReadSet).
 
 use std::fmt;
 

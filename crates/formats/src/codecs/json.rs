@@ -126,8 +126,8 @@ pub(super) fn write(
     provenance: Option<&[Provenance]>,
     certificate: Option<&Certificate>,
 ) -> Result<Vec<u8>, FormatError> {
-    // Room for the points: a row has at most 44 bytes if its numbers are from 0 to 1, with up to 17 digits. Larger
-    // numbers, the certificate and the provenance may make the buffer grow.
+    // Room for the points: a row of numbers below 1 with 17 digits after the point has 44 bytes. Longer numbers, the
+    // certificate and the provenance may make the buffer grow.
     let mut out = Vec::with_capacity(points.len() * 44);
 
     out.extend_from_slice(b"{\n");
