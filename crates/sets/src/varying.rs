@@ -136,6 +136,7 @@ impl VaryingRecipe {
         let expected = self.expected(&self.radius)?;
         let mut radius = self.radius.scaled(scale_for(expected));
 
+        // No set is made yet: 0 stands for that.
         let mut nearest = 0;
         for _ in 0..MAX_TRIES {
             let made = self.attempt(&radius, observer)?;

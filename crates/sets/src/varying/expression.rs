@@ -79,9 +79,9 @@ impl Expression {
             depth: 0,
             steps: Vec::new(),
         };
-        // The place of this fault is the first character that is too many.
         let length = text.chars().count();
         if length > MAX_EXPRESSION {
+            // The place of this fault is the first character that is too many.
             parser.at = MAX_EXPRESSION;
             let reason =
                 format!("it has {length} characters; at most {MAX_EXPRESSION} are possible");

@@ -16,7 +16,7 @@ pub const MARGIN: usize = 3;
 
 /// Rows of pixels that one thread computes at once.
 const BAND: usize = 16;
-/// Pixels that a sample reaches along an axis at most.
+/// Pixels that are looked at for a sample along an axis: it reaches the centres of five at most.
 const TOUCHED: usize = 6;
 
 /// An image, and how many of its pixels have no value of their own.

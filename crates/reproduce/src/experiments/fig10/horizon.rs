@@ -11,7 +11,7 @@ use crate::study::Settings;
 
 /// Height of the eye above the board, in cells.
 const EYE: f64 = 8.0;
-/// Share of the image above the horizon.
+/// One row of pixels in this many lies above the horizon.
 const SKY: usize = 8;
 /// Within this many pixels below the horizon nothing is integrated, which leaves out at most [`LEFT_OUT`] of a pixel.
 const CUT: f64 = 1.0 / 32.0;

@@ -189,7 +189,8 @@ fn frame_of(how: &str, reference: &SamplerUniformity, ours: &SamplerUniformity) 
     claim("uniformity/frame", verdict, &values)
 }
 
-/// Judges whether both sides of the border of a periodic domain have equally many samples.
+/// Judges whether both sides of the border of a periodic domain have equally many samples. There is a verdict only if
+/// those of the reference have.
 fn sides(order: &str, reference: &SamplerUniformity, ours: &SamplerUniformity) -> Claim {
     // Two sides count as even if their intervals overlap.
     let even = |subject: &SamplerUniformity| {
