@@ -188,7 +188,7 @@ pub fn judge(
     as_json: bool,
 ) -> Result<u8> {
     check_threshold(below)?;
-    // The file is not compared with its certificate, so that a fault in it is found by the samples that are judged.
+    // The file is not compared with its certificate: the judge of the samples is to find a fault of the file.
     let ranked = RankedFile::read(file, set, CertificateUse::AsStated)?;
     ensure!(
         ranked.ranks.iter().any(|&rank| rank < below),
@@ -257,8 +257,8 @@ pub fn set_below(
         view.finest_threshold(0.0)
     );
 
-    // All ranks that are left are below the threshold of their last level. Divided by it, they are those of a run of
-    // these levels alone, which go up to 1.
+    // The threshold of a level is the rank below which all its samples lie. Divided by that of the last level left, ranks
+    // are those of a run of these levels alone, which go up to 1.
     let finest = view.finest_threshold(below);
     let ranks = ranks.into_iter().map(|rank| rank / finest).collect();
     let before = ranked

@@ -104,10 +104,10 @@ impl Border {
         self.lines.into_iter().flatten()
     }
 
-    /// Returns the places of the border that the sample at `own` may make candidates of detection: each that is as far
-    /// from it as from one of `others`, with that other, and then the corners, with `None`. `position` gives the place
-    /// of one of `others`, in the coordinates of the border. Some places lie far outside the domain: callers leave
-    /// these out.
+    /// Returns the places of the border that may be candidates of detection for the sample at `own`: first those that
+    /// are as far from it as from one of `others`, each with that other, then the corners, with `None`. `position`
+    /// gives the place of one of `others`, in the coordinates of the border. Some places lie far outside the domain:
+    /// callers leave these out.
     pub fn places<'a, T>(
         &self,
         own: I64Vec2,

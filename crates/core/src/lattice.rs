@@ -494,9 +494,9 @@ impl Domain {
         Ok(window)
     }
 
-    /// Returns the lattice rectangle of the points `low <= position < high` of the domain, in user units, with its
-    /// closed border where `high` lies beyond the last line of points before it. A bound less than 2^-10 units above a
-    /// lattice line counts as on it, so that sums of lengths give the intended rectangles.
+    /// Returns the lattice rectangle of the domain's points with `low <= position < high`, in user units. It includes a
+    /// closed border where `high` lies beyond the last line of points before that border. A bound less than 2^-10 units
+    /// above a lattice line counts as on it, so that sums of lengths give the intended rectangles.
     ///
     /// Bounds outside the domain, or NaN, give a rectangle that ends at the border or is empty.
     #[must_use]

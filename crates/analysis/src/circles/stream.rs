@@ -1,6 +1,7 @@
 //! The second judge of a stream: bands of rows are judged as soon as they are complete, and only the rows that later
 //! ones need are kept. The first rows of a torus are kept to the end and judged with the last ones; the very first
-//! stays open for latecomers. No circle is skipped: a set with a hole too wide for the kept rows is refused.
+//! stays open for latecomers. No circle is skipped: a set with a hole too wide for the kept rows is refused. What
+//! circles, exposed samples and holes are, [`super::search`] says.
 
 use std::mem;
 use std::ops::Range;
@@ -45,8 +46,9 @@ pub(crate) struct CircleBands {
     /// Rows below it are judged, but for the first ones of a torus.
     closed: usize,
     found: Found,
-    /// The largest distance of a cell's corner so far, and the radius of the first circles.
+    /// The largest distance of a cell's corner from its sample so far.
     farthest: f64,
+    /// The radius of the circles at the beginning; they grow with `farthest`. 0 before the first band is judged.
     least: f64,
 }
 
@@ -131,8 +133,8 @@ impl CircleBands {
         cells.is_ok_and(|cells| cells.counts[1] >= 8 * KEPT && cells.reach[1] == 1)
     }
 
-    /// Judges the rows below the ordinate `complete` but the highest of them, if they are enough for a band. No sample
-    /// can follow there, but in the lowest row of a torus.
+    /// Judges the rows below the ordinate `complete`, without the highest of them, if they are enough for a band. No
+    /// sample can follow below `complete`, except in the lowest row of a torus.
     pub fn judge_complete(
         &mut self,
         question: &Question,
@@ -186,7 +188,7 @@ impl CircleBands {
         let mut search = Search::resumed(question, samples, self.farthest, self.least);
         let tiles = search.rectangles(rows.start as i64..rows.end as i64);
         let refuse = |declined| refused(declined, question, samples.len());
-        // The first band gives the circles a radius to begin with; 0 stands for none yet.
+        // The first band gives the circles a radius to begin with.
         if self.least == 0.0 {
             search.begin(&tiles).map_err(refuse)?;
         }

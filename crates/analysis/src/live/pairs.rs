@@ -28,8 +28,9 @@ const MAX_BINS: f64 = 200.0;
 /// quicker.
 const REACH: usize = 2;
 
-/// The weight of a pair in a bounded plane is the area over that in which its first sample can lie when both are moved together,
-/// in multiples of this part. It is 1 to 4, and the sum of 2^32 pairs is exact in 128 bits.
+/// In how many parts of 1 the weight of a pair is counted. In a bounded plane it is the plane's area over the area in
+/// which the pair's first sample can lie when both are moved together: 1 to 4. The sum over 2^32 pairs is exact in 128
+/// bits.
 const WEIGHT_UNITS: f64 = (1_u64 << 40) as f64;
 
 /// The steps that a change of a maximal set takes in the mean, as measured.
@@ -151,8 +152,8 @@ pub struct LivePairs {
     samples: Vec<LiveSample>,
     /// Slots without a sample.
     free: Vec<u32>,
-    /// Of each sample the squared distance to the nearest other one, if that is at most `certain`: its complement, so that the
-    /// largest number is that of the smallest distance.
+    /// For each sample the complement of the squared distance to the nearest other one, if that square is at most
+    /// `certain`. The largest complement is that of the smallest distance.
     nearest: Tournament,
     /// The square of a distance: the search around a sample finds all samples that are at most that far away.
     certain: u64,

@@ -153,8 +153,8 @@ impl DifferenceCurve {
 }
 
 /// Returns the interval that holds the difference of two mean powers, the first less the second, with probability `level` if both
-/// are means of `counts` independent exponential powers of one expectation. Given their weighted mean, the first one's
-/// share of the sum is a beta variable, so it is exact for any number of powers.
+/// are means of `counts` independent exponential powers of one expectation. Given the sum of all powers, the share of
+/// it that belongs to the first mean is a beta variable. So the interval is exact for any number of powers.
 ///
 /// # Errors
 ///

@@ -152,8 +152,8 @@ impl<'a> PairSearch<'a> {
         let samples = |run: &Range<usize>| &grid.entries()[run.clone()];
 
         let count_pairs = |run: Range<usize>, once: bool| {
-            // A tight cluster has the square of its samples in pairs, which need not be looked at one by one. The cell itself
-            // never comes as a run that is met once: it is among the arms below.
+            // A tight cluster has the square of its samples in pairs, which need not be looked at one by one. The
+            // cell's own run never comes with `once`: the last two arms are for it.
             if once && self.is_one_bin([samples(&own), samples(&run)]) {
                 found.counts[0] += own.len() as u64 * run.len() as u64;
             } else if own != run {

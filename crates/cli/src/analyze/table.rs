@@ -78,8 +78,8 @@ fn columns(subject: &Subject, rows: &[Measure]) -> Vec<Column> {
         region_text(&subject.region),
         origin(&subject.members),
     ];
-    // The last argument of `text` is how many decimals there are beyond those of the measure: one for means of whole numbers,
-    // and below for errors, and for the least and the most beside them.
+    // The last argument of `text` is how many decimals are added to those of the measure: one for means of whole
+    // numbers. The columns below have one more, too.
     let mean = |own: &Measure| own.text(own.value, usize::from(several && own.decimals == 0));
     let mut columns = vec![column(&subject.title, words, &mean)];
 

@@ -10,7 +10,7 @@ use crate::lattice::{Domain, Point, Window};
 const MARGIN: i64 = 4;
 
 /// The samples of a window and around it, as far as the domain reaches. Positions are in user units, from the lowest corner
-/// of the whole; those of a periodic domain may come twice, if it is longer than the domain.
+/// of the whole; those of a periodic domain may come twice, if the window with its margin is longer than the domain.
 #[derive(Clone, Debug, PartialEq)]
 pub struct WidenedWindow {
     /// The samples of the window and of its margin.

@@ -308,12 +308,12 @@ impl PairedBias {
         // To first order, the error of a ratio of means is that of the mean of (difference - ratio * excess), over the mean
         // excess.
         let ratio = difference / excess;
-        let (_, left) = estimate(&|&(difference, excess)| difference - ratio * excess);
+        let (_, spread_of_rest) = estimate(&|&(difference, excess)| difference - ratio * excess);
 
         Self {
             difference: off(difference, spread),
             effect: difference / spread,
-            removed: off(ratio, left / excess.abs()),
+            removed: off(ratio, spread_of_rest / excess.abs()),
         }
     }
 }
@@ -328,8 +328,8 @@ pub struct ClassBias {
     pub sigmas: f64,
 }
 
-/// Returns the bias of counts of at least two runs. Its interval misses it with probability `missed`; those of the test
-/// miss with [`MISSED`].
+/// Returns the bias of counts of at least two runs. Its interval misses the true bias with probability `missed`. The
+/// intervals of the test were made for [`MISSED`].
 fn bias(test: &Uniformity, missed: f64) -> ClassBias {
     let classes = test.deviations.len() as f64;
     let quantile = student_quantile(MISSED, test.runs as f64 - 1.0);
