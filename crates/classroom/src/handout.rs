@@ -113,7 +113,7 @@ pub fn lesson_sheet(task: &HandoutTask, size: [f64; 2]) -> Result<LessonSheet, S
             );
         }
 
-        // Both looks of one moment, since finding it takes longer than drawing it.
+        // Both looks of one moment, since finding it takes longer than drawing it. No strokes of a talk are drawn.
         steps.push(StepSheet {
             name: step.name.clone(),
             title: open.learner.words(&step.title),

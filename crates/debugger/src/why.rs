@@ -27,7 +27,7 @@ pub fn cause(recording: &Recording, index: usize) -> Option<usize> {
         RunEvent::Tiled { block, .. } => at(&recording.clips, block),
 
         // In elimination a sample's turn follows from its tiling. It is kept because of its turn, tests others because
-        // it was kept, and eliminates one because of the test just before.
+        // it was kept, and eliminates one because of the test just before or, without a test, because it was kept.
         RunEvent::Take { sample, .. } => Some(life(sample)?.born),
         // A sample kept without a turn (`rest`), and each sample that arrives in exact tiling, has only its tiling as a cause.
         RunEvent::Keep { sample, rest } if rest || recording.is_exact() => Some(life(sample)?.born),

@@ -69,9 +69,9 @@ impl LiveSpectrum {
     /// [`Spectrum::window`] has for it are kept. More samples than that are measured, too, only not as far. Of the
     /// frequencies along each axis every `stride`-th is kept.
     ///
-    /// At most 1,024 frequencies along each axis are kept ([`Spectrum::MAX_CYCLES`] and 0), 4 sums of 8 bytes for each
-    /// two of opposite y: 34 MB, and 4.2 million products for each change, for half a million samples or more on a
-    /// square at stride 1, and a ninth of both at stride 3.
+    /// At most 1,024 frequencies along each axis are kept ([`Spectrum::MAX_CYCLES`] and 0), with 4 sums of 8 bytes for
+    /// each two of opposite y. For half a million samples or more on a square at stride 1 these take 34 MB, and each
+    /// change takes 4.2 million products. At stride 3 both are a ninth.
     ///
     /// # Errors
     ///

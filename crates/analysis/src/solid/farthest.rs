@@ -151,8 +151,7 @@ impl FarthestSearch {
         }
     }
 
-    /// Looks at the centre of the sphere through the four samples that are nearest to the middle of a cube. Only within the cube
-    /// is the nearest sample to it known to be in the list.
+    /// Looks at the centre of the sphere through the four samples that are nearest to the middle of a cube.
     fn look_at_centre(&mut self, cube: &Cube, near: &Range<usize>) {
         // Fewer than four samples make no sphere.
         let samples = &mut self.lists[near.clone()];
@@ -172,6 +171,7 @@ impl FarthestSearch {
             middle: centre,
             half: [0.0; 3],
         };
+        // Only if the centre lies in the cube, the sample nearest to it is known to be in the list.
         let apart = |axis: usize| (centre[axis] - cube.middle[axis]).abs();
         if (0..3).all(|axis| apart(axis) <= cube.half[axis]) {
             let distances = samples.iter().map(|&sample| place.distances(sample).middle);

@@ -22,7 +22,8 @@ impl Classroom {
         let lesson = learner.lesson();
 
         let question = learner.question();
-        // In a trace the question is about one event after the other. `tries` also counts answers, which are not shown.
+        // In a trace the question is about one event after the other. The first number of `tries`, that of answers, is
+        // not shown.
         let (_, event) = learner.tries();
         let options = question.map_or(0, |question| question.options().len());
 

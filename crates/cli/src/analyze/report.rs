@@ -120,7 +120,7 @@ fn object<'a, T: Serialize>(pairs: impl IntoIterator<Item = (&'a str, T)>) -> Va
 fn subject_json(subject: &Subject, differences: Option<&Differences>) -> Value {
     let mut json = match subject.members.as_slice() {
         [member] if !subject.average => json!(member),
-        // An average keeps its form where only one of its files could be used: programs find their fields.
+        // An average has this form even where only one of its files could be used, so that programs find its fields.
         members => json!({
             "sets": members.len(),
             "region": subject.region,

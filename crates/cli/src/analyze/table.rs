@@ -185,7 +185,7 @@ pub fn text(table: &Table) -> String {
     let mut parts: Vec<String> = Vec::new();
     let mut rest = &table.columns[..];
     while !rest.is_empty() {
-        // Each part repeats the labels, which take their width from it.
+        // Each part repeats the labels, whose width is not left for columns.
         let columns_width = MAX_WIDTH.saturating_sub(label_width);
         let (part, behind) = rest.split_at(end_of_part(rest, columns_width));
         let mut out = String::new();

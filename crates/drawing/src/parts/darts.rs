@@ -16,8 +16,8 @@ const MIN_SCALE_OF_LINES: f32 = 14.0;
 /// Half the side of the smallest square that shows a cell, in screen points: the last cells hold one lattice point.
 const LEAST_HALF: f32 = 1.5;
 
-/// Draws the cells that throw darts at the level that is shown, the darts that it refused, and those that wait: with
-/// the layers of detectors, of eliminated samples and of candidates, in whose place they are.
+/// Draws the cells that throw darts at the level that is shown, the darts that it refused, and those that wait. They
+/// take the places of detectors, of eliminated samples and of candidates, whose layers switch them on.
 pub fn draw(scene: &Scene<'_>, surface: &mut impl Surface) {
     // Darts are read from recorded events.
     let Some(debugger) = scene.shown.debugger else {

@@ -169,7 +169,7 @@ impl Parser<'_> {
 
     /// Reads a sum: products with signs between them.
     fn sum(&mut self) -> Result<(), VaryingError> {
-        // Each parenthesis and each argument is a sum, so that depth is counted here, and else only at exponents.
+        // Each parenthesis and each argument is a sum, so that depth is counted here, and otherwise only at exponents.
         self.go_deeper()?;
         self.product()?;
         // From the left: 1-2-3 is (1-2)-3.

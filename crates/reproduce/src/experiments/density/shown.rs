@@ -39,7 +39,7 @@ fn growing(batches: &[TorusSets]) -> Vec<TorusSets> {
 /// Returns the chart of the density of all batches up to each, less the published one, in millionths. What the lattice
 /// leaves out of the density is added.
 fn so_far(found: &DensityResults) -> LineChart {
-    // That of a normal variable, as for the verdict.
+    // The quantile of a normal variable, as for the verdict.
     let quantile = student_quantile(MISSED, f64::INFINITY);
     // Of two estimates of what the lattice leaves out, the one that counts, and its error.
     let [left_out, doubt] = found.lattice.used();

@@ -113,8 +113,8 @@ fn touched(at: f64) -> impl Iterator<Item = (usize, f64)> + Clone {
 }
 
 /// Returns the mean of a function at the samples in each of `side` x `side` pixels, in pixel coordinates. A pixel
-/// without samples takes the value at a single one: it lies in the smallest square of pixels about this one that has
-/// samples, and is the nearest of them to the pixel's centre. Without any sample all are 0.
+/// without samples takes the value at one sample: the nearest to its centre of those in the smallest square of pixels
+/// about it that has any. Without any sample all are 0.
 pub fn pixel_means(
     samples: &[[f64; 2]],
     function: impl Fn([f64; 2]) -> f64,

@@ -38,7 +38,7 @@ pub fn units(settings: &Settings) -> usize {
     if large(settings) == 0 { 1 } else { 2 }
 }
 
-/// Makes and verifies a set of each seed by either variant. Returns the summaries of the sets.
+/// Makes and verifies a set of each seed by each of the two variants. Returns the summaries of the sets.
 pub fn compare(study: &Study<'_>) -> Result<Vec<Compared>> {
     let (sets, samples) = amounts(study.settings);
     study.sets(

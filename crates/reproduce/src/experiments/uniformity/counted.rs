@@ -167,7 +167,8 @@ impl Counter {
         self.count(points)
     }
 
-    /// Counts the samples of a run, and those that were inserted by their rank in the gap.
+    /// Counts the samples of a run, and the inserted ones also by their distance from borders of blocks and by their
+    /// rank in the gap.
     fn run(&self, run: &Run, gaps: &Gaps<'_>, control: &Control<'_>) -> Result<SetCounts> {
         let seed = run.parameters.seed;
         let what = format!("{:?}, seed {seed}", run.parameters.insertion);
