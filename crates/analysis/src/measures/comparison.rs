@@ -190,7 +190,7 @@ impl Between {
     fn of(x: f64, rising: &[f64]) -> Option<Self> {
         let above = rising.partition_point(|value| *value < x);
         let high = *rising.get(above)?;
-        // A value of the curve itself needs no neighbour below it, which the first one has not.
+        // A value that is one of the rising ones needs no neighbour below it: the first one has none.
         if high <= x {
             return Some(Self {
                 ends: [above, above],

@@ -202,7 +202,7 @@ impl<'a> Neighbours<'a> {
         (z * self.counts[1] + y) * self.counts[0] + x
     }
 
-    /// Lists all other samples, and images of these, that are nearer than the reach to one.
+    /// Lists all other samples, and images of these, that are nearer than the reach to the sample `index`.
     fn list(&self, index: usize, near: &mut Vec<Other>) {
         near.clear();
         let center = self.points[index];

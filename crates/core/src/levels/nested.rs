@@ -256,7 +256,7 @@ impl Nested {
             first = end;
         }
 
-        // The order changes only when all is done, so that a stop leaves it as it was; places follow from it.
+        // The order changes only when all is done, so that an earlier stop leaves it as it was; places follow from it.
         self.points = ordered;
         self.places = Places::Counted;
         meter.end()

@@ -160,7 +160,7 @@ fn area(found: &[LeafShares], first: &LeafShares) -> Claim {
 
 /// Judges whether the share of the margin is below the paper's bound. The share of the overlap is only reported.
 fn below(found: &[LeafShares]) -> Claim {
-    // The paper's bound is for these leaves alone.
+    // The paper's bound is for leaves from `FROM` on alone.
     let large = || found.iter().filter(|one| one.leaf >= FROM);
     let most = |share: fn(&LeafShares) -> f64| largest(large().map(share));
 

@@ -91,7 +91,8 @@ fn stated_size(bytes: &[u8]) -> Option<[u32; 2]> {
 fn orientation(exif: &[u8]) -> u16 {
     const UPRIGHT: u16 = 1;
     const TAG: u32 = 0x0112;
-    // Exif data are a TIFF file, which begins with MM where the greatest byte of a number comes first, and else with II.
+    // Exif data are a TIFF file, which begins with MM where the greatest byte of a number comes first, and otherwise
+    // with II.
     let is_big = exif.starts_with(b"MM");
     let number = |at: usize, length: usize| -> Option<u32> {
         let bytes = exif.get(at..at.checked_add(length)?)?;
