@@ -307,7 +307,7 @@ fn looks_like_rps(bytes: &[u8]) -> Option<Format> {
     let in_unit = |value: f32| (0.0..=1.0).contains(&value) && !value.is_subnormal();
     let is_spread = || values().any(|value| value > 1e-6);
     let whole = !bytes.is_empty() && bytes.len().is_multiple_of(8);
-    // Text read as floats gives tiny numbers and would pass, so it is excluded first.
+    // Digits and spaces read as floats are small numbers and would pass, so text is excluded first.
     let text = |b: &u8| b.is_ascii_graphic() || b.is_ascii_whitespace();
     (whole && !bytes.iter().all(text) && values().all(in_unit) && is_spread())
         .then_some(Format::PsaRps)

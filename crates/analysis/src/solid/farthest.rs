@@ -80,7 +80,7 @@ impl FarthestTask<'_> {
         let may_be_nearest = |&sample: &[f64; 3]| cube.distances(sample).nearest <= bound;
         let near: Vec<[f64; 3]> = near.iter().copied().filter(may_be_nearest).collect();
 
-        // With few samples near it, a cube is searched by one thread.
+        // A small cube, or one with few samples near it, is searched by one thread.
         let smallest = self.root.longest_half() * SMALLEST_TASK;
         if near.len() <= TASK_SAMPLES || cube.longest_half() <= smallest {
             let all = 0..near.len();

@@ -164,7 +164,7 @@ impl LevelGrid {
             count = next;
         };
 
-        // Nearly always nothing wraps, and rows follow each other without a question.
+        // Nearly always nothing wraps, and the rows need no shift.
         if let Some(rows) = self.layout.inner_rows(middle, reach) {
             for range in rows {
                 add(range, IVec2::ZERO);

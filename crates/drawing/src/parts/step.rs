@@ -71,9 +71,9 @@ pub fn draw(scene: &Scene<'_>, surface: &mut impl Surface) {
     last_event(scene, surface);
 }
 
-/// Returns the sample that refused a dart: the event names it, or it follows from the radii at both places. `None` for
-/// a dart that no sample refused, where insertion by darts did not record the sample, without a recording, and in space
-/// once another event has followed.
+/// Returns the sample that refused a dart: the event names it, or in a field, a shape or space it follows from the
+/// radii at both places. `None` for a dart that no sample refused, where the sample is known in neither way, without a
+/// recording, and in space once another event has followed.
 fn blocker_of(scene: &Scene<'_>, dart: Point, verdict: Verdict) -> Option<u32> {
     let Verdict::Covered { by } = verdict else {
         return None;
@@ -81,7 +81,7 @@ fn blocker_of(scene: &Scene<'_>, dart: Point, verdict: Verdict) -> Option<u32> {
     if by != NONE {
         return Some(by);
     }
-    // Of all sets only those in a field, a shape or space are made without ids.
+    // Insertion by darts with one radius records no sample, and none is searched for.
     if !scene.session.has_own_disks() {
         return None;
     }

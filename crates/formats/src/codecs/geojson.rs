@@ -177,7 +177,8 @@ fn add(content: &Content, points: &mut Vec<[f64; 2]>) -> Result<(), FormatError>
     Ok(())
 }
 
-/// Writes points as features. {:?} is as short as {} and spells 1e300 with an exponent.
+/// Writes points as features. Numbers are written by `{:?}`, which is as short as `{}` but writes 1e300 with an
+/// exponent.
 pub(super) fn write(points: &[[f64; 2]], columns: &Columns) -> Vec<u8> {
     let mut out = b"{\"type\": \"FeatureCollection\", \"features\": [\n".to_vec();
     for (index, point) in points.iter().enumerate() {

@@ -64,7 +64,7 @@ fn document<C: DeserializeOwned>(bytes: &[u8]) -> Result<(Raw, Option<C>), Forma
     } else {
         match serde_json::from_slice(bytes) {
             Ok(document) => document,
-            // JSON is tried as GeoJSON only if it is no document of this program: such a document is parsed only once.
+            // Only JSON that is no document of this program is tried as GeoJSON, so that a document is parsed once.
             Err(_) if geojson::is(bytes) => return Ok((geojson::read(bytes)?, None)),
             Err(error) => return Err(error.into()),
         }
