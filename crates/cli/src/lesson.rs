@@ -466,7 +466,7 @@ fn faults_of_translation(
     translation: Result<Translation, LessonError>,
     lesson: &Lesson,
 ) -> Vec<String> {
-    // Wrong is a file that cannot be read, or a translation of a text that the lesson does not have.
+    // `wrong` has the fault of a file that cannot be read, or translations of texts that the lesson does not have.
     let (missing, wrong) = match translation {
         Err(error) => (Vec::new(), vec![error]),
         Ok(translation) => translation.compared(&lesson.texts()),

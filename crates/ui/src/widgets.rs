@@ -471,7 +471,7 @@ pub fn primary_button(
     let size = vec2(ui.available_width(), row_height(ui.ctx(), 34.0));
     let (rect, response) = allocate_button(ui, size, text, enabled);
 
-    // Also where the keyboard is, as other buttons show it.
+    // The focus of the keyboard shows as the pointer does, as on other buttons.
     let hot = response.hovered() || response.has_focus();
     let strength = match (enabled, hot) {
         (false, _) => 0.25,

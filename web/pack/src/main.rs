@@ -64,7 +64,7 @@ fn address(text: &str) -> Result<String, String> {
 /// Returns the origin of a record store as it is written: `https://`, a host, and perhaps a colon and a port.
 fn store(text: &str) -> Result<String, String> {
     let after = text.strip_prefix("https://").unwrap_or_default();
-    // Without a port its digits are taken to be those of https.
+    // Without a port, that of https stands in.
     let (host, port) = after.split_once(':').unwrap_or((after, "443"));
 
     // What would end the directive, or allow more than one server, is refused: blanks, semicolons and stars.

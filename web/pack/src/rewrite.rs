@@ -34,7 +34,7 @@ impl<'a> Placeholder<'a> {
 /// Returns `text` with each placeholder replaced by its `value`.
 ///
 /// # Errors
-/// One that is not closed, not known, or has no value.
+/// A placeholder is not closed, not known, or has no value.
 pub fn rewrite(
     text: &str,
     mut value: impl FnMut(Placeholder<'_>) -> Result<String>,

@@ -80,14 +80,14 @@ impl CircleBands {
         self.open.add(points, first);
         if self.open.len() >= self.sort_at {
             let cells = cells_of(question)?;
-            // `complete` is some radii lower than the highest sample, so that it is below 0 at first. Sparse sets are
-            // refused where their rows are judged.
+            // `complete` is some radii lower than the highest sample, so that it is below 0 at first. A sparse set is
+            // not refused here, but where its rows are judged.
             let _ = self.sort(&cells, cells.row(complete.max(0.0)));
         }
         Ok(())
     }
 
-    /// Sorts the samples of the rows below `complete`.
+    /// Sorts the samples of the rows below `complete`. Declines rows with far more cells than samples.
     fn sort(&mut self, cells: &Cells, complete: usize) -> Result<(), Declined> {
         let end = complete.max(self.rows.end(cells));
         let dense = cells.check_count(end - self.rows.first, self.len());
@@ -104,7 +104,7 @@ impl CircleBands {
         self.open.len() + self.rows.len() + self.lowest.len() + self.seam.len()
     }
 
-    /// Returns all samples in the sequence of their coming; none once a row was judged.
+    /// Returns all samples in the order in which they came; none once a row was judged.
     pub fn unjudged(&self) -> Option<Vec<[f64; 2]>> {
         if self.closed > 0 {
             return None;

@@ -174,7 +174,7 @@ fn edge(scene: &Scene<'_>, surface: &mut impl Surface, [a, b]: [u32; 2], stroke:
 
 /// Draws the detectors and candidates of the iteration that is shown or comes next.
 pub fn search(scene: &Scene<'_>, surface: &mut impl Surface) {
-    // Sets in a field, a shape or space have neither detectors nor candidates, and darts instead.
+    // Sets in a field, a shape or space have darts instead of detectors and candidates.
     if scene.session.has_own_disks() {
         return super::ground::darts(scene, surface);
     }

@@ -85,8 +85,8 @@ pub fn claims(found: &UniformityResults) -> Vec<Claim> {
 
 /// Returns the verdict on whether exact tiling is free of the bias at the borders of blocks, which section 5.1 names as
 /// the price of tiling: its density within 1 r of them must be that of the reference. There is a verdict only if KDRT
-/// fails the same limit, since otherwise too few samples were counted to see its bias, and if the reference sets keep
-/// it, which have no bias.
+/// fails the same limit, since otherwise too few samples were counted to see its bias, and if the reference sets, which
+/// have no bias, keep it.
 fn seams(
     reference: &SamplerUniformity,
     kdrt: &SamplerUniformity,

@@ -95,7 +95,7 @@ impl SeedCounts {
 
         Ok(Self {
             // In the order of `NAMES` in `offsets`. The moved set is a control that need not be valid, and is only
-            // counted. Samples are ranked in the sets of the two runs alone that leave these gaps.
+            // counted. Samples are ranked only in the sets of the two runs that leave these gaps.
             sets: [
                 counter.verified(&reference, "reference", control)?,
                 counter.count(&moved(&domain, &reference))?,

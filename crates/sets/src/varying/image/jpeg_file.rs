@@ -117,7 +117,7 @@ fn orientation(exif: &[u8]) -> u16 {
     found.map_or(UPRIGHT, |found| found as u16)
 }
 
-/// Returns pixels turned upright. `orientation` is that of EXIF, from 1, upright, to 8.
+/// Returns pixels turned upright. `orientation` is that of Exif data, from 1, upright, to 8.
 fn turned(light: Vec<u16>, columns: usize, orientation: u16) -> Pixels {
     let rows = light.len() / columns;
     // From 5 on the file's columns are the picture's rows. With some numbers the file has its columns from right to
