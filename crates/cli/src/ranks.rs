@@ -257,8 +257,8 @@ pub fn set_below(
         view.finest_threshold(0.0)
     );
 
-    // The threshold of a level is the rank below which all its samples lie. Divided by that of the last level left, ranks
-    // are those of a run of these levels alone, which go up to 1.
+    // The threshold of a level is the rank below which all its samples lie. Divided by that of the last level left,
+    // ranks are those of a run of these levels alone, which go up to 1.
     let finest = view.finest_threshold(below);
     let ranks = ranks.into_iter().map(|rank| rank / finest).collect();
     let before = ranked

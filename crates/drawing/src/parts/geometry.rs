@@ -113,8 +113,8 @@ pub fn circumcircles(scene: &Scene<'_>, surface: &mut impl Surface) {
     }
 }
 
-/// Draws the circles around samples, faint, if they are large enough and not too many, and their exposed arcs with a halo.
-/// Without exposed arcs the set is maximal.
+/// Draws the circles around samples, faint, if they are large enough and not too many, and their exposed arcs with a
+/// halo. Without exposed arcs the set is maximal.
 pub fn covered_circles(scene: &Scene<'_>, surface: &mut impl Surface) {
     let Some(borders) = scene.subject.geometry.borders(&scene.shown) else {
         return;
