@@ -297,7 +297,8 @@ impl ExactWork {
             }
             ExactStep::Collect => {
                 let count = self.counter(counter::KEPT);
-                // The lists stay: the passes that inspectors show last still have them.
+                // `hold` gives up every buffer that is not asked for. The lists are asked for again, since an inspector
+                // of the last passes still shows them.
                 let mut lengths = self.plan.lengths();
                 lengths.extend(ExactPlan::result_lengths(count));
                 self.device.hold(lengths).await?;

@@ -240,9 +240,11 @@ impl WindowRun {
             self.record().await?;
         }
 
+        // Commands before the pass, such as those that clear counters, belong to it.
         while let Some(command) = self.queue.pop_front() {
             self.device.submit(&[command], self.stage)?;
             if matches!(command, Command::Dispatch { .. }) {
+                // The length of the list that a pass goes over may lie on the device alone.
                 self.device.read_workgroups(&command).await?;
                 break;
             }

@@ -112,8 +112,10 @@ impl ExactStepper {
         let states = self.work.device.words(Name::States, 0..count).await?;
         // Samples of later levels are present as they were laid down. They are left out, as in the CPU's samples.
         let is_decided = |dart: &Dart| {
-            // A label has four times the level, plus the throw, below the piece.
+            // The low bits of a label are four times the dart's level, plus the number of its throw in the level. The
+            // bits above them are the index of its piece, the part of a block that one copy of the pattern fills.
             let level = (dart.label % (1 << THROW_BITS)) / 4;
+            // Iteration 1 has the darts of levels 0 and 1, each later iteration those of the level of its number.
             stage == Stage::Tile || Stage::Iterate(level.max(1)) <= stage
         };
         let present = darts

@@ -119,7 +119,8 @@ pub fn run(study: &Study<'_>) -> Result<Outcome> {
     })
 }
 
-/// Returns the pictures of spectra. Each column of one shows a set of its method, made anew, as sets are not kept.
+/// Returns the pictures of spectra: one for each radius, and one of the tilings whose regularity shows. Each column
+/// shows the first set of its method, which is made anew, as sets are not kept.
 fn spectra_pictures(study: &Study<'_>, found: &[MethodSpectra]) -> Result<Vec<Picture>> {
     let control = study.control("the pictures");
     // Each column shows a method, whose curves are drawn over those of another one. It is left out if one of the two
@@ -128,7 +129,6 @@ fn spectra_pictures(study: &Study<'_>, found: &[MethodSpectra]) -> Result<Vec<Pi
         let spectra_of = |method: Method| spectra::find(found, group.radius, method);
         let spectra_of_column = |(one, below)| Some((spectra_of(one)?, spectra_of(below)?));
         let columns: Vec<_> = methods.into_iter().filter_map(spectra_of_column).collect();
-        // The set that a column shows is the first of its method.
         let first = 0;
         let set = |(one, _): &(&MethodSpectra, _)| group.set(one.method, first, &control);
         let sets: Vec<Set> = columns.iter().map(set).collect::<Result<_>>()?;

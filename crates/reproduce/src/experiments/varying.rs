@@ -34,13 +34,17 @@ const PLATEAUS: [f64; 6] = [1.0, 1.2, 1.41, 1.7, 1.99, 2.0];
 /// The sides of their tori, in radii: some hundred times as far as samples are correlated.
 const PLATEAU_SIDE: f64 = 128.0;
 
-/// How many sets are made of each kind. The numbers are chosen so that errors are a fraction of the limits of the claims.
+/// How many sets are made of each kind, and how large the stipples are. The numbers are chosen so that errors are a
+/// fraction of the limits of the claims.
 #[derive(Clone, Copy, Debug)]
 struct VaryingPlan {
+    /// Sets on each ramp, each wave, and of each radius.
     ramps: usize,
     waves: usize,
     plateaus: usize,
+    /// Sets by each rule for two radii, on each of its fields.
     ruled: usize,
+    /// Stipples of the ramp of tones, and the dots of each.
     tones: usize,
     dots: u64,
 }

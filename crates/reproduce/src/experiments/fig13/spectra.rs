@@ -64,6 +64,8 @@ pub fn find(found: &[MethodSpectra], radius: f64, method: Method) -> Option<&Met
 pub struct Curves {
     pub nu: Vec<f64>,
     pub power: Vec<f64>,
+    /// Where the true mean power lies with a high probability ([`Spectrum::bands`]); empty for bounded sets, of which
+    /// no such band is known.
     pub band: Vec<[f64; 2]>,
     /// In decibels; none where there are too few frequencies.
     pub anisotropy: Vec<Option<f64>>,
@@ -153,6 +155,7 @@ fn curves(spectrum: &Spectrum) -> Curves {
     Curves {
         nu,
         power,
+        // Spectra of bounded sets have no bands, and no band is drawn then.
         band: spectrum.bands.clone().unwrap_or_default(),
         anisotropy: profile.annuli.iter().map(anisotropy).collect(),
         noise: profile.annuli.iter().map(noise).collect(),
