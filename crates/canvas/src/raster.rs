@@ -80,7 +80,8 @@ const NOW: u8 = 1;
 const OPEN: u8 = 0;
 
 impl Coverage {
-    /// Returns the pixels that `frame` shows of the domain and of the copies around it, all uncovered.
+    /// Returns the coverage of a set without samples: every pixel of `frame` that shows the domain or a copy of it is
+    /// open, all others are outside.
     #[must_use]
     pub fn open(frame: &PixelGrid, session: &Session) -> Self {
         let size = frame.size();

@@ -33,7 +33,8 @@ impl Recording {
         budget: usize,
         observer: &mut dyn Observer,
     ) -> Result<(Self, Vec<Vec<i32>>), SampleError> {
-        // The tape finds the lines of events by the parameters: of these, by the kind of insertion.
+        // By the insertion of the parameters the tape finds each event's line of the pseudocode, and that of uniform
+        // insertion is of darts.
         let parameters = &Parameters {
             insertion: tilescope_core::Insertion::Uniform,
             ..*parameters

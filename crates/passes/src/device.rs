@@ -270,8 +270,8 @@ impl Arrival {
             }
             walker
         } else {
-            // `of_spec` keeps the last few patterns, usually with this one, which the survey has made: there is little
-            // to wait for, so that the work need not be stopped here.
+            // The survey has made the pattern of this run, and the last few patterns are kept (`Pattern::of_spec`). So
+            // it is seldom made again here: there is little to wait for, and the observer need not stop it.
             let observer = &mut |_: Progress| ControlFlow::Continue(());
             let begun = Walker::begin(subject, observer).await?;
             self.walker.insert(begun)

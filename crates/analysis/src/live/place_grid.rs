@@ -149,7 +149,7 @@ impl PlaceGrid {
     /// Moves the occupants of a cell to where there is twice the room.
     fn moved(&mut self, bucket: Bucket) -> Bucket {
         let room = bucket.room + 1;
-        // Room that a cell of this size has left is used before the pool grows.
+        // Room of this size that another cell has given up is used before the pool grows.
         let start = self.free[room as usize].pop().unwrap_or_else(|| {
             let end = self.pool.len();
             self.pool.resize(end + (1 << room), Occupant::default());
@@ -170,7 +170,8 @@ impl PlaceGrid {
         }
     }
 
-    /// Takes out the occupant of a cell that `is_it` names, and returns its slot; none if there is none.
+    /// Takes out the first occupant for which `is_it` holds of the cell that has a place, and returns its slot; `None`
+    /// if it holds for no occupant of the cell.
     pub fn remove(&mut self, place: [i32; 2], is_it: impl Fn(&Occupant) -> bool) -> Option<u32> {
         let [column, row] = self.cell_of(place);
         let index = row * self.counts[0] + column;
@@ -179,7 +180,7 @@ impl PlaceGrid {
         let at = self.pool[first..last].iter().position(is_it)?;
 
         let slot = self.pool[first + at].slot;
-        // Cells have no sequence, so that the last one may fill the hole.
+        // The occupants of a cell are in no order, so that the last one may fill the gap.
         self.pool[first + at] = self.pool[last - 1];
         self.buckets[index].len -= 1;
         if len == 1 {

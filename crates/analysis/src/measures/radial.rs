@@ -231,8 +231,8 @@ pub(crate) struct AnnulusTable {
 }
 
 impl AnnulusTable {
-    /// Returns the annuli of the frequencies `step (x, y)` with `|x| < columns` and `|y| < rows`. Lengths are those of
-    /// [`Periodogram::length`].
+    /// Returns the annuli of the frequencies `step (x, y)` with `|x| < columns` and `|y| < rows`, each annulus `width`
+    /// wide. Lengths are those of [`Periodogram::length`].
     pub fn new([columns, rows]: [usize; 2], step: usize, region: Region, width: f64) -> Self {
         let [x_unit, y_unit] = unit_lengths(region);
         // The shortest frequency that is missing lies on an axis. All annuli before the one that it lies in are whole.

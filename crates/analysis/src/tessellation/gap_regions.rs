@@ -179,8 +179,8 @@ impl<'a> Runs<'a> {
             .filter(has)
             .collect();
 
-        // A tail begins on the circle. Without one, all parts are one run, and the circle is whole if no part ends on it
-        // either.
+        // A tail begins on the circle. Without one no side enters the disk, as it or a later side would leave it by a
+        // tail: all parts are one run, and the circle is whole. That none of them ends on it is checked all the same.
         let Some(start) = parts.iter().position(|&part| !is_head(part)) else {
             if !parts.is_empty() {
                 let closed = parts.iter().all(|&part| self.ends_at_corner(part));

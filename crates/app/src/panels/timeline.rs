@@ -550,14 +550,14 @@ fn prefix(ui: &mut Ui, context: &TimeContext<'_>, commands: &mut Vec<Command>) {
     response.on_hover_text(ui.words(glossary::PREFIX.meaning));
 }
 
-/// Shows the slider of the plane through a set in space; planar sets have none. Where there is no room it is left out:
-/// J and K move the plane, too.
+/// Shows the slider of the plane through a set in space and, if events were recorded, the switch by which the plane
+/// follows them; planar sets have neither. Where the slider has no room both are left out: J and K move the plane, too.
 fn plane(ui: &mut Ui, context: &TimeContext<'_>, commands: &mut Vec<Command>) {
     let Some((depth, mut place)) = context.run.plane_place() else {
         return;
     };
-    // As wide as a slider needs on which a ball of a usual box is a few points, and at most a third of the row with its
-    // number, as the track follows beside it. Both thirds were chosen, not measured.
+    // The slider and its number take at most a third of the row, as the track follows beside them. A slider of less
+    // than a third of its full width is left out. Both thirds were chosen, not measured.
     let width = PLANE.min(ui.available_width() / 3.0 - PLANE_NUMBER);
     if width < PLANE / 3.0 {
         return;
@@ -592,7 +592,8 @@ fn plane(ui: &mut Ui, context: &TimeContext<'_>, commands: &mut Vec<Command>) {
     }
 }
 
-/// Width of the slider of the plane, and of the number beside it.
+/// Width of the slider of the plane where there is room, and of the number beside it. In a box that is 20 r deep, a
+/// slider of 160 points has 8 points for an r.
 const PLANE: f32 = 160.0;
 const PLANE_NUMBER: f32 = 70.0;
 

@@ -30,6 +30,7 @@ impl Words<'_> {
                 )
             }
 
+            // Such a run has no detectors: the event has the number of its active cells in their place.
             RunEvent::Iteration { number, detectors } => format!(
                 "throw {} begins with {}",
                 grouped(number.into()),

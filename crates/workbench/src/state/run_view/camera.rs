@@ -86,8 +86,9 @@ impl RunView {
         }
     }
 
-    /// Refits a fitted domain, or a place that was flown to, into the new viewport. Otherwise a selection that was in view stays in
-    /// view, as when a panel opens over the part of the canvas where it was picked.
+    /// Refits a fitted domain, or a place that was flown to, into the new viewport. Unless the domain is fitted, a
+    /// selection that was in view then stays in view, as when a panel opens over the part of the canvas where it was
+    /// picked: for that even a place that was flown to may move from the middle.
     pub(in crate::state) fn follow_viewport(&mut self, viewport: Rect) {
         let before = std::mem::replace(&mut self.viewport, viewport);
         let camera_before = self.camera;
