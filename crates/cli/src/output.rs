@@ -131,7 +131,8 @@ impl Outcome {
         crate::verdict_code(report.as_ref().is_none_or(is_valid))
     }
 
-    /// Returns the facts and the verdict as an object.
+    /// Returns the facts and the verdict as an object. Its `radius` is the least one where the radius varies. It has
+    /// `verified`, which is `false`, in the place of a verdict if there is none.
     pub fn json(&self) -> Value {
         let (facts, judged) = (&self.facts, &self.judged);
         let seconds = (self.work.seconds.iter())

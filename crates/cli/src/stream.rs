@@ -192,7 +192,8 @@ enum Sink {
     File {
         export: Box<StreamExport>,
         last_checkpoint: Instant,
-        checkpoint: Duration,
+        /// The least time between two checkpoints.
+        interval: Duration,
     },
     Judge(Box<StreamVerifier>),
 }
@@ -218,7 +219,7 @@ impl Sink {
         Ok(Self::File {
             export: Box::new(export),
             last_checkpoint: Instant::now(),
-            checkpoint: Duration::from_secs(arguments.checkpoint),
+            interval: Duration::from_secs(arguments.checkpoint),
         })
     }
 
@@ -248,9 +249,9 @@ impl Sink {
             if let Self::File {
                 export,
                 last_checkpoint,
-                checkpoint,
+                interval,
             } = &mut self
-                && last_checkpoint.elapsed() >= *checkpoint
+                && last_checkpoint.elapsed() >= *interval
             {
                 export.checkpoint(&token)?;
                 *last_checkpoint = Instant::now();

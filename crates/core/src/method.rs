@@ -34,6 +34,7 @@ pub fn sample_recorded<T: Recorder>(
     observer: &mut dyn Observer,
     recorder: &mut T,
 ) -> Result<Run, SampleError> {
+    // Exact tiling, too, keeps the origin and fate of every sample here, so that both methods have the same limit.
     parameters.validate_sequential()?;
     match parameters.method {
         TilingMethod::Kdrt => {

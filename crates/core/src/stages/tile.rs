@@ -124,7 +124,8 @@ const fn enlarged(rect: &Rect) -> (i32, i32) {
     (rect.width() + 2 * R, rect.height() + 2 * R)
 }
 
-/// Returns the pattern's point on the lowest corner of a block enlarged by r.
+/// Returns the pattern's point on the lowest corner of a block enlarged by r. It is drawn by the block's key from all
+/// points at which the enlarged block fits the pattern; fails if there are none.
 pub(crate) fn clip_start(block: &Block, variant: &PatternVariant) -> Result<Point, PatternError> {
     let (width, height) = enlarged(&block.rect);
     let radii = |units: i32| f64::from(units) / f64::from(R);

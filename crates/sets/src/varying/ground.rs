@@ -85,7 +85,8 @@ struct Nodes {
 }
 
 impl VaryingRecipe {
-    /// Returns the ground of a radius: what the sampler needs, and what the judge gets.
+    /// Returns the ground of a radius: what the sampler needs, and what the judge gets. `radius` stands in the place of
+    /// the recipe's own, which a search for a given number of samples scales.
     pub(super) fn ground_of(&self, radius: &RadiusSource) -> Result<Ground, VaryingError> {
         radius.check()?;
         let frame = self.frame(radius)?;

@@ -224,8 +224,8 @@ impl<P: WindowMaker> Sweep<P> {
             return Ok(None);
         }
 
-        // The bands end with the last row of cells that the windows reach. That is at least one row on, since there
-        // is always a window; the code asks for it all the same, so that the sweep surely ends.
+        // The bands end with the last row of cells that the windows reach. There is always a window, so that this is at
+        // least one row on; the `max` makes sure of it, as otherwise the sweep would never end.
         let windows = self.next_windows();
         let last = windows.iter().flatten().map(|w| w.max.y).max().unwrap_or(0);
         let end = ((last - 1) / R + 1).max(self.done + 1);
