@@ -440,7 +440,7 @@ impl Learner {
     /// Records the question at its end.
     fn note(&mut self, time: f64, given_up: bool) {
         let attempt = &self.attempt;
-        // A learner who gave up without an answer, or before the end of a trace, has the score 0.
+        // The first answer, or the score of a whole trace. A learner who gave up before that has the score 0.
         let (answer, score) = attempt.first.clone().unwrap_or((String::new(), 0.0));
         let gate = self.step().gate.as_ref();
 

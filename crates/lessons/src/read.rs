@@ -219,7 +219,8 @@ impl<'a> Reader<'a> {
         Ok(())
     }
 
-    /// Checks the paragraph that is read so far, and adds it to the step.
+    /// Checks the paragraph that is read so far, and adds it to the step. `line` is the one that ends it, or the file's
+    /// last.
     fn end_paragraph(&mut self, paragraph: &mut String, line: usize) -> Result<(), LessonError> {
         if paragraph.is_empty() {
             return Ok(());
@@ -488,7 +489,7 @@ fn field_of_radii(scene: &mut SceneSpec, fields: &Fields) -> Result<(), LessonEr
                 Some(read.map_err(|error| field.wrong(error.to_string()))?)
             }
         };
-        // What the coin is left out of is the field for which that was said.
+        // Leaving out the coin belongs to the field for which it was said: a new field has its coin again.
         scene.has_coin = true;
     }
 
@@ -514,8 +515,9 @@ fn check_field(scene: &SceneSpec, radius: &Expression) -> Result<(), String> {
         return Err("nested levels have one radius: \"levels: none\" goes with a field".to_owned());
     }
 
-    // Nodes of a field are a thousandth of the longer side apart, and the unit of its lattice is a power of two of that. If the side
-    // is a power of two, and the least radius at least 1 and below 2, the lattice's r is 1, the unit of the expression.
+    // Nodes of a field are a thousandth of the longer side apart, and the unit of its lattice is that times a power of
+    // two. If the side is a power of two, and the least radius at least 1 and below 2, the lattice's r is 1, the unit
+    // of the expression.
     let [width, height] = [scene.parameters.width, scene.parameters.height];
     let longer = width.max(height);
     let is_of_r = scene.parameters.radius.to_bits() == 1.0_f64.to_bits();

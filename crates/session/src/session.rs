@@ -372,8 +372,8 @@ impl Session {
         self.starts.partition_point(|&start| start < cursor)
     }
 
-    /// Returns the cursor after the last event of the stage at `index`, if events were recorded; of nested levels the number
-    /// of samples.
+    /// Returns the cursor after the last event of the stage at `index`, if events were recorded; of nested levels and
+    /// of a stipple the number of samples.
     #[must_use]
     pub fn stage_end(&self, index: usize) -> Option<usize> {
         if self.has_prefixes() {
@@ -384,7 +384,8 @@ impl Session {
         Some(next.unwrap_or_else(|| recording.len()))
     }
 
-    /// Returns the cursors at which its stages end, if events were recorded; of nested levels those at which levels end.
+    /// Returns the cursors at which its stages end, if events were recorded; of nested levels those at which levels
+    /// end, and of a stipple the number of samples alone.
     #[must_use]
     pub fn ends(&self) -> Vec<usize> {
         match &self.nested {
