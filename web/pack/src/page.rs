@@ -177,6 +177,8 @@ pub fn assemble(sources: &BTreeMap<String, Source>, address: &str) -> Result<Vec
             eprintln!("warning: nothing that index.html leads to refers to {name}");
         }
     }
+
+    // The service worker stores these, so that the program runs without a network.
     let stored: BTreeSet<String> = assembly.done.keys().cloned().collect();
 
     // Then the pages beside it, with the pictures that they alone show.

@@ -19,7 +19,7 @@ use tilescope_workbench::state::State;
 /// Distance of the button from the canvas's corner, in screen points.
 const INSET: Vec2 = vec2(8.0, 8.0);
 
-/// Shows the embedded window.
+/// Shows the embedded window: the canvas alone, or a player, whose controls lie below the canvas.
 pub fn show(
     ui: &mut Ui,
     embedding: Embedding,
@@ -54,7 +54,7 @@ pub fn show(
             player.show(ui, &TimeContext::of(state), commands);
         });
     }
-    // A canvas without controls shows errors, and no other notices.
+    // A player shows every notice, a canvas without controls only errors.
     let is_error = state
         .messages()
         .notice

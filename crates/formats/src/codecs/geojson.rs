@@ -138,7 +138,8 @@ fn unsupported(kind: &str, place: &str) -> FormatError {
     }
 }
 
-/// Adds the points of an object, in the order of the file: those of its features, of its geometry, and its own.
+/// Adds the points of an object, in the order of the file: those of its features (of a collection), of its geometry (of
+/// a feature), and its own (of a geometry).
 fn add(content: &Content, points: &mut Vec<[f64; 2]>) -> Result<(), FormatError> {
     for feature in &content.features {
         add(feature, points)?;
@@ -164,6 +165,7 @@ fn add(content: &Content, points: &mut Vec<[f64; 2]>) -> Result<(), FormatError>
 
     // Numbers alone are a point's position, positions alone are those of several points; mixed, they are neither.
     match (&numbers[..], content.coordinates.len() == numbers.len()) {
+        // All elements were positions, and were added above, or there are none.
         ([], _) => {}
         (&[x, y], true) => points.push([x, y]),
         (&[x, y, z], true) => {

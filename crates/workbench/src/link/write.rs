@@ -322,7 +322,7 @@ impl Writer {
 
         for written in all.iter().filter_map(item).take(most) {
             // The first item that does not fit ends the list: without it, later items would be at other positions,
-            // which counts for scenes and their views. The 1 is for the semicolon.
+            // which counts for scenes and their views: `item` is never `None` for those. The 1 is for the semicolon.
             if text.len() + written.len() + 1 > room {
                 break;
             }

@@ -121,6 +121,7 @@ fn answer_of_lesson(state: &mut State, request: LessonRequest) -> Result<Value, 
         }
 
         LessonRequest::Tour => {
+            // The tour is shown in place of the list of lessons.
             state.in_class(|class, _| class.lessons.shows_list = false);
             state.apply(Command::Scene(SceneCommand::Tour));
         }

@@ -249,7 +249,7 @@ impl State {
                 Effect::Clock(clock) => self.time.playback.choose(clock),
                 Effect::Playback(playback) => self.time.playback = *playback,
 
-                // Other runs.
+                // Forms, runs, sessions and what was before them.
                 Effect::Form(form) => self.form.take(*form),
                 Effect::Image(image) => {
                     self.form.draft.set_image(*image);
@@ -328,7 +328,7 @@ impl State {
                 // The step's run takes the place of a run that an opened link may still wait for.
                 self.runs.arriving = None;
                 self.time.playback.stop();
-                // Lessons need events, which runs of the GPU do not have.
+                // Lessons need events, which only the CPU records.
                 self.start_sampling(Which::First, *recipe, EngineChoice::Cpu);
             }
 

@@ -131,7 +131,8 @@ impl Time {
         run.jump(view.cursor);
         run.moved(before);
         run.pick(Selection::Nothing, context);
-        // With a zoom the frame's width does not count: the zoom has the scale. Without either the whole domain is shown.
+        // With a zoom the `radii` of the frame do not count: the zoom has the scale. Without either the whole domain is
+        // shown.
         match (view.framed, view.zoom) {
             (Some((center, _)), Some(zoom)) => run.look_from(zoom, center.into(), context),
             (None, Some(zoom)) => run.look_from(zoom, zoom.center, context),
@@ -293,8 +294,9 @@ impl Time {
         };
 
         let course = Course::of(session.ends().into_iter());
-        // The part of the time that has passed is kept from frame to frame. A frame may be shorter than an event, and computed from the
-        // cursor alone the part would never grow.
+        // The part of the time that has passed is kept from frame to frame, as long as the cursor stays where the last
+        // frame left it. A frame may be shorter than an event: a part that each frame computes from the cursor would
+        // then never grow.
         let passed_before = match self.played {
             Some((passed, cursor)) if cursor == at => passed,
             _ => course.share(at),
@@ -309,7 +311,8 @@ impl Time {
             cursor = range.start;
         }
 
-        // After a loop has begun anew, the next frame takes the part that has passed from the cursor, which is the loop's first one.
+        // Where the loop began anew nothing is kept: the next frame computes the part that has passed from the loop's
+        // first cursor.
         self.played = (cursor >= at).then_some((passed, cursor));
         if cursor != at {
             run.jump(cursor);
