@@ -91,26 +91,30 @@ impl Words<'_> {
             }
 
             (_, Verdict::Covered { .. }) => {
-                let what = if ranked {
-                    "the dart at"
+                // The last part goes without a sample's name.
+                let (what, verb, nameless) = if ranked {
+                    (
+                        "the dart at",
+                        "is discarded",
+                        " is covered by now and is discarded",
+                    )
                 } else {
-                    "a dart lands at"
+                    (
+                        "a dart lands at",
+                        "and is discarded",
+                        ", which is covered, and is discarded",
+                    )
                 };
                 let own = radius();
                 // The process keeps no ids, so that the earliest sample near the place is looked up.
                 let Some(by) = self.0.covering(point, index) else {
-                    return Some(format!("{what} {at}, which is covered, and is discarded"));
+                    return Some(format!("{what} {at}{nameless}"));
                 };
                 // The sentence shows the rule at work: the distance against the mean of both radii.
                 let other = self.0.point(by)?;
                 let squared = self.0.domain().distance_squared(point, other) as f64;
                 let (apart, theirs) = (self.length(squared.sqrt()), self.radius(locality, other));
                 let mean = self.length(locality.reach(point, other).into());
-                let verb = if ranked {
-                    "is discarded"
-                } else {
-                    "and is discarded"
-                };
                 format!(
                     "{what} {at} {verb}: sample {} is {apart} away; the radius here is {own}, there {theirs}, and their harmonic mean, {mean}, is not less than that",
                     grouped(by.into())

@@ -77,19 +77,23 @@ impl Words<'_> {
             }
 
             (_, Verdict::Covered { .. }) => {
-                let what = if ranked {
-                    "the dart at"
+                // The last part goes without a sample's name.
+                let (what, verb, nameless) = if ranked {
+                    (
+                        "the dart at",
+                        "is discarded",
+                        " is covered by now and is discarded",
+                    )
                 } else {
-                    "a dart lands at"
+                    (
+                        "a dart lands at",
+                        "and is discarded",
+                        ", which is covered, and is discarded",
+                    )
                 };
                 // The process keeps no ids, so that the earliest sample near the place is looked up.
                 let Some(by) = self.0.covering_in_space(point, z, index) else {
-                    return Some(format!("{what} {at}, which is covered, and is discarded"));
-                };
-                let verb = if ranked {
-                    "is discarded"
-                } else {
-                    "and is discarded"
+                    return Some(format!("{what} {at}{nameless}"));
                 };
                 let seen = self.seen(by, point, z)?;
                 format!(
