@@ -281,6 +281,7 @@ fn description(divergence: &Divergence) -> Vec<String> {
             // Events are counted from 0, so that the index of the first one that differs is the number of equal ones.
             // The index in run B is another one only where tests were left out of a recording.
             match index {
+                0 => "The first events differ:".to_owned(),
                 1 => "The first event is the same. Then:".to_owned(),
                 _ => format!("The first {} events are the same. Then:", grouped(*index)),
             },

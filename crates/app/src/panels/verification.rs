@@ -251,7 +251,11 @@ fn local_numbers(ui: &mut Ui, context: &PanelContext<'_>, commands: &mut Vec<Com
     let report = verdict.map(|verdict| &verdict.report);
     let none = || "\u{2013}".to_owned();
 
-    let least = report.map_or_else(none, |report| significant(report.min_distance));
+    let least = report.map_or_else(none, |report| match report.min_distance {
+        distance if distance.is_finite() => significant(distance),
+        // A single sample has no other one near it: its smallest distance is infinite.
+        _ => "none".to_owned(),
+    });
     let count = report.map_or_else(none, |report| grouped(report.count));
     let judges = report.map_or_else(none, |report| short(&report.judges));
     for (name, value) in [

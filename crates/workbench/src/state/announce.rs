@@ -72,6 +72,10 @@ fn verdict_text(run: &RunView) -> Option<(u64, String)> {
         Verification::Failed(why) => format!("There is no verdict. {why}"),
         Verification::Done(verdict) => {
             let found = match (verdict.conflict_free(), verdict.maximal()) {
+                // A stipple is a prefix of a maximal set, and not maximal itself.
+                (true, true) if verdict.stipple.is_some() => {
+                    "Verified: the dots are conflict-free."
+                }
                 (true, true) => "Verified: conflict-free and maximal.",
                 (true, false) => "The verifier found gaps: the set is not maximal.",
                 (false, true) => "The verifier found conflicts.",

@@ -74,13 +74,13 @@ impl Form {
         let session = run.session.as_ref().filter(|_| run.sampling.is_none())?;
 
         if !session.has_recipe() {
-            // Combinations have no recipe, nor have nested levels of a file.
+            // Combinations have no recipe, nor have nested levels of a file and the sets of a lesson's wrong process.
             let what = match session.kind() {
                 SessionKind::Combination => "A combination is",
+                SessionKind::Varying => "A set of a lesson is",
                 SessionKind::Run
                 | SessionKind::Exact
                 | SessionKind::Nested
-                | SessionKind::Varying
                 | SessionKind::Solid => "Nested levels of a file are",
             };
             return Some(format!("{what} shown, not a run of these parameters."));
