@@ -180,7 +180,7 @@ impl GroundArguments {
             _ if self.radius_image.is_some() => bail!(
                 "--radius-image is for sets with a certificate, which states the radii of black and white"
             ),
-            _ => bail!("the set has no certificate; give --radius"),
+            _ => bail!("no certificate states a field or a shape of the set; give --radius"),
         };
 
         // The same default as for making a set: few fields are periodic, and no shape is.

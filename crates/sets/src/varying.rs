@@ -136,8 +136,8 @@ impl VaryingRecipe {
         let expected = self.expected(&self.radius)?;
         let mut radius = self.radius.scaled(scale_for(expected));
 
-        // No set is made yet: 0 stands for that.
-        let mut nearest = 0;
+        // No set is made yet: any number of samples is nearer to the wanted one than this.
+        let mut nearest = u64::MAX;
         for _ in 0..MAX_TRIES {
             let made = self.attempt(&radius, observer)?;
             let found = made.set.len() as u64;

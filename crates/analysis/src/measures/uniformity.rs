@@ -268,7 +268,10 @@ impl ClassCounts {
             }
         }
 
-        if totals.contains(&0.0) || classes < 2 {
+        if totals.contains(&0.0) {
+            return Err(MeasureError::TooFew { count: 0, limit: 1 });
+        }
+        if classes < 2 {
             let count = classes;
             return Err(MeasureError::TooFew { count, limit: 2 });
         }

@@ -302,4 +302,9 @@ fn counts_that_say_nothing_are_refused() {
         counts.compare(&other),
         Err(MeasureError::LengthDiffers { .. })
     ));
+    let empty = ClassCounts::new(2).expect("classes");
+    assert!(matches!(
+        counts.compare(&empty),
+        Err(MeasureError::TooFew { count: 0, limit: 1 })
+    ));
 }

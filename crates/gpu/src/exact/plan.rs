@@ -53,14 +53,19 @@ impl DartRoom {
         let end = parameters.validate()?.rect().max;
         let needed = u64::from(self.darts) * size_of::<Dart>() as u64;
         // Room is counted in 32 bits, and a binding limit may be larger than that.
-        let allowed = limits.max_storage_buffer_binding_size.min(MOST_DART_BYTES);
+        let binding = limits.max_storage_buffer_binding_size;
+        let (limit, allowed) = if binding <= MOST_DART_BYTES {
+            ("maxStorageBufferBindingSize", binding)
+        } else {
+            ("the number of a dart", MOST_DART_BYTES)
+        };
         if needed > allowed {
             return Err(GpuError::ExactTooLarge {
                 width: cells_along(end.x),
                 height: cells_along(end.y),
                 needed,
                 unit: "bytes",
-                limit: "maxStorageBufferBindingSize",
+                limit,
                 allowed,
             });
         }

@@ -115,7 +115,9 @@ pub fn read<'a>(
 
         let new = changed(&parameters, parameter, text);
         if new.is_none() {
-            let (shown, used, name) = (quoted(text), value(base, parameter), name_of(parameter));
+            // The value stays as it is, which for the pattern's side need not be the base's.
+            let used = value(&parameters, parameter);
+            let (shown, name) = (quoted(text), name_of(parameter));
             // Some names are methods of the command line that are no tiling, and the warning says so.
             let refusal = match parameter {
                 Parameter::Method => method_refusal(&shown.to_lowercase()),
