@@ -99,7 +99,10 @@ impl Mapping {
         let limit = sides / self.scale + self.origin;
         // Positions outside the region are left as they are; only storing must not move one out of it.
         let (moves, to) = match region.boundary {
-            Boundary::Periodic => (point.cmplt(sides) & stored.cmpge(limit), self.origin),
+            Boundary::Periodic => (
+                point.cmplt(sides) & stored.cmpge(limit),
+                self.origin.map(|value| self.round(value)),
+            ),
             Boundary::Bounded => (
                 point.cmple(sides) & stored.cmpgt(limit),
                 stored.map(|value| self.next_down(value)),

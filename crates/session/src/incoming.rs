@@ -297,9 +297,12 @@ pub fn pick(
 ) -> Option<(usize, Vec<usize>)> {
     let considered = names.len().min(MAX_FILES);
 
-    // A certificate of another file is not opened by itself.
+    // A certificate of another file is not opened by itself, if that file is considered, too.
     let is_lone = |&k: &usize| {
-        let others = names.iter().enumerate().filter(|&(other, _)| other != k);
+        let others = names[..considered]
+            .iter()
+            .enumerate()
+            .filter(|&(other, _)| other != k);
         !others
             .into_iter()
             .any(|(_, set)| is_certificate_of(names[k], set))

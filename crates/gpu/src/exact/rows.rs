@@ -19,6 +19,8 @@ pub struct ExactRows {
     result: Vec<u32>,
     pieces: Vec<LaidPiece>,
     columns: u32,
+    /// How many cells of side R the domain has.
+    cells: u32,
     /// The binary logarithms of the sides of the open cells, and of those of the level to come.
     side_bits: [u32; 2],
 }
@@ -57,6 +59,7 @@ impl ExactRows {
             result,
             pieces: plan.pieces.clone(),
             columns: plan.ground.columns,
+            cells: plan.ground.cells,
             side_bits,
             counters,
         })
@@ -120,8 +123,9 @@ impl ExactRows {
             Name::NextOpenCells if listed(counter::NEXT_OPEN_CELLS) => {
                 self.cell(values, 1 << self.side_bits[1])
             }
-            // A row for each cell of the domain, row by row.
-            Name::Heads | Name::Starts => {
+            // A row for each cell of the domain, row by row. The last entry of `Starts` is that after the last cell,
+            // and has no place.
+            Name::Heads | Name::Starts if row < self.cells as usize => {
                 let (column, line) = (row as u32 % self.columns, row as u32 / self.columns);
                 let min = Point::new(column as i32 * R, line as i32 * R);
                 let max = Point::new(min.x + R, min.y + R);
@@ -131,7 +135,7 @@ impl ExactRows {
                 let at = self.result.get(2 * row..2 * row + 2)?;
                 Some(RowPlace::Point(Point::new(at[0] as i32, at[1] as i32)))
             }
-            // Lists of cells beyond their ends, and the buffers of randomized tiling, which this run lacks.
+            // Lists and cells beyond their ends, and the buffers of randomized tiling, which this run lacks.
             _ => None,
         }
     }

@@ -214,6 +214,11 @@ fn sets_are_matched_with_certificates_and_documents_are_opened_first() {
     let (incoming, left) = gather(many).unwrap();
     assert_eq!((incoming.name.as_str(), left.len()), ("0.csv", 199));
     assert!(incoming.beside.len() <= MAX_FILES);
+    // Certificates of sets that are beyond the limit are files like others.
+    let certificates = (0..MAX_FILES).map(|k| file(&format!("{k}.csv.certificate.json"), "{}"));
+    let sets = (0..MAX_FILES).map(|k| file(&format!("{k}.csv"), ""));
+    let (incoming, _) = gather(certificates.chain(sets).collect()).unwrap();
+    assert_eq!(incoming.name, "0.csv.certificate.json");
 }
 
 #[test]
