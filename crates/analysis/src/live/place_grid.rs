@@ -170,18 +170,18 @@ impl PlaceGrid {
         }
     }
 
-    /// Takes out the first occupant for which `is_it` holds of the cell that has a place, and returns its slot; `None`
-    /// if it holds for no occupant of the cell.
+    /// Takes out the first occupant, of the cell in which `place` lies, that `is_it` names. Returns its slot; none if
+    /// there is no such occupant.
     pub fn remove(&mut self, place: [i32; 2], is_it: impl Fn(&Occupant) -> bool) -> Option<u32> {
         let [column, row] = self.cell_of(place);
         let index = row * self.counts[0] + column;
         let Bucket { start, len, .. } = self.buckets[index];
-        let (first, last) = (start as usize, (start + len) as usize);
-        let at = self.pool[first..last].iter().position(is_it)?;
+        let (first, end) = (start as usize, (start + len) as usize);
+        let at = self.pool[first..end].iter().position(is_it)?;
 
         let slot = self.pool[first + at].slot;
-        // The occupants of a cell are in no order, so that the last one may fill the gap.
-        self.pool[first + at] = self.pool[last - 1];
+        // Cells have no sequence, so that the last one may fill the hole.
+        self.pool[first + at] = self.pool[end - 1];
         self.buckets[index].len -= 1;
         if len == 1 {
             let is_occupied = false;

@@ -30,7 +30,8 @@ impl Words<'_> {
                 )
             }
 
-            // Such a run has no detectors: the event has the number of its active cells in their place.
+            // Such a run has no detectors: the event counts the active cells, in which darts are thrown, in their
+            // place.
             RunEvent::Iteration { number, detectors } => format!(
                 "throw {} begins with {}",
                 grouped(number.into()),
