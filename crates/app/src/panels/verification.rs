@@ -251,10 +251,13 @@ fn local_numbers(ui: &mut Ui, context: &PanelContext<'_>, commands: &mut Vec<Com
     let report = verdict.map(|verdict| &verdict.report);
     let none = || "\u{2013}".to_owned();
 
-    let least = report.map_or_else(none, |report| match report.min_distance {
-        distance if distance.is_finite() => significant(distance),
-        // A single sample has no other one near it: its smallest distance is infinite.
-        _ => "none".to_owned(),
+    let least = report.map_or_else(none, |report| {
+        // The smallest distance of a single sample is infinite.
+        if report.min_distance.is_finite() {
+            significant(report.min_distance)
+        } else {
+            "none".to_owned()
+        }
     });
     let count = report.map_or_else(none, |report| grouped(report.count));
     let judges = report.map_or_else(none, |report| short(&report.judges));

@@ -5,6 +5,24 @@ use tilescope_core::{Locality, Point, RunEvent, Verdict};
 
 use super::{Words, count, grouped, significant};
 
+/// Returns the words for a covered dart that lands or, if it is `ranked`, whose turn comes: those before its place, and
+/// those after it where the sample that covers it is named, and where none can be named.
+pub(super) const fn covered_words(ranked: bool) -> [&'static str; 3] {
+    if ranked {
+        [
+            "the dart at",
+            "is discarded",
+            " is covered by now and is discarded",
+        ]
+    } else {
+        [
+            "a dart lands at",
+            "and is discarded",
+            ", which is covered, and is discarded",
+        ]
+    }
+}
+
 impl Words<'_> {
     /// Returns the sentence of a dart, a throw, an insertion or a cut in a run whose radius depends on the place.
     /// `None` for other events and runs, and for a sample without a place in the recording.
@@ -92,20 +110,7 @@ impl Words<'_> {
             }
 
             (_, Verdict::Covered { .. }) => {
-                // The last part goes without a sample's name.
-                let (what, verb, nameless) = if ranked {
-                    (
-                        "the dart at",
-                        "is discarded",
-                        " is covered by now and is discarded",
-                    )
-                } else {
-                    (
-                        "a dart lands at",
-                        "and is discarded",
-                        ", which is covered, and is discarded",
-                    )
-                };
+                let [what, verb, nameless] = covered_words(ranked);
                 let own = radius();
                 // The process keeps no ids, so that the earliest sample near the place is looked up.
                 let Some(by) = self.0.covering(point, index) else {

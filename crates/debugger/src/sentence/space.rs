@@ -2,6 +2,7 @@
 
 use tilescope_core::{Point, R, RunEvent, Verdict};
 
+use super::local::covered_words;
 use super::{Words, count, fraction, grouped, radii};
 
 impl Words<'_> {
@@ -77,20 +78,7 @@ impl Words<'_> {
             }
 
             (_, Verdict::Covered { .. }) => {
-                // The last part goes without a sample's name.
-                let (what, verb, nameless) = if ranked {
-                    (
-                        "the dart at",
-                        "is discarded",
-                        " is covered by now and is discarded",
-                    )
-                } else {
-                    (
-                        "a dart lands at",
-                        "and is discarded",
-                        ", which is covered, and is discarded",
-                    )
-                };
+                let [what, verb, nameless] = covered_words(ranked);
                 // The process keeps no ids, so that the earliest sample near the place is looked up.
                 let Some(by) = self.0.covering_in_space(point, z, index) else {
                     return Some(format!("{what} {at}{nameless}"));
