@@ -270,8 +270,8 @@ impl Arrival {
             }
             walker
         } else {
-            // The survey has made the pattern of this run, and the last few patterns are kept (`Pattern::of_spec`). So
-            // it is seldom made again here: there is little to wait for, and the observer need not stop it.
+            // The run's pattern is seldom made again here, as the survey has made it and the last few patterns are kept.
+            // So there is little to wait for, and the observer need not stop it.
             let observer = &mut |_: Progress| ControlFlow::Continue(());
             let begun = Walker::begin(subject, observer).await?;
             self.walker.insert(begun)

@@ -289,7 +289,8 @@ pub fn first_page_sizes(files: &[File]) -> Result<[usize; 3]> {
         .and_then(|(before, rest)| Some((before, rest.split_once(PROGRAM_BEGINS)?.1)))
         .context("index.html lacks the first page or the program's part")?;
 
-    // Compressed with and without it, since a part alone compresses worse than within the whole.
+    // Its share is the difference of the page with and without it, since a part alone compresses worse than within the
+    // whole.
     let [with, without] =
         [index.to_owned(), format!("{before}{after}")].map(|text| compress::sizes(text.as_bytes()));
     Ok(std::array::from_fn(|kind| {
