@@ -2,6 +2,7 @@
 //! position that it is for. No generator state exists, so no draw depends on the order in which draws are made: any
 //! block, cell or candidate can be visited alone, on any thread or device.
 
+use fearless_simd::prelude::*;
 use fearless_simd::{Simd, u32x8};
 
 /// The purpose of a draw. The streams of a key are independent of each other.
@@ -83,6 +84,12 @@ impl Key {
         Self(self.draw_at(x, y))
     }
 
+    /// Returns the key whose words were drawn.
+    #[inline]
+    pub(crate) const fn from_words(words: [u32; 2]) -> Self {
+        Self(words)
+    }
+
     /// Returns the key's words.
     #[must_use]
     pub const fn words(self) -> [u32; 2] {
@@ -150,6 +157,46 @@ const fn four_rounds(
         x0.wrapping_add(keys[injection as usize % 3]),
         x1.wrapping_add(next).wrapping_add(injection),
     ]
+}
+
+/// How many blocks are drawn at once.
+pub(crate) const DRAW_LANES: usize = 8;
+
+/// Returns the two words drawn for each of eight counters, each under its own key.
+#[expect(
+    clippy::inline_always,
+    reason = "only code that is inlined may use the vector instructions"
+)]
+#[inline(always)]
+pub(crate) fn draw_by_eight<S: Simd>(
+    simd: S,
+    keys: [Key; DRAW_LANES],
+    counters: [[u32; 2]; DRAW_LANES],
+) -> [[u32; 2]; DRAW_LANES] {
+    // The vectors need the first words of all keys side by side, and the second ones, and so for counters.
+    let (mut first_keys, mut second_keys) = ([0; DRAW_LANES], [0; DRAW_LANES]);
+    let (mut first_counters, mut second_counters) = ([0; DRAW_LANES], [0; DRAW_LANES]);
+    for lane in 0..DRAW_LANES {
+        [first_keys[lane], second_keys[lane]] = keys[lane].words();
+        [first_counters[lane], second_counters[lane]] = counters[lane];
+    }
+    let [firsts, seconds] = threefry2x32_20_by_eight(
+        [
+            u32x8::simd_from(simd, first_keys),
+            u32x8::simd_from(simd, second_keys),
+        ],
+        [
+            u32x8::simd_from(simd, first_counters),
+            u32x8::simd_from(simd, second_counters),
+        ],
+    );
+    let (firsts, seconds): ([u32; DRAW_LANES], [u32; DRAW_LANES]) = (firsts.into(), seconds.into());
+
+    let mut words = [[0; 2]; DRAW_LANES];
+    for lane in 0..DRAW_LANES {
+        words[lane] = [firsts[lane], seconds[lane]];
+    }
+    words
 }
 
 /// Returns what [`threefry2x32_20`] returns, for eight keys and counters at once.

@@ -10,23 +10,24 @@
 //! r - O(s). The volume of such places is O(s^4), so that their cubes are O(s) in number: they halve with each level, as
 //! in the plane.
 //!
-//! Read [`process`] first. [`darts`] has the draws, [`balls`] the samples, [`rounds`] what threads decide at the same time.
+//! Read [`process`] first. [`darts`] has the draws, [`balls`] the samples; [`parallel`] makes the
+//! same set several times as fast, on all threads.
 
 mod balls;
 mod count;
 mod darts;
 mod domain;
 mod frame;
+mod parallel;
 mod process;
 mod recorded;
-mod rounds;
 
 use crate::error::SampleError;
 use crate::memory::{self, Making};
 use crate::progress::Observer;
 use crate::random::Key;
 use crate::stage::Stage;
-use process::{Schedule, SolidProcess};
+use process::SolidProcess;
 
 pub use count::{SolidRequest, SolidSample};
 pub use domain::{MAX_VOLUME_RADII, MIN_SIDE_RADII_SOLID, SolidDomain};
@@ -61,35 +62,31 @@ pub fn solid_sample(
     seed: u64,
     observer: &mut dyn Observer,
 ) -> Result<Vec<[i32; 3]>, SampleError> {
-    finished(domain, seed, Schedule::OneByOne, observer)
-}
-
-/// Returns the same samples as [`solid_sample`], made on all threads of the current rayon pool.
-pub fn solid_sample_parallel(
-    domain: SolidDomain,
-    seed: u64,
-    observer: &mut dyn Observer,
-) -> Result<Vec<[i32; 3]>, SampleError> {
-    finished(domain, seed, Schedule::AllThreads, observer)
-}
-
-/// Throws darts until the process is finished, and returns the samples.
-fn finished(
-    domain: SolidDomain,
-    seed: u64,
-    schedule: Schedule,
-    observer: &mut dyn Observer,
-) -> Result<Vec<Place>, SampleError> {
-    let count = SOLID_DENSITY * domain.volume_radii();
-    memory::ask_for(count, Making::Solid.bytes_a_sample())?;
-
+    ask_for_memory(&domain)?;
     let mut process = SolidProcess::new(Key::from_seed(seed), &domain);
     let mut samples = Vec::new();
     let mut throw = 0;
     // This ends: cubes become smaller level by level, and one of a single place throws exactly it.
     while !process.is_finished() {
         throw += 1;
-        samples.extend(process.step(Stage::Iterate(throw), schedule, observer)?);
+        samples.extend(process.step(Stage::Iterate(throw), observer)?);
     }
     Ok(samples)
+}
+
+/// Returns the same samples as [`solid_sample`], several times as fast and on all threads of the current rayon pool.
+pub fn solid_sample_parallel(
+    domain: SolidDomain,
+    seed: u64,
+    observer: &mut dyn Observer,
+) -> Result<Vec<[i32; 3]>, SampleError> {
+    ask_for_memory(&domain)?;
+    parallel::sample(&domain, seed, observer)
+}
+
+/// Fails if the system does not give the memory that a set takes.
+fn ask_for_memory(domain: &SolidDomain) -> Result<(), SampleError> {
+    let count = SOLID_DENSITY * domain.volume_radii();
+    memory::ask_for(count, Making::Solid.bytes_a_sample())?;
+    Ok(())
 }

@@ -112,7 +112,7 @@ impl BallGrid {
             }
 
             for octant in 0..8 {
-                let [i, j, k] = halves(octant);
+                let [i, j, k] = octant_halves(octant);
                 if x[i] + y[j] + z[k] <= limit {
                     covered |= 1 << octant;
                 }
@@ -122,7 +122,7 @@ impl BallGrid {
 
         for octant in 0..8 {
             if covered >> octant & 1 == 0 {
-                let upper = halves(octant);
+                let upper = octant_halves(octant);
                 out.push([0, 1, 2].map(|axis| min[axis] + upper[axis] as i32 * half));
             }
         }
@@ -140,10 +140,10 @@ fn farthest(at: i32, half: i32, [low, high]: [i32; 2]) -> [u64; 2] {
 }
 
 /// The octants in the upper half of each axis, as bits.
-const UPPER: [u8; 3] = [0b1010_1010, 0b1100_1100, 0b1111_0000];
+pub(super) const UPPER: [u8; 3] = [0b1010_1010, 0b1100_1100, 0b1111_0000];
 
 /// Returns on which half of each axis an octant lies, 0 or 1.
-const fn halves(octant: usize) -> [usize; 3] {
+pub(super) const fn octant_halves(octant: usize) -> [usize; 3] {
     [octant & 1, octant >> 1 & 1, octant >> 2]
 }
 
@@ -222,7 +222,7 @@ mod tests {
                 balls.open_octants(base, side, &mut open);
                 let half = side / 2;
                 for octant in 0..8 {
-                    let upper = halves(octant);
+                    let upper = octant_halves(octant);
                     let min = [0, 1, 2].map(|axis| base[axis] + upper[axis] as i32 * half);
                     let inside = (0..3).all(|axis| min[axis] <= last[axis]);
                     let whole = |sample: &Place| {

@@ -68,6 +68,20 @@ impl SolidThrow {
         R >> self.level
     }
 
+    /// Returns the throw that follows, which may be the first one of the next level. `key` is that of all throws.
+    pub fn next(&self, key: Key) -> Self {
+        if self.is_last() {
+            Self::new(key, self.level + 1, 0)
+        } else {
+            Self::new(key, self.level, self.number + 1)
+        }
+    }
+
+    /// Returns whether it is the first one of its level, and cubes of a level before have to be cut.
+    pub const fn begins_level(&self) -> bool {
+        self.level > 0 && self.number == 0
+    }
+
     /// Returns whether it is the last one of its level.
     pub const fn is_last(&self) -> bool {
         self.number + 1 == throws(self.level)
@@ -89,19 +103,13 @@ impl SolidThrow {
         mut report: impl FnMut(Place, Verdict),
     ) {
         let last = balls.frame().last();
-        let mut planes = PlaneKeys::new(self.key);
-        // The sides of cubes are powers of two: a shift divides by them.
-        let log2_of_side = R.ilog2() - self.level;
+        let mut planes = PlaneKeys::new(*self);
         for &[x, y, z] in cubes {
             // Cubes are given by their lowest places.
-            let cube_key = planes.of(z >> log2_of_side, z).derive_at(x, y);
+            let cube_key = planes.of(z).derive_at(x, y);
             // The words of a key were drawn themselves: the first one is the draw of the number of darts.
             let [word, _] = cube_key.words();
-            // A cube of side 1 has one place, which gets exactly one dart: after it no cube is left, so that the
-            // process ends.
-            let count = if self.side() == 1 { 1 } else { poisson(word) };
-
-            for index in 0..count {
+            for index in 0..self.dart_count(word) {
                 let [right, up, deep] = self.offset(cube_key.draw(Stream::Dart, index));
                 let place = [x + right, y + up, z + deep];
                 // A cube at an upper side may reach beyond it.
@@ -121,32 +129,44 @@ impl SolidThrow {
         }
     }
 
+    /// Returns how many darts a cube gets, of which a uniform word was drawn.
+    #[inline]
+    pub fn dart_count(&self, word: u32) -> u32 {
+        // A cube of side 1 has one place, which gets exactly one dart: after it no cube is left, so that the process ends.
+        if self.side() == 1 { 1 } else { poisson(word) }
+    }
+
     /// Returns where in its cube a dart lands: 15 bits for each coordinate, of which a smaller cube takes the highest.
     #[inline]
-    fn offset(&self, [a, b]: [u32; 2]) -> Place {
+    pub fn offset(&self, [a, b]: [u32; 2]) -> Place {
         [a >> 17, a >> 2 & 0x7fff, b >> 17].map(|bits| (bits >> self.level) as i32)
     }
 }
 
 /// The keys of the planes in which cubes lie: half of the draws for a cube's key are those of its plane.
-struct PlaneKeys {
+pub(super) struct PlaneKeys {
     throw: Key,
+    /// The binary logarithm of the side of the throw's cubes.
+    side_bits: u32,
     /// The planes whose keys were drawn last, each by where it begins, with its key.
     kept: [Option<(i32, Key)>; KEPT_PLANES],
 }
 
 impl PlaneKeys {
-    const fn new(throw: Key) -> Self {
+    pub const fn new(throw: SolidThrow) -> Self {
         Self {
-            throw,
+            throw: throw.key,
+            side_bits: throw.side().ilog2(),
             kept: [None; KEPT_PLANES],
         }
     }
 
-    /// Returns the key of the plane of cubes that begins at `z` and is the level's `number`th.
+    /// Returns the key of the plane of cubes that begins at `z`.
     #[inline]
-    fn of(&mut self, number: i32, z: i32) -> Key {
-        let kept = &mut self.kept[number as usize % KEPT_PLANES];
+    pub fn of(&mut self, z: i32) -> Key {
+        // The sides of cubes are powers of two: a shift divides by them, and gives the number of the plane.
+        let number = (z >> self.side_bits) as usize;
+        let kept = &mut self.kept[number % KEPT_PLANES];
         match *kept {
             Some((at, key)) if at == z => key,
             _ => {

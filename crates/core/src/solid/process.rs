@@ -1,7 +1,5 @@
 //! The dart process, throw by throw.
 
-use rayon::prelude::*;
-
 use crate::error::SampleError;
 use crate::lattice::{Point, R};
 use crate::progress::{Meter, Observer};
@@ -14,22 +12,9 @@ use super::Place;
 use super::balls::BallGrid;
 use super::darts::{SolidDart, SolidThrow};
 use super::domain::SolidDomain;
-use super::rounds::decide_in_rounds;
 
-/// Cubes that a thread works on at a time: some milliseconds.
+/// Cubes that are counted at a time: some milliseconds.
 const CHUNK: usize = 1 << 12;
-
-/// Chunks between two questions to the observer.
-const CHUNKS: usize = 64;
-
-/// Who does the work of a throw. The samples do not depend on it.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(super) enum Schedule {
-    /// One piece of work after another.
-    OneByOne,
-    /// All threads of the current pool.
-    AllThreads,
-}
 
 /// A dart process in progress.
 pub(super) struct SolidProcess {
@@ -64,7 +49,6 @@ impl SolidProcess {
     pub fn step(
         &mut self,
         stage: Stage,
-        schedule: Schedule,
         observer: &mut dyn Observer,
     ) -> Result<Vec<Place>, SampleError> {
         // A cube counts when it throws, and when it is cut after the level's last throw.
@@ -72,28 +56,30 @@ impl SolidProcess {
         let throw = SolidThrow::new(self.key, self.level, self.throw);
         self.throw += 1;
 
-        let uncovered_of =
-            |cubes: &[Place], darts: &mut Vec<_>| throw.uncovered(cubes, &self.balls, darts);
-        let mut darts = gather(&self.active, schedule, &mut meter, uncovered_of)?;
-        let kept = match schedule {
-            Schedule::OneByOne => {
-                darts.sort_unstable_by_key(SolidDart::arrival);
-                decide_one_by_one(&darts, &mut self.balls)
+        let mut darts = Vec::new();
+        for cubes in self.active.chunks(CHUNK) {
+            throw.uncovered(cubes, &self.balls, &mut darts);
+            meter.count(cubes.len() as u64)?;
+        }
+        darts.sort_unstable_by_key(SolidDart::arrival);
+
+        let mut kept = Vec::new();
+        for &SolidDart { place, .. } in &darts {
+            // A dart of lower rank may cover it by now.
+            if !self.balls.covers(place) {
+                self.balls.insert(place);
+                kept.push(place);
             }
-            Schedule::AllThreads => {
-                darts.par_sort_unstable_by_key(SolidDart::arrival);
-                decide_in_rounds(&darts, &mut self.balls)
-            }
-        };
+        }
 
         if throw.is_last() {
-            self.cut(throw.side(), schedule, &mut meter)?;
+            self.cut(throw.side(), &mut meter)?;
         }
         meter.end()?;
         Ok(kept)
     }
 
-    /// Makes one throw on this thread, as [`Self::step`] does, and reports its events to `recorder`; the first new sample has
+    /// Makes one throw, as [`Self::step`] does, and reports its events to `recorder`; the first new sample has
     /// the id `first`, and `number` counts throws from 1.
     pub fn step_recorded<T: Recorder>(
         &mut self,
@@ -142,7 +128,7 @@ impl SolidProcess {
         Ok(kept)
     }
 
-    /// Cuts the active cubes on this thread, as [`Self::cut`] does, and reports each to `recorder`.
+    /// Cuts the active cubes, as [`Self::cut`] does, and reports each to `recorder`.
     fn cut_recorded<T: Recorder>(
         &mut self,
         side: i32,
@@ -186,26 +172,21 @@ impl SolidProcess {
 
     /// Replaces the active cubes by their octants that no single sample covers. Those that several samples cover
     /// together throw on, in vain.
-    fn cut(
-        &mut self,
-        side: i32,
-        schedule: Schedule,
-        meter: &mut Meter<'_>,
-    ) -> Result<(), SampleError> {
+    fn cut(&mut self, side: i32, meter: &mut Meter<'_>) -> Result<(), SampleError> {
+        let before = std::mem::take(&mut self.active);
         self.level += 1;
         self.throw = 0;
-        // A cube of one place has thrown that place.
+        // A cube of one place has thrown that place, so that none is left.
         if side == 1 {
-            self.active.clear();
             return Ok(());
         }
 
-        let octants_of = |cubes: &[Place], open: &mut Vec<_>| {
+        for cubes in before.chunks(CHUNK) {
             for &cube in cubes {
-                self.balls.open_octants(cube, side, open);
+                self.balls.open_octants(cube, side, &mut self.active);
             }
-        };
-        self.active = gather(&self.active, schedule, meter, octants_of)?;
+            meter.count(cubes.len() as u64)?;
+        }
         Ok(())
     }
 }
@@ -218,49 +199,4 @@ const fn dart_event([x, y, z]: Place, ranked: bool, verdict: Verdict) -> RunEven
         ranked,
         verdict,
     }
-}
-
-/// Returns what `work` appends for all cubes, in their sequence.
-fn gather<T: Send>(
-    cubes: &[Place],
-    schedule: Schedule,
-    meter: &mut Meter<'_>,
-    work: impl Fn(&[Place], &mut Vec<T>) + Sync,
-) -> Result<Vec<T>, SampleError> {
-    let mut gathered = Vec::new();
-    // The observer may stop the work: between two chunks, or where threads share a batch of them, between two batches.
-    for batch in cubes.chunks(CHUNK * CHUNKS) {
-        match schedule {
-            Schedule::OneByOne => {
-                for chunk in batch.chunks(CHUNK) {
-                    work(chunk, &mut gathered);
-                    meter.count(chunk.len() as u64)?;
-                }
-            }
-            Schedule::AllThreads => {
-                let of_chunk = |chunk: &[Place]| {
-                    let mut out = Vec::new();
-                    work(chunk, &mut out);
-                    out
-                };
-
-                let parts: Vec<Vec<T>> = batch.par_chunks(CHUNK).map(of_chunk).collect();
-                gathered.extend(parts.into_iter().flatten());
-                meter.count(batch.len() as u64)?;
-            }
-        }
-    }
-    Ok(gathered)
-}
-
-/// Takes darts in the order of their arrival, adds those that no sample covers by then, and returns them.
-fn decide_one_by_one(darts: &[SolidDart], balls: &mut BallGrid) -> Vec<Place> {
-    let mut kept = Vec::new();
-    for &SolidDart { place, .. } in darts {
-        if !balls.covers(place) {
-            balls.insert(place);
-            kept.push(place);
-        }
-    }
-    kept
 }

@@ -1,17 +1,13 @@
 //! The darts of active parts, drawn for eight parts or eight darts at a time: those of [`crate::stages::darts::cell_darts`]. A
 //! part is an active cell within a base cell.
 
-use fearless_simd::prelude::*;
-use fearless_simd::{Simd, u32x8};
+use fearless_simd::Simd;
 
 use super::parcel::ActivePart;
 use crate::lattice::Point;
-use crate::random::{Key, Stream, threefry2x32_20_by_eight};
+use crate::random::{DRAW_LANES, Key, Stream, draw_by_eight};
 use crate::stages::darts::{DartDraws, cell_dart, dart_count};
 use crate::stages::disks::Cell;
-
-/// How many parts, or darts, are drawn at once.
-const LANES: usize = 8;
 
 /// A dart of a part, before anything is asked of its place.
 #[derive(Clone, Copy)]
@@ -33,7 +29,7 @@ pub(super) struct DrawnDarts {
 
 impl DrawnDarts {
     /// For how many parts darts are drawn at a time.
-    pub const PARTS: usize = 8 * LANES;
+    pub const PARTS: usize = 8 * DRAW_LANES;
 
     /// Draws the darts of at most [`Self::PARTS`] parts with the key of a throw. A part is two to the power `bits` wide.
     #[inline(always)]
@@ -45,15 +41,15 @@ impl DrawnDarts {
         bits: impl Fn(&ActivePart) -> u32,
     ) {
         self.darts.clear();
-        for (held, first) in parts.chunks(LANES).zip((0..).step_by(LANES)) {
-            let mut counters = [[0; 2]; LANES];
+        for (held, first) in parts.chunks(DRAW_LANES).zip((0..).step_by(DRAW_LANES)) {
+            let mut counters = [[0; 2]; DRAW_LANES];
             for (counter, part) in counters.iter_mut().zip(held) {
                 *counter = [part.min.x as u32, part.min.y as u32];
             }
-            let words = blocks(simd, [throw_key; LANES], counters);
+            let words = draw_by_eight(simd, [throw_key; DRAW_LANES], counters);
 
             for ((part, words), number) in held.iter().zip(words).zip(first..) {
-                let cell_key = key_of(words);
+                let cell_key = Key::from_words(words);
                 for index in 0..dart_count(cell_key, 1 << bits(part)) {
                     self.darts.push(PartDart {
                         part: number,
@@ -67,13 +63,13 @@ impl DrawnDarts {
         }
 
         // Their numbers are drawn by now, and their ranks and places follow.
-        for held in self.darts.chunks_mut(LANES) {
-            let (mut keys, mut counters) = ([throw_key; LANES], [[0; 2]; LANES]);
+        for held in self.darts.chunks_mut(DRAW_LANES) {
+            let (mut keys, mut counters) = ([throw_key; DRAW_LANES], [[0; 2]; DRAW_LANES]);
             for ((key, counter), dart) in keys.iter_mut().zip(&mut counters).zip(&*held) {
                 *key = dart.cell_key;
                 *counter = [Stream::Dart as u32, dart.index];
             }
-            let words = blocks(simd, keys, counters);
+            let words = draw_by_eight(simd, keys, counters);
 
             for (dart, [halves, rank]) in held.iter_mut().zip(words) {
                 let bits = bits(&parts[usize::from(dart.part)]);
@@ -96,38 +92,4 @@ impl DrawnDarts {
             }
         }
     }
-}
-
-/// Returns the two random words of each of eight counters, each under its own key.
-#[inline(always)]
-fn blocks<S: Simd>(simd: S, keys: [Key; LANES], counters: [[u32; 2]; LANES]) -> [[u32; 2]; LANES] {
-    let (mut first_keys, mut second_keys) = ([0; LANES], [0; LANES]);
-    let (mut first_counters, mut second_counters) = ([0; LANES], [0; LANES]);
-    for lane in 0..LANES {
-        [first_keys[lane], second_keys[lane]] = keys[lane].words();
-        [first_counters[lane], second_counters[lane]] = counters[lane];
-    }
-    let [firsts, seconds] = threefry2x32_20_by_eight(
-        [
-            u32x8::simd_from(simd, first_keys),
-            u32x8::simd_from(simd, second_keys),
-        ],
-        [
-            u32x8::simd_from(simd, first_counters),
-            u32x8::simd_from(simd, second_counters),
-        ],
-    );
-    let (firsts, seconds): ([u32; LANES], [u32; LANES]) = (firsts.into(), seconds.into());
-
-    let mut words = [[0; 2]; LANES];
-    for lane in 0..LANES {
-        words[lane] = [firsts[lane], seconds[lane]];
-    }
-    words
-}
-
-/// Returns the key whose words were drawn.
-#[inline(always)]
-fn key_of([first, second]: [u32; 2]) -> Key {
-    Key::from_seed(u64::from(second) << 32 | u64::from(first))
 }
