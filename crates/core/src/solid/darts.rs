@@ -139,7 +139,13 @@ impl SolidThrow {
     /// Returns where in its cube a dart lands: 15 bits for each coordinate, of which a smaller cube takes the highest.
     #[inline]
     pub fn offset(&self, [a, b]: [u32; 2]) -> Place {
-        [a >> 17, a >> 2 & 0x7fff, b >> 17].map(|bits| (bits >> self.level) as i32)
+        // Written out, as elsewhere: `map` is a call.
+        let [x, y, z] = [a >> 17, a >> 2 & 0x7fff, b >> 17];
+        [
+            (x >> self.level) as i32,
+            (y >> self.level) as i32,
+            (z >> self.level) as i32,
+        ]
     }
 }
 
@@ -180,7 +186,7 @@ impl PlaneKeys {
 
 /// Returns the Poisson count of mean 1.4 for a uniform word.
 #[inline]
-fn poisson(word: u32) -> u32 {
+pub(super) fn poisson(word: u32) -> u32 {
     let below = SOLID_POISSON.iter().take_while(|&&bound| word >= bound);
     below.count() as u32
 }

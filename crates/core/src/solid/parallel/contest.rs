@@ -8,6 +8,7 @@
 use std::ops::RangeInclusive;
 use std::sync::atomic::{AtomicU8, Ordering};
 
+use glam::IVec3;
 use rayon::prelude::*;
 
 use super::parcel::CellParcel;
@@ -137,7 +138,7 @@ impl Contest<'_> {
             return false;
         }
         // Sides are nearly as long as 32 bits allow, so that sums may wrap; the offsets of places that are compared are short.
-        let place = [0, 1, 2].map(|axis| asked.ball.place[axis].wrapping_sub(shift[axis]));
+        let place = IVec3::from(asked.ball.place).wrapping_sub(shift.into());
 
         for z in planes.clone() {
             for y in rows.clone() {
@@ -145,20 +146,20 @@ impl Contest<'_> {
                 let row = cell_number([0, y, z]);
                 let first = starts[row + columns.start()] as usize;
                 let end = starts[row + columns.end() + 1] as usize;
-                for (number, other) in (first..).zip(&contenders[first..end]) {
+                for (number, other) in contenders.iter().enumerate().take(end).skip(first) {
                     // Half of all others come later, which is found before any distance.
                     if other.ball.rank > asked.ball.rank {
                         continue;
                     }
-                    let at = other.ball.place;
-                    let offset = [0, 1, 2].map(|axis| at[axis].wrapping_sub(place[axis]));
+                    let offset = IVec3::from(other.ball.place).wrapping_sub(place);
                     // Two darts of a cube may have one place and one rank: the first one counts as earlier, so that they do
                     // not both stay.
                     let is_earlier = || {
                         (other.ball.arrival(), parcel, number)
                             < (asked.ball.arrival(), asked.parcel, asked.number)
                     };
-                    if covers_offset(offset) && is_earlier() && self.is_kept(parcel, number) {
+                    if covers_offset(offset.into()) && is_earlier() && self.is_kept(parcel, number)
+                    {
                         return true;
                     }
                 }

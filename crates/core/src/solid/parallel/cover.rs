@@ -5,8 +5,9 @@
 
 use fearless_simd::prelude::*;
 use fearless_simd::{Simd, f32x8, i32x8, u32x8};
+use glam::IVec3;
 
-use crate::lattice::R_SQUARED;
+use crate::lattice::{R, R_SQUARED};
 
 /// How many samples are compared at a time.
 const LANES: usize = 8;
@@ -57,7 +58,7 @@ struct BallGroup {
 }
 
 /// The halves of a cube along an axis, each from its lowest to its highest place of the domain, by offsets as samples have.
-#[derive(Clone, Copy, Default)]
+#[derive(Clone, Copy, Debug, PartialEq)]
 pub(super) struct Halves {
     middles: [f32; 2],
     /// From the middle to either end.
@@ -109,7 +110,7 @@ impl BallLists {
     }
 
     /// Appends a sample to a list.
-    pub fn push(&mut self, list: &mut BallList, [x, y, z]: [i32; 3]) {
+    pub fn push(&mut self, list: &mut BallList, offset: IVec3) {
         let lane = list.count as usize % LANES;
         if lane == 0 {
             list.first = self.add_group(BallGroup {
@@ -117,7 +118,7 @@ impl BallLists {
                 ..BallGroup::EMPTY
             });
         }
-        let [x, y, z] = [x, y, z].map(|offset| offset as u32);
+        let [x, y, z] = [offset.x as u32, offset.y as u32, offset.z as u32];
         let group = &mut self.groups[list.first as usize];
         group.across[lane] = x | (z & LOW_MASK) << OFFSET_BITS;
         group.up[lane] = y | (z >> LOW_BITS) << OFFSET_BITS;
@@ -156,20 +157,27 @@ impl BallLists {
     /// Returns the groups of a list.
     #[inline(always)]
     fn groups(&self, list: BallList) -> impl Iterator<Item = &BallGroup> {
-        // The number of no group is beyond all groups.
-        let group = |number: u32| self.groups.get(number as usize);
-        std::iter::successors(group(list.first), move |before| group(before.next))
+        let mut number = list.first;
+        std::iter::from_fn(move || {
+            // The number of no group is beyond all groups.
+            let group = self.groups.get(number as usize)?;
+            number = group.next;
+            Some(group)
+        })
     }
 
     /// Returns whether a sample of a list covers a place, given by offsets as samples are. It is exact.
     #[inline(always)]
-    pub fn covers<S: Simd>(&self, simd: S, list: BallList, place: [i32; 3]) -> bool {
-        let [x, y, z] = place.map(|offset| offset as u32);
-        self.groups(list).any(|group| {
-            let samples = group.unpacked(simd);
-            let squared = squared(samples[0], x) + squared(samples[1], y) + squared(samples[2], z);
-            squared.simd_le(R_SQUARED as u32).any_true()
-        })
+    pub fn covers<S: Simd>(&self, simd: S, list: BallList, place: IVec3) -> bool {
+        for group in self.groups(list) {
+            let [x, y, z] = group.unpacked(simd);
+            let flat = squared(x, place.x as u32) + squared(y, place.y as u32);
+            let squared = flat + squared(z, place.z as u32);
+            if squared.simd_le(R_SQUARED as u32).any_true() {
+                return true;
+            }
+        }
+        false
     }
 
     /// Returns which octants of a cube one sample of a list covers as a whole, as bits. Of some whose farthest place is covered by
@@ -200,12 +208,28 @@ impl BallLists {
 }
 
 impl Halves {
-    /// Returns the halves that begin and end at some offsets.
+    /// Returns the halves of a cube that begins at a place, counted from the cell's lowest one. Each is `half` units wide.
+    #[inline(always)]
+    pub fn of_whole(low: i32, half: i32) -> Self {
+        let (width, reach) = (half as f32, (half - 1) as f32 * 0.5);
+        // Samples are counted from a place R below.
+        let middle = (low + R) as f32 + reach;
+        Self {
+            middles: [middle, middle + width],
+            reaches: [reach; 2],
+        }
+    }
+
+    /// Returns the halves that begin and end at some places, counted from the cell's lowest one.
     #[inline(always)]
     pub fn of(starts: [i32; 2], ends: [i32; 2]) -> Self {
         let half_of = |sum: i32| sum as f32 * 0.5;
         Self {
-            middles: [half_of(starts[0] + ends[0]), half_of(starts[1] + ends[1])],
+            // Samples are counted from a place R below.
+            middles: [
+                half_of(starts[0] + ends[0] + 2 * R),
+                half_of(starts[1] + ends[1] + 2 * R),
+            ],
             reaches: [half_of(ends[0] - starts[0]), half_of(ends[1] - starts[1])],
         }
     }
@@ -233,4 +257,138 @@ fn as_float<S: Simd>(numbers: u32x8<S>) -> f32x8<S> {
     // Most processors convert only numbers with a sign at once.
     let signed: i32x8<S> = numbers.bitcast();
     f32x8::float_from(signed)
+}
+
+#[cfg(test)]
+mod tests {
+    use fearless_simd::dispatch;
+
+    use super::*;
+    use crate::instructions::InstructionSet;
+    use crate::random::{Key, Stream, below};
+
+    /// Returns pseudo-random coordinates in a range.
+    fn place(index: u32, range: std::ops::Range<i32>) -> IVec3 {
+        let key = Key::from_seed(7);
+        let ([x, y], [z, _]) = (key.draw(Stream::Dart, index), key.draw(Stream::Rank, index));
+        let width = (range.end - range.start) as u32;
+        let coordinate = |word: u32| range.start + below(word, width) as i32;
+        IVec3::new(coordinate(x), coordinate(y), coordinate(z))
+    }
+
+    /// Returns a list of samples, counted from a cell's lowest place.
+    fn listed(samples: &[IVec3]) -> (BallLists, BallList) {
+        let (mut lists, mut list) = (BallLists::for_lists(1), BallList::EMPTY);
+        for &sample in samples {
+            lists.push(&mut list, sample + R);
+        }
+        (lists, list)
+    }
+
+    #[test]
+    fn a_place_is_covered_up_to_the_radius_and_not_a_unit_farther() {
+        let level = InstructionSet::best().level();
+        // 12,288^2 + 12,288^2 + 27,647^2 is just below R^2, and (1, 0, R) is just beyond it.
+        for (offset, expected) in [
+            (IVec3::new(0, 0, R), true),
+            (IVec3::new(1, 0, R), false),
+            (IVec3::new(R, 0, 0), true),
+            (IVec3::new(0, R + 1, 0), false),
+            (IVec3::new(12_288, 12_288, 27_647), true),
+            (IVec3::new(12_288, 12_288, 27_800), false),
+            (IVec3::splat(2 * R - 1), false),
+        ] {
+            for at in [IVec3::ZERO, IVec3::splat(R - 1)] {
+                // From the highest place of the cell toward the lower cells.
+                let sample = if at == IVec3::ZERO {
+                    at + offset
+                } else {
+                    at - offset
+                };
+                let (lists, list) = listed(&[sample]);
+                let found: bool = dispatch!(level, simd => lists.covers(simd, list, at + R));
+                assert_eq!(found, expected, "{at} {offset}");
+            }
+        }
+    }
+
+    #[test]
+    fn lists_of_all_lengths_are_read_whole_on_every_instruction_set() {
+        let samples: Vec<IVec3> = (0..29).map(|index| place(index, -R..2 * R)).collect();
+        let mut seen = [0, 0];
+        for count in 0..samples.len() {
+            let (lists, list) = listed(&samples[..count]);
+            for index in 100..140 {
+                let at = place(index, 0..R);
+                let is_near =
+                    |sample: &IVec3| (*sample - at).as_i64vec3().length_squared() <= R_SQUARED;
+                let expected = samples[..count].iter().any(is_near);
+                seen[usize::from(expected)] += 1;
+                for set in InstructionSet::available() {
+                    let found: bool =
+                        dispatch!(set.level(), simd => lists.covers(simd, list, at + R));
+                    assert_eq!(found, expected, "{count} {at} {set:?}");
+                }
+            }
+        }
+        assert!(seen[0] > 100 && seen[1] > 100, "{seen:?}");
+    }
+
+    /// An octant that is said to be covered is so in whole numbers, and one that is not is not covered, or by next to nothing.
+    #[test]
+    fn covered_octants_are_those_that_one_sample_covers_but_for_a_hair() {
+        let level = InstructionSet::best().level();
+        let samples: Vec<IVec3> = (0..20).map(|index| place(index, -R..2 * R)).collect();
+        let (lists, list) = listed(&samples);
+        let mut seen = [0, 0];
+        for index in 0..400 {
+            let half = 1 << (index % 15);
+            let low = place(1_000 + index, 0..R) / (2 * half) * (2 * half);
+            let starts = [low, low + half];
+            let ends = [low + (half - 1), low + (2 * half - 1)];
+            let along = |axis: usize| {
+                let halves = Halves::of(starts.map(|start| start[axis]), ends.map(|end| end[axis]));
+                assert_eq!(halves, Halves::of_whole(low[axis], half));
+                halves
+            };
+            let cube = [along(0), along(1), along(2)];
+            let found: u8 = dispatch!(level, simd => lists.covered_octants(simd, list, &cube));
+
+            for octant in 0..8 {
+                let [x, y, z] = [octant & 1, octant >> 1 & 1, octant >> 2];
+                let first = IVec3::new(starts[x].x, starts[y].y, starts[z].z);
+                let last = first + (half - 1);
+                let farthest = |sample: &IVec3| {
+                    let far = (*sample - first).abs().max((*sample - last).abs());
+                    far.as_i64vec3().length_squared()
+                };
+                let nearest = samples.iter().map(farthest).min().expect("a sample");
+                let is_found = found >> octant & 1 == 1;
+                seen[usize::from(is_found)] += 1;
+                assert!(!is_found || nearest <= R_SQUARED, "{low} {half} {octant}");
+                let hair = R_SQUARED >> 18;
+                assert!(
+                    is_found || nearest > R_SQUARED - hair,
+                    "{low} {half} {octant}"
+                );
+            }
+        }
+        assert!(seen[0] > 100 && seen[1] > 100, "{seen:?}");
+    }
+
+    #[test]
+    fn groups_of_emptied_lists_are_used_again() {
+        let samples: Vec<IVec3> = (0..17).map(|index| place(index, -R..2 * R)).collect();
+        let (mut lists, mut list) = listed(&samples);
+        assert_eq!(lists.groups.len(), 3);
+        lists.release(&mut list);
+        let mut others = [BallList::EMPTY; 3];
+        for other in &mut others {
+            lists.push(other, samples[0] + R);
+        }
+        assert_eq!(lists.groups.len(), 3);
+        lists.push(&mut others[0], samples[1] + R);
+        let lengths = others.map(|list| lists.groups(list).count());
+        assert_eq!(lengths, [1, 1, 1]);
+    }
 }

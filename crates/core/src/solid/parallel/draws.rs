@@ -1,6 +1,7 @@
 //! The darts of active cubes, drawn for eight cubes or eight darts at a time: those of [`SolidThrow::thrown`].
 
 use fearless_simd::Simd;
+use glam::IVec3;
 
 use super::parcel::ActiveCube;
 use crate::random::{DRAW_LANES, Key, Stream, draw_by_eight};
@@ -32,7 +33,7 @@ impl DrawnCubeDarts {
     /// For how many cubes darts are drawn at a time.
     pub const CUBES: usize = 8 * DRAW_LANES;
 
-    /// Draws the darts of at most [`Self::CUBES`] cubes. `place` returns the lowest place of one.
+    /// Draws the darts of at most [`Self::CUBES`] cubes. `lowest` returns the lowest place of one.
     #[inline(always)]
     pub fn draw<S: Simd>(
         &mut self,
@@ -40,16 +41,16 @@ impl DrawnCubeDarts {
         throw: SolidThrow,
         planes: &mut PlaneKeys,
         cubes: &[ActiveCube],
-        place: impl Fn(&ActiveCube) -> Place,
+        lowest: impl Fn(&ActiveCube) -> IVec3,
     ) {
         self.darts.clear();
         for (held, first) in cubes.chunks(DRAW_LANES).zip((0..).step_by(DRAW_LANES)) {
             // Lanes without a cube draw in vain.
             let (mut keys, mut counters) = (NO_KEYS, [[0; 2]; DRAW_LANES]);
             for ((key, counter), cube) in keys.iter_mut().zip(&mut counters).zip(held) {
-                let [x, y, z] = place(cube);
-                *key = planes.of(z);
-                *counter = [x as u32, y as u32];
+                let place = lowest(cube);
+                *key = planes.of(place.z);
+                *counter = [place.x as u32, place.y as u32];
             }
             let drawn = draw_by_eight(simd, keys, counters);
 

@@ -1,6 +1,7 @@
 //! The cells of a block, which one thread works on at a time.
 
 use fearless_simd::Simd;
+use glam::IVec3;
 
 use super::contest::{Contender, NewBall};
 use super::cover::{BallList, BallLists, Halves};
@@ -42,9 +43,9 @@ pub(super) struct ParcelScratch {
 
 /// All cells of a block.
 pub(super) struct CellParcel {
-    min: Place,
-    /// The highest place of the domain in it, from `min`.
-    ends: Place,
+    min: IVec3,
+    /// From `min` to the highest place of the domain in it.
+    ends: IVec3,
     cells: Vec<ParcelCell>,
     lists: BallLists,
     /// The active cubes of all cells, one cell's after another's.
@@ -80,8 +81,8 @@ impl CellParcel {
         }
 
         Self {
-            min,
-            ends,
+            min: min.into(),
+            ends: ends.into(),
             cells,
             lists: BallLists::for_lists(cubes.len()),
             cubes: cubes.into(),
@@ -102,31 +103,25 @@ impl CellParcel {
 
     /// Adds new samples, moved by `shift`, to the lists of the active cells that have a place that they can cover.
     pub fn list(&mut self, balls: &[NewBall], shift: Place) {
+        // Sides are nearly as long as 32 bits allow, so that steps may wrap; the offset of a sample that is near is short.
+        let from = self.min.wrapping_sub(shift.into());
         for ball in balls {
-            // Sides are nearly as long as 32 bits allow, so that steps may wrap; the offset of a sample that is near is short.
-            let at = [0, 1, 2].map(|axis| {
-                let image = ball.place[axis].wrapping_add(shift[axis]);
-                image.wrapping_sub(self.min[axis])
-            });
-            let near = at.map(|offset| {
-                let first = ((offset - R) >> R.ilog2()).max(0);
-                let last = ((offset + R) >> R.ilog2()).min(CELLS - 1);
-                first..=last
-            });
-            let [columns, rows, planes] = near;
-
-            for z in planes {
-                let deep = squared_beyond(at[2], z);
-                for y in rows.clone() {
-                    let flat = deep + squared_beyond(at[1], y);
-                    for x in columns.clone() {
-                        let squared = flat + squared_beyond(at[0], x);
-                        let cell = &mut self.cells[cell_number([x, y, z].map(|at| at as usize))];
-                        if cell.is_active && squared <= R_SQUARED {
-                            // Lists have offsets from a place R below the cell's lowest one.
-                            let [x, y, z] = [x, y, z].map(|number| (number - 1) * R);
-                            let offset = [at[0] - x, at[1] - y, at[2] - z];
-                            self.lists.push(&mut cell.near, offset);
+            let at = IVec3::from(ball.place).wrapping_sub(from);
+            let first = ((at - R) >> R.ilog2() as i32).max(IVec3::ZERO);
+            let last = ((at + R) >> R.ilog2() as i32).min(IVec3::splat(CELLS - 1));
+            // From R below the sample to R above it there are at most three cells on an axis.
+            let along_x = [0, 1, 2].map(|step| squared_beyond(at.x, first.x + step));
+            for z in first.z..=last.z {
+                let deep = squared_beyond(at.z, z);
+                for y in first.y..=last.y {
+                    let flat = deep + squared_beyond(at.y, y);
+                    let row = cell_number([0, y as usize, z as usize]);
+                    for (x, squared) in (first.x..=last.x).zip(along_x) {
+                        let cell = &mut self.cells[row + x as usize];
+                        // A sample farther than R from the cell covers no place of it.
+                        if cell.is_active && flat + squared <= R_SQUARED as u32 {
+                            let corner = IVec3::new(x, y, z) * R;
+                            self.lists.push(&mut cell.near, at - corner + R);
                         }
                     }
                 }
@@ -165,8 +160,7 @@ impl CellParcel {
             let cell = &mut self.cells[usize::from(number)];
             let before = open.len();
             // The highest place of the domain, from the cell's lowest one. It may be in a cell beyond.
-            let corner = cell_corner(number);
-            let last = [0, 1, 2].map(|axis| self.ends[axis] - corner[axis]);
+            let last = self.ends - cell_corner(number);
             for cube in cubes {
                 cube.push_open_octants(half, last, open, |halves| {
                     self.lists.covered_octants(simd, cell.near, halves)
@@ -185,32 +179,26 @@ impl CellParcel {
     #[inline(always)]
     fn throw_darts<S: Simd>(&mut self, simd: S, throw: SolidThrow, drawn: &mut DrawnCubeDarts) {
         let min = self.min;
-        let lowest = |cube: &ActiveCube| {
-            let corner = cell_corner(cube.cell);
-            [0, 1, 2].map(|axis| min[axis] + corner[axis] + i32::from(cube.at[axis]))
-        };
+        let lowest = |cube: &ActiveCube| min + cell_corner(cube.cell) + cube.lowest();
         let mut planes = PlaneKeys::new(throw);
 
         for cubes in self.cubes.chunks(DrawnCubeDarts::CUBES) {
             drawn.draw(simd, throw, &mut planes, cubes, lowest);
             for dart in &drawn.darts {
                 let cube = &cubes[usize::from(dart.cube)];
-                let corner = cell_corner(cube.cell);
-                let in_cell = [0, 1, 2].map(|axis| i32::from(cube.at[axis]) + dart.offset[axis]);
-                let at = [0, 1, 2].map(|axis| corner[axis] + in_cell[axis]);
+                let in_cell = cube.lowest() + IVec3::from(dart.offset);
+                let at = cell_corner(cube.cell) + in_cell;
                 // A cube at an upper side may reach beyond it.
-                if at[0] > self.ends[0] || at[1] > self.ends[1] || at[2] > self.ends[2] {
+                if at.cmpgt(self.ends).any() {
                     continue;
                 }
 
-                // Lists have offsets from a place R below the cell's lowest one.
-                let offset = in_cell.map(|at| at + R);
                 let near = self.cells[usize::from(cube.cell)].near;
-                if !self.lists.covers(simd, near, offset) {
+                if !self.lists.covers(simd, near, in_cell + R) {
                     // The rank is drawn only now, since nine of ten darts are covered and need none.
                     let [rank, _] = dart.key.draw(Stream::Rank, dart.index);
-                    let place = [0, 1, 2].map(|axis| min[axis] + at[axis]);
-                    self.contenders.push(Contender::new(rank, place));
+                    self.contenders
+                        .push(Contender::new(rank, (min + at).into()));
                 }
             }
         }
@@ -223,10 +211,11 @@ impl CellParcel {
     fn starts_of_cells(&self) -> Vec<u32> {
         let mut starts = vec![0; CELL_COUNT + 1];
         for contender in &self.contenders {
-            let place = contender.ball.place;
-            let cell = [0, 1, 2].map(|axis| ((place[axis] - self.min[axis]) >> R.ilog2()) as usize);
+            let place = IVec3::from(contender.ball.place);
+            let cell = (place - self.min) >> R.ilog2() as i32;
+            let cell = cell_number([cell.x as usize, cell.y as usize, cell.z as usize]);
             // Each cell counts its own one place too late, where the next one begins.
-            starts[cell_number(cell) + 1] += 1;
+            starts[cell + 1] += 1;
         }
         let mut sum = 0;
         for start in &mut starts {
@@ -238,55 +227,80 @@ impl CellParcel {
 }
 
 impl ActiveCube {
+    /// Returns what leads from its cell's lowest place to its own.
+    #[inline(always)]
+    fn lowest(self) -> IVec3 {
+        let [x, y, z] = self.at;
+        IVec3::new(x.into(), y.into(), z.into())
+    }
+
     /// Appends its octants, `half` units wide, that hold places of the domain and are not covered. `last` leads from the cell's
     /// lowest place to the domain's highest one; `covered` returns octants that one sample covers, as bits.
     #[inline(always)]
     fn push_open_octants(
         self,
         half: i32,
-        last: Place,
+        last: IVec3,
         open: &mut Vec<Self>,
         covered: impl FnOnce(&[Halves; 3]) -> u8,
     ) {
-        let mut halves = [Halves::default(); 3];
-        // Octants without a place of the domain count as covered.
-        let mut beyond = 0;
-        for axis in 0..3 {
-            let low = i32::from(self.at[axis]);
-            let middle = low + half;
-            // Both halves may be cut by the domain's side, and the upper one may lie beyond it.
-            let ends = [middle - 1, middle + half - 1].map(|end| end.min(last[axis]));
-            // Lists have offsets from a place R below the cell's lowest one.
-            halves[axis] = Halves::of([low + R, middle + R], ends.map(|end| end + R));
-            if ends[1] < middle {
-                beyond |= UPPER[axis];
-            }
-        }
-
+        // Most cells lie whole in the domain, and so do their cubes.
+        let (halves, beyond) = if last.cmpge(IVec3::splat(R - 1)).all() {
+            let low = self.lowest();
+            let along = |low: i32| Halves::of_whole(low, half);
+            ([along(low.x), along(low.y), along(low.z)], 0)
+        } else {
+            self.cut_by_domain(half, last)
+        };
         let covered = beyond | covered(&halves);
+
+        let [x, y, z] = self.at;
+        let half = half as u16;
         for octant in 0..8 {
             if covered >> octant & 1 == 0 {
-                let upper = octant_halves(octant);
-                let at = [0, 1, 2].map(|axis| self.at[axis] + upper[axis] as u16 * half as u16);
+                let [right, up, deep] = octant_halves(octant);
+                let at = [
+                    x + half * right as u16,
+                    y + half * up as u16,
+                    z + half * deep as u16,
+                ];
                 open.push(Self { at, ..self });
             }
         }
+    }
+
+    /// Returns its halves along each axis as far as they lie in the domain, and which octants hold no place of it, as bits.
+    /// Otherwise as [`Self::push_open_octants`].
+    fn cut_by_domain(self, half: i32, last: IVec3) -> ([Halves; 3], u8) {
+        let low = self.lowest();
+        let middle = low + half;
+        // Both halves may be cut by the domain's side, and the upper one may lie beyond it.
+        let ends = [(middle - 1).min(last), (middle + half - 1).min(last)];
+        let along =
+            |axis: usize| Halves::of([low[axis], middle[axis]], [ends[0][axis], ends[1][axis]]);
+
+        let is_beyond = ends[1].cmplt(middle);
+        let octants = |axis: usize| if is_beyond.test(axis) { UPPER[axis] } else { 0 };
+        let beyond = octants(0) | octants(1) | octants(2);
+        ([along(0), along(1), along(2)], beyond)
     }
 }
 
 /// Returns the lowest place of a cell, from that of its parcel.
 #[inline(always)]
-fn cell_corner(cell: u16) -> Place {
+fn cell_corner(cell: u16) -> IVec3 {
     let number = i32::from(cell);
     // A cell's number has equally many bits for each axis.
     let bits = CELLS.ilog2();
-    [number, number >> bits, number >> (2 * bits)].map(|bits| (bits & (CELLS - 1)) * R)
+    let mask = CELLS - 1;
+    IVec3::new(number & mask, number >> bits & mask, number >> (2 * bits)) * R
 }
 
-/// Returns the square of the distance on an axis from a place to a cell, or 0 between its ends.
+/// Returns the square of the distance on an axis from a place to a cell, or 0 between its ends. A cell farther than R may get a
+/// smaller number, so that three of them fit 32 bits; no caller asks for one.
 #[inline(always)]
-fn squared_beyond(at: i32, cell: i32) -> i64 {
+fn squared_beyond(at: i32, cell: i32) -> u32 {
     let first = cell * R;
-    let beyond = (first - at).max(at - (first + R - 1)).max(0);
-    i64::from(beyond) * i64::from(beyond)
+    let beyond = (first - at).max(at - (first + R - 1)).clamp(0, R);
+    beyond.unsigned_abs().pow(2)
 }
