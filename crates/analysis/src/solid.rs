@@ -26,6 +26,7 @@ mod pairs;
 mod region;
 mod spectrum;
 
+use glam::DVec3;
 use serde::{Deserialize, Serialize};
 
 use crate::exact::covering_limit;
@@ -176,8 +177,9 @@ pub fn verify_solid(
     match circles {
         Some(circles) if !by_cubes => Ok(circles),
         Some(circles) => agreed(question.by_cubes(&monitor)?, circles),
-        // A set that circles decline goes to the other judge, asked or not.
-        None => question.by_cubes(&monitor),
+        // A set that circles decline goes to the other judge, asked or not. Its work is no part of the total unless it was asked.
+        None if by_cubes => question.by_cubes(&monitor),
+        None => question.by_cubes(&monitor.uncounted()),
     }
 }
 
@@ -215,7 +217,8 @@ impl SolidQuestion<'_> {
             .flat_map(move |&z| shifts.iter().map(move |&y| [y, z]));
         let steps = planes.flat_map(move |[y, z]| shifts.iter().map(move |&x| [x, y, z]));
         steps.flat_map(move |step| {
-            let image = move |p: &[f64; 3]| [0, 1, 2].map(|axis| p[axis] + step[axis] * size[axis]);
+            let step = DVec3::from(step) * DVec3::from(size);
+            let image = move |&point: &[f64; 3]| (DVec3::from(point) + step).to_array();
             self.points.iter().map(image)
         })
     }

@@ -2,6 +2,7 @@
 
 use std::ops::Range;
 
+use glam::{BVec3, DVec3};
 use rayon::prelude::*;
 
 use crate::monitor::Monitor;
@@ -138,8 +139,13 @@ impl CubeSearch {
                 return false;
             }
             if distances.nearest <= limit {
-                nearest = nearest.min(distances.middle);
                 self.lists.push(sample);
+                // The nearest one comes first: it is the likeliest to prove the octants, which then look at no other.
+                if distances.middle < nearest {
+                    nearest = distances.middle;
+                    let last = self.lists.len() - 1;
+                    self.lists.swap(first, last);
+                }
             }
         }
 
@@ -190,45 +196,35 @@ pub(super) struct Cube {
 impl Cube {
     #[inline]
     pub fn distances(&self, sample: [f64; 3]) -> Distances {
-        let apart = [0, 1, 2].map(|axis| (sample[axis] - self.middle[axis]).abs());
-        let near = [0, 1, 2].map(|axis| (apart[axis] - self.half[axis]).max(0.0));
-        let far = [0, 1, 2].map(|axis| apart[axis] + self.half[axis]);
-        let squared = |[x, y, z]: [f64; 3]| x * x + y * y + z * z;
+        // In vectors, since `map` over an array is a call: the whole search took three times as long.
+        let half = DVec3::from(self.half);
+        let apart = (DVec3::from(sample) - DVec3::from(self.middle)).abs();
         Distances {
-            nearest: squared(near),
-            middle: squared(apart),
-            farthest: squared(far),
+            nearest: (apart - half).max(DVec3::ZERO).length_squared(),
+            middle: apart.length_squared(),
+            farthest: (apart + half).length_squared(),
         }
     }
 
     /// Returns its octants; of a long box its halves or quarters.
     pub fn parts(&self) -> impl Iterator<Item = Self> + use<> {
-        let whole = *self;
-        let longest = self.longest_half();
-        let is_cut = whole.half.map(|half| half > CUT_SHARE * longest);
-        let half = [0, 1, 2].map(|axis| {
-            if is_cut[axis] {
-                whole.half[axis] / 2.0
-            } else {
-                whole.half[axis]
-            }
-        });
+        let (middle, whole) = (DVec3::from(self.middle), DVec3::from(self.half));
+        let is_cut = whole.cmpgt(DVec3::splat(CUT_SHARE * self.longest_half()));
+        let half = DVec3::select(is_cut, whole / 2.0, whole);
+        // The middles of parts stay where they are on an axis that is not cut.
+        let step = DVec3::select(is_cut, half, DVec3::ZERO);
 
         (0..8_usize).filter_map(move |octant| {
-            let is_upper = [octant & 1, octant >> 1 & 1, octant >> 2].map(|bit| bit == 1);
+            let is_upper = BVec3::new(octant & 1 == 1, octant >> 1 & 1 == 1, octant >> 2 == 1);
             // An axis that is not cut has no upper half.
-            if (0..3).any(|axis| is_upper[axis] && !is_cut[axis]) {
+            if (is_upper & !is_cut).any() {
                 return None;
             }
-            let middle = [0, 1, 2].map(|axis| {
-                let step = if is_upper[axis] {
-                    half[axis]
-                } else {
-                    -half[axis]
-                };
-                whole.middle[axis] + if is_cut[axis] { step } else { 0.0 }
-            });
-            Some(Self { middle, half })
+            let step = DVec3::select(is_upper, step, -step);
+            Some(Self {
+                middle: (middle + step).into(),
+                half: half.into(),
+            })
         })
     }
 

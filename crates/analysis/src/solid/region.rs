@@ -2,6 +2,7 @@
 
 use std::fmt;
 
+use glam::DVec3;
 use serde::{Deserialize, Serialize};
 
 use crate::number::Number;
@@ -76,21 +77,18 @@ impl SolidRegion {
 
     /// Returns the distance of two places, around the torus if the region is periodic.
     pub(super) fn distance(&self, a: [f64; 3], b: [f64; 3]) -> f64 {
-        let [x, y, z] = self.apart(a, b).map(|apart| apart * apart);
-        (x + y + z).sqrt()
+        DVec3::from(self.apart(a, b)).length()
     }
 
     /// Returns how far apart two places are along each axis, around the torus if the region is periodic.
     pub(super) fn apart(&self, a: [f64; 3], b: [f64; 3]) -> [f64; 3] {
-        let size = self.size();
-        [0, 1, 2].map(|axis| {
-            let inside = (a[axis] - b[axis]).abs();
-            if self.is_periodic() {
-                inside.min(size[axis] - inside)
-            } else {
-                inside
-            }
-        })
+        let inside = (DVec3::from(a) - DVec3::from(b)).abs();
+        let apart = if self.is_periodic() {
+            inside.min(DVec3::from(self.size()) - inside)
+        } else {
+            inside
+        };
+        apart.into()
     }
 }
 

@@ -3,9 +3,13 @@
 
 #![allow(clippy::float_cmp, reason = "the judge computes what is computed here")]
 
+use std::ops::ControlFlow;
+use std::sync::atomic::{AtomicU64, Ordering};
+
 use proptest::prelude::*;
 use tilescope_analysis::{
-    Boundary, Judge, JudgeChoice, SolidError, SolidRegion, SolidReport, VerifyOptions, verify_solid,
+    Boundary, Judge, JudgeChoice, Progress, SolidError, SolidRegion, SolidReport, VerifyOptions,
+    verify_solid,
 };
 
 use crate::support::{BOTH, Random, go_on, on_threads};
@@ -264,6 +268,36 @@ fn the_report_does_not_depend_on_the_number_of_threads() {
     assert!(alone.gaps > 10 && alone.conflicts > 10_000);
     for threads in [2, 5] {
         assert_eq!(on_threads(threads, || judged(&points, region, 0.7)), alone);
+    }
+}
+
+/// Also of a set that circles decline, since it has conflicts, and that cubes judge then.
+#[test]
+fn progress_ends_at_all_work_and_never_passes_it() {
+    let points = lattice(4, &[[0.0; 3]]);
+    let region = region([4.0; 3], Boundary::Periodic);
+    for judges in [
+        JudgeChoice::Automatic,
+        JudgeChoice::Subdivision,
+        JudgeChoice::Circles,
+    ] {
+        for (radius, is_free) in [(1.0, true), (1.1, false)] {
+            let options = VerifyOptions {
+                judges,
+                ..VerifyOptions::default()
+            };
+            let most = AtomicU64::new(0);
+            let control = |progress: Progress| {
+                assert!(progress.done <= progress.total, "{progress:?}");
+                most.fetch_max(progress.done, Ordering::Relaxed);
+                ControlFlow::Continue(())
+            };
+            let report =
+                verify_solid(&points, region, radius, &options, &control).expect("a report");
+            assert_eq!(report.conflict_free(), is_free);
+            // A pass counts each of the 64 samples once.
+            assert!(most.into_inner() >= 64, "{judges:?}");
+        }
     }
 }
 
