@@ -4,6 +4,7 @@ use std::fmt::Write;
 use std::time::Instant;
 
 use anyhow::{Result, ensure};
+use rayon::ThreadPoolBuilder;
 use serde_json::{Value, json};
 use tilescope_analysis::{JudgeChoice, SolidRegion, VerifyOptions, verify_solid};
 use tilescope_core::{
@@ -17,7 +18,9 @@ use crate::{interrupt, output, verdict_code};
 /// The kinds of work that each round times.
 #[derive(Clone, Copy, Debug, PartialEq)]
 enum TimedWork {
-    /// One thread makes the set.
+    /// The engine makes it that is there to be read and recorded, on one thread.
+    MakeInSequence,
+    /// One thread makes the set as all of them do.
     MakeAlone,
     /// All threads make it.
     Make,
@@ -28,7 +31,8 @@ enum TimedWork {
 }
 
 impl TimedWork {
-    const ALL: [Self; 4] = [
+    const ALL: [Self; 5] = [
+        Self::MakeInSequence,
         Self::MakeAlone,
         Self::Make,
         Self::JudgeByCubes,
@@ -38,6 +42,7 @@ impl TimedWork {
     fn name(self) -> String {
         let threads = rayon::current_num_threads();
         match self {
+            Self::MakeInSequence => "made as recorded, 1 thread".to_owned(),
             Self::MakeAlone => "made, 1 thread".to_owned(),
             Self::Make => format!("made, threads: {threads}"),
             Self::JudgeByCubes => format!("judged by cubes, threads: {threads}"),
@@ -96,24 +101,30 @@ fn add_round(timed: &mut Timed, samples: u64, seed: u64) -> Result<()> {
         boundary: tilescope_analysis::Boundary::Periodic,
     };
 
+    let single = ThreadPoolBuilder::new().num_threads(1).build()?;
     // In the order of `TimedWork::ALL`: the first work makes the set that is judged.
     let mut positions = Vec::new();
     for (work, seconds) in &mut timed.seconds {
         let began = Instant::now();
         match work {
-            TimedWork::MakeAlone => {
+            TimedWork::MakeInSequence => {
                 let places = solid_sample(domain, seed, &mut Unobserved)?;
                 // Positions in user units are no part of the rate, which is that of the lattice.
                 seconds.push(began.elapsed().as_secs_f64());
                 positions = domain.users_from_lattice(&places);
             }
-            TimedWork::Make => {
-                let places = solid_sample_parallel(domain, seed, &mut Unobserved)?;
+            TimedWork::MakeAlone | TimedWork::Make => {
+                let make = || solid_sample_parallel(domain, seed, &mut Unobserved);
+                let places = if *work == TimedWork::MakeAlone {
+                    single.install(make)?
+                } else {
+                    make()?
+                };
                 seconds.push(began.elapsed().as_secs_f64());
                 // Both ways promise the same set. Rates of different sets could not be compared.
                 ensure!(
                     domain.users_from_lattice(&places) == positions,
-                    "one thread and all threads make different sets of seed {seed}"
+                    "the two engines make different sets of seed {seed}"
                 );
             }
             TimedWork::JudgeByCubes | TimedWork::JudgeByCircles => {

@@ -1,15 +1,14 @@
-//! Sets of balls in space by both engines: how many samples, and the seconds of each.
+//! Sets of balls in space by both engines, and their judge by cubes: how many samples, and the seconds of each.
 //!
-//!     cargo run --release -p tilescope-core --example solid_rates -- [ENGINE] [SIDE] [BOUNDARY] [SEED]
+//!     cargo run --release -p tilescope-core --example solid_rates -- [WORK] [SIDES] [BOUNDARY] [SEED]
 //!
-//! ENGINE is `both`, or `sequential` or `parallel` for that alone, of which a profiler counts instructions; `judged` also
-//! judges the set of the parallel one by cubes. SIDE is that of a
-//! cube, in radii (default 40), and BOUNDARY `periodic` (the default) or `bounded`. `RAYON_NUM_THREADS` sets the number of
-//! threads of the parallel engine.
+//! WORK is `recorded` or `parallel` for one engine alone, of which a profiler counts instructions, `judged` for the parallel one
+//! and the judge, or `all` (the default), which also compares the sets of both. SIDES are those of a box in radii, as `40`
+//! (the default) for a cube, or `40x20x4.5`, and BOUNDARY is `periodic` (the default) or `bounded`. `RAYON_NUM_THREADS` sets the
+//! number of threads.
 
 use std::error::Error;
 use std::ops::ControlFlow;
-use std::sync::atomic::{AtomicU64, Ordering};
 use std::time::Instant;
 
 use tilescope_analysis::{JudgeChoice, SolidRegion, VerifyOptions, verify_solid};
@@ -18,28 +17,40 @@ use tilescope_core::{
 };
 
 fn main() -> Result<(), Box<dyn Error>> {
-    let mut arguments = std::env::args().skip(1);
-    let engine = arguments.next().unwrap_or_else(|| "both".to_owned());
-    let side: f64 = arguments.next().map_or(Ok(40.0), |text| text.parse())?;
-    let is_bounded = arguments.next().is_some_and(|text| text == "bounded");
-    let seed = arguments.next().map_or(Ok(1), |text| text.parse())?;
-    let domain = SolidDomain::from_size([side; 3], 1.0, Boundary::of(!is_bounded))?;
+    let arguments: Vec<String> = std::env::args().skip(1).collect();
+    let argument = |place: usize, default| arguments.get(place).map_or(default, String::as_str);
+    let (is_recorded, is_parallel, is_judged) = match argument(0, "all") {
+        "recorded" => (true, false, false),
+        "parallel" => (false, true, false),
+        "judged" => (false, true, true),
+        "all" => (true, true, true),
+        other => return Err(format!("{other}: no such work").into()),
+    };
+    let sides: Result<Vec<f64>, _> = argument(1, "40").split('x').map(str::parse).collect();
+    let size = match sides?[..] {
+        [side] => [side; 3],
+        [width, height, depth] => [width, height, depth],
+        _ => return Err("one side or three are needed".into()),
+    };
+    let is_periodic = argument(2, "periodic") != "bounded";
+    let seed = argument(3, "1").parse()?;
+    let domain = SolidDomain::from_size(size, 1.0, Boundary::of(is_periodic))?;
 
     let mut sets = Vec::new();
-    if engine == "both" || engine == "sequential" {
-        let made = || solid_sample(domain, seed, &mut Unobserved);
-        sets.push(timed("sequential", made)?);
+    if is_recorded {
+        let make = || solid_sample(domain, seed, &mut Unobserved);
+        sets.push(timed("recorded", make)?);
     }
-    if engine != "sequential" {
-        let made = || solid_sample_parallel(domain, seed, &mut Unobserved);
-        sets.push(timed("parallel", made)?);
+    if is_parallel {
+        let make = || solid_sample_parallel(domain, seed, &mut Unobserved);
+        sets.push(timed("parallel", make)?);
     }
-    if let Some(samples) = sets.first().filter(|_| engine == "judged") {
-        judge(&domain, samples)?;
-    }
-    // Both engines make one set, or there is one engine.
+    // Of one engine alone, the first set is the last one, too.
     if sets.first() != sets.last() {
-        return Err("the engines differ".into());
+        return Err("the engines make different sets".into());
+    }
+    if is_judged {
+        judge(&domain, &sets[0])?;
     }
     Ok(())
 }
@@ -51,48 +62,45 @@ fn timed(
 ) -> Result<Vec<[i32; 3]>, SampleError> {
     let began = Instant::now();
     let samples = make()?;
-    let seconds = began.elapsed().as_secs_f64();
-    println!(
-        "{engine}: {} samples, {seconds:.2} s, {:.3} million a second",
-        samples.len(),
-        samples.len() as f64 / seconds / 1e6
-    );
+    print(engine, samples.len(), began);
     Ok(samples)
 }
 
-/// Judges a set by cubes, and prints how long that took.
+/// Judges a set by cubes, and prints how long that took. Fails if it is not valid.
 fn judge(domain: &SolidDomain, samples: &[[i32; 3]]) -> Result<(), Box<dyn Error>> {
     let [width, height, depth] = domain.size();
+    let boundary = match domain.boundary() {
+        Boundary::Periodic => tilescope_analysis::Boundary::Periodic,
+        Boundary::Bounded => tilescope_analysis::Boundary::Bounded,
+    };
     let region = SolidRegion {
         width,
         height,
         depth,
-        boundary: match domain.boundary() {
-            Boundary::Periodic => tilescope_analysis::Boundary::Periodic,
-            Boundary::Bounded => tilescope_analysis::Boundary::Bounded,
-        },
+        boundary,
     };
+    let radius = domain.radius();
     let options = VerifyOptions {
         judges: JudgeChoice::Subdivision,
+        // Along short sides lattice units may be so long that the tolerance of certificates is a little too small.
+        covering_tolerance: domain.covering_bound() / radius - 1.0,
         ..VerifyOptions::default()
     };
     let positions = domain.users_from_lattice(samples);
 
     let began = Instant::now();
-    let most = AtomicU64::new(0);
-    let control = |progress: tilescope_analysis::Progress| {
-        most.fetch_max(
-            progress.done * 1000 / progress.total.max(1),
-            Ordering::Relaxed,
-        );
-        ControlFlow::Continue(())
-    };
-    let report = verify_solid(&positions, region, domain.radius(), &options, &control)?;
-    println!(
-        "judged by cubes: {:.2} s, {}, progress {:?}",
-        began.elapsed().as_secs_f64(),
-        if report.valid() { "valid" } else { "not valid" },
-        most
-    );
-    Ok(())
+    let go_on = |_| ControlFlow::Continue(());
+    let report = verify_solid(&positions, region, radius, &options, &go_on)?;
+    print("judged by cubes", samples.len(), began);
+    if report.valid() {
+        Ok(())
+    } else {
+        Err(format!("the set is not valid: {report:?}").into())
+    }
+}
+
+fn print(work: &str, count: usize, began: Instant) {
+    let seconds = began.elapsed().as_secs_f64();
+    let rate = count as f64 / seconds / 1e6;
+    println!("{work}: {count} samples, {seconds:.2} s, {rate:.3} million a second");
 }

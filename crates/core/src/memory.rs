@@ -47,7 +47,7 @@ impl Making {
             Self::Levels => 250.0,
             Self::Exact => 190.0,
             Self::Reference => 80.0,
-            Self::Solid => 500.0,
+            Self::Solid => 370.0,
             // Measured of smaller sets, of 0.1 to 0.7 million samples: this at a contrast of 1:16, and 400 with one radius.
             Self::Varying => 800.0,
         }
