@@ -129,6 +129,17 @@ pub(crate) fn corner_exceeds(site: Site, corner: DVec2, extent: DVec2, limit: f6
     square_length(&offset) > square(&integers.of(limit))
 }
 
+/// Returns whether a vector in space is shorter than `length`, which is positive.
+pub(crate) fn is_shorter(sides: [f64; 3], length: f64) -> bool {
+    let values = sides.into_iter().chain([length]);
+    let exponents = values
+        .filter(|&value| value != 0.0)
+        .map(|value| parts(value).1);
+    let exponent = exponents.min().unwrap_or(0);
+    let squares = sides.map(|side| square(&integer(side, exponent)));
+    squares.iter().sum::<BigInt>() < square(&integer(length, exponent))
+}
+
 fn minus(a: &[BigInt; 2], b: &[BigInt; 2]) -> [BigInt; 2] {
     [&a[0] - &b[0], &a[1] - &b[1]]
 }

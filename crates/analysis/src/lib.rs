@@ -8,7 +8,7 @@
 //! [`live`] keeps measures while samples come and go;
 //! [`SquaresJudge`] judges sets whose radius depends on the place, in domains of any shape;
 //! [`verify_solid`] judges sets in space, and [`measure_solid`] also measures how far places are from them;
-//! [`verify_thinned`] judges sets that were chosen from others;
+//! [`verify_thinned`] judges sets that were chosen from others, and [`verify_thinned_solid`] those in space;
 //! [`Tessellation`] gives triangles, cells and gaps to draw.
 //!
 //! ```
@@ -77,7 +77,8 @@ pub use region::{Boundary, Region};
 pub use report::Report;
 pub use solid::{
     SolidCorrelation, SolidError, SolidGap, SolidRegion, SolidReport, SolidShell, SolidSpectrum,
-    SolidVerdict, measure_solid, verify_solid,
+    SolidVerdict, ThinnedSolid, measure_solid, verify_solid, verify_solid_cut,
+    verify_thinned_solid,
 };
 pub use squares::{
     LatticeRegion, MAX_FACTOR, MAX_PITCH_BITS, MAX_RADIUS, Radii, Shape, SquaresError,

@@ -15,16 +15,19 @@
 //! # Measures
 //!
 //! [`SolidSpectrum`] has the power by shells of frequency, [`SolidCorrelation`] the pairs by distance. They judge nothing.
+//! [`thinned`] judges sets that were chosen from others.
 
 mod circles;
 mod correlation;
 mod cubes;
+mod cut;
 mod error;
 mod farthest;
 mod measured;
 mod pairs;
 mod region;
 mod spectrum;
+mod thinned;
 
 use glam::DVec3;
 use serde::{Deserialize, Serialize};
@@ -38,10 +41,12 @@ use crate::witness::Conflict;
 use pairs::PairsFound;
 
 pub use correlation::SolidCorrelation;
+pub use cut::verify_solid_cut;
 pub use error::SolidError;
 pub use measured::{SolidVerdict, measure_solid};
 pub use region::SolidRegion;
 pub use spectrum::{SolidShell, SolidSpectrum};
+pub use thinned::{ThinnedSolid, verify_thinned_solid};
 
 /// The edge of the cubes that are not cut further, in radii. A place that is farther than the limit by less than this may
 /// pass: a thousandth of the tolerance that sets are judged with.

@@ -86,7 +86,7 @@ impl ThinnedReport {
     }
 
     /// Adds the findings in another part, of which `witnesses` are named.
-    fn add(&mut self, other: Self, witnesses: usize) {
+    pub(crate) fn add(&mut self, other: Self, witnesses: usize) {
         self.conflicts += other.conflicts;
         self.uncovered += other.uncovered;
         self.conflicting.extend(other.conflicting);

@@ -29,6 +29,14 @@ pub enum SampleError {
         /// The width of the widest halo, in radii.
         radii: f64,
     },
+    /// A window in space depends on too much around it.
+    #[error(
+        "a sample of this window depends on more than {radii} r around it: choose a smaller window, or another seed"
+    )]
+    Remote {
+        /// The width of the widest halo, in radii.
+        radii: f64,
+    },
     /// There is not as much memory as the samples need.
     #[error(transparent)]
     Memory(#[from] NoMemory),

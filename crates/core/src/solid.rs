@@ -11,7 +11,7 @@
 //! in the plane.
 //!
 //! Read [`process`] first. [`darts`] has the draws, [`balls`] the samples; [`parallel`] makes the
-//! same set several times as fast, on all threads.
+//! same set several times as fast, on all threads. [`space`] has the windows of space without end.
 
 mod balls;
 mod count;
@@ -21,6 +21,7 @@ mod frame;
 mod parallel;
 mod process;
 mod recorded;
+mod space;
 
 use crate::error::SampleError;
 use crate::memory::{self, Making};
@@ -32,13 +33,14 @@ use process::SolidProcess;
 pub use count::{SolidRequest, SolidSample};
 pub use domain::{MAX_VOLUME_RADII, MIN_SIDE_RADII_SOLID, SolidDomain};
 pub use recorded::{SolidRun, solid_recorded};
+pub use space::{MAX_REACH_RADII, SolidSpace, SolidWindow};
 
 /// A lattice point of space: x, y and z in units.
 type Place = [i32; 3];
 
 /// About how many samples there are to a cubed radius in a large maximal set: the density at which random sequential
 /// packing of spheres jams, 0.3841307, times 6 / pi.
-const SOLID_DENSITY: f64 = 0.733_636;
+pub const SOLID_DENSITY: f64 = 0.733_636;
 
 /// Returns a maximal set of balls of `domain`, in the order of their arrival: lattice points x, y, z.
 ///
@@ -86,7 +88,6 @@ pub fn solid_sample_parallel(
 
 /// Fails if the system does not give the memory that a set takes.
 fn ask_for_memory(domain: &SolidDomain) -> Result<(), SampleError> {
-    let count = SOLID_DENSITY * domain.volume_radii();
-    memory::ask_for(count, Making::Solid.bytes_a_sample())?;
+    memory::ask_for(domain.expected_samples(), Making::Solid.bytes_a_sample())?;
     Ok(())
 }

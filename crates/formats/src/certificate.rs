@@ -110,7 +110,7 @@ impl CertifiedLevel {
 /// | `thinned` | that its points were chosen from another set, see [`Thinned`] | they were not |
 /// | `judges` | `subdivision`: squares or cubes, cut until each is seen to be covered | it may not be |
 ///
-/// A set with a third side has no other part but a prefix. A prefix is judged where there is a third side, a shape or a radius
+/// A set with a third side has no other part but a prefix or `thinned`. A prefix is judged where there is a third side, a shape or a radius
 /// that varies; other certificates with one are refused.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Certificate {
@@ -395,7 +395,8 @@ impl Certificate {
     fn beside_depth(&self) -> Option<&'static str> {
         self.depth?;
         let levels = Some("levels").filter(|_| !self.levels.is_empty());
-        let is_other = |part: &&str| ![Depth::NAME, CertifiedPrefix::NAME].contains(part);
+        let judged = [Depth::NAME, CertifiedPrefix::NAME, Thinned::NAME];
+        let is_other = |part: &&str| !judged.contains(part);
         self.parts().find(is_other).or(levels)
     }
 

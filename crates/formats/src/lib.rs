@@ -73,8 +73,9 @@ pub use mapping::Mapping;
 pub use point_set::{PointSet, Provenance};
 pub use read::{certificate_path, read_bytes};
 pub use solid::{
-    SolidCheck, SolidContext, SolidExported, SolidExportedBytes, SolidSet, check_solid_bytes,
-    check_solid_format, export_solid_bytes, in_space,
+    SolidCheck, SolidContext, SolidExported, SolidExportedBytes, SolidRaw, SolidSet,
+    ThinnedSolidFacts, check_solid_bytes, check_solid_format, decode_solid, export_solid_bytes,
+    in_space,
 };
 #[cfg(not(target_arch = "wasm32"))]
 pub use solid::{

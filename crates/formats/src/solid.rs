@@ -7,6 +7,7 @@ mod check;
 #[cfg(not(target_arch = "wasm32"))]
 mod disk;
 mod export;
+mod thinned;
 
 use tilescope_analysis::{Region, SolidRegion};
 
@@ -15,10 +16,12 @@ use crate::error::FormatError;
 use crate::format::{Format, Precision};
 use crate::mapping::Mapping;
 
+pub use crate::codecs::solid::{SolidRaw, decode as decode_solid};
 pub use check::{SolidCheck, SolidSet, check_solid_bytes};
 #[cfg(not(target_arch = "wasm32"))]
 pub use disk::{check_solid, export_solid, export_solid_unverified, read_solid, solid_certificate};
 pub use export::{SolidContext, SolidExported, SolidExportedBytes, export_solid_bytes};
+pub use thinned::ThinnedSolidFacts;
 
 /// Refuses a format that cannot hold sets in space.
 ///

@@ -127,15 +127,15 @@ impl Certificate {
 /// # Errors
 ///
 /// The index of a point of the file that is not one of those given, or that the file has a second time.
-pub fn implied_kept(
-    given: &[[f64; 2]],
-    thinned: &[[f64; 2]],
+pub fn implied_kept<const AXES: usize>(
+    given: &[[f64; AXES]],
+    thinned: &[[f64; AXES]],
     ranks: Option<&[u32]>,
 ) -> Result<Vec<bool>, usize> {
     // Rows are kept unchanged, so that coordinates are compared by their bits, which sort, too: 0 and -0 differ.
-    let bits = |point: &[f64; 2]| point.map(f64::to_bits);
+    let bits = |point: &[f64; AXES]| point.map(f64::to_bits);
     let points = thinned.iter().map(bits).zip(0..);
-    let mut sorted: Vec<FilePoint> = points
+    let mut sorted: Vec<FilePoint<AXES>> = points
         .map(|(bits, index)| FilePoint { bits, index })
         .collect();
     sorted.sort_unstable();
@@ -167,8 +167,8 @@ pub fn implied_kept(
 
 /// A point of a thinned file: the bits of its coordinates, and its index in the file.
 #[derive(PartialEq, Eq, PartialOrd, Ord)]
-struct FilePoint {
-    bits: [u64; 2],
+struct FilePoint<const AXES: usize> {
+    bits: [u64; AXES],
     index: usize,
 }
 

@@ -10,9 +10,6 @@ use tilescope_core::{Boundary, Domain, Parameters, R, Run, SampleError, SolidDom
 use crate::units;
 use crate::words::{counted, grouped, significant};
 
-/// About how many samples a large set in space has to a cubed radius: the density at which random packings of spheres jam.
-const SOLID_DENSITY: f64 = 0.733_636;
-
 /// How a set in space was made, and what its projection lacks.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct MadeSolid {
@@ -294,7 +291,7 @@ pub(crate) fn box_of(parameters: &Parameters, depth: f64) -> Result<SolidDomain,
 /// [`SampleError`] as [`SolidDomain::from_size`], and where a side of the plane is shorter than the window can show.
 pub fn expected_samples(parameters: &Parameters, depth: f64) -> Result<f64, SampleError> {
     planar_domain(parameters)?;
-    Ok(box_of(parameters, depth)?.volume_radii() * SOLID_DENSITY)
+    Ok(box_of(parameters, depth)?.expected_samples())
 }
 
 /// Returns the domain of the projections. It has the lattice of the box, and asks for longer sides: the window draws each

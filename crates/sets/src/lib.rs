@@ -32,6 +32,7 @@ mod layout;
 mod made;
 mod recipe;
 mod solid;
+mod solid_window;
 #[cfg(test)]
 mod tests;
 pub mod thinning;
@@ -45,6 +46,7 @@ pub use layout::{set_of_piece, stated_layout};
 pub use made::{Made, point_set, provenance};
 pub use recipe::{EXACT_PAYS_FROM, GivenPattern, Recipe, Settled, exact_pattern, facts_of_exact};
 pub use solid::{BallSize, SolidMade, SolidRecipe};
+pub use solid_window::SolidSurroundings;
 pub use varying::{
     Brush, BrushStroke, DEFAULT_WHITE, Expression, GivenGround, GivenRadius, GrayImage, Ground,
     MAX_CORNERS, MAX_EXPRESSION, MAX_PIXELS, PAINTED, PaintedRadii, PlanarPolygon, RadiusGrid,

@@ -100,6 +100,9 @@ impl SolidMade {
     /// The method, as certificates name it.
     pub const METHOD: &str = "reference";
 
+    /// About how many samples there are to a cubed radius, away from the sides of a box.
+    pub const DENSITY: f64 = tilescope_core::SOLID_DENSITY;
+
     /// Returns every parameter that the method uses, as certificates state them: equal ones make the set again.
     #[must_use]
     pub fn parameters(&self) -> Stated {

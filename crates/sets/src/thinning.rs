@@ -9,6 +9,7 @@ mod file;
 mod greedy;
 mod near;
 mod ranks;
+mod space;
 #[cfg(test)]
 mod tests;
 
@@ -19,6 +20,10 @@ use tilescope_core::memory::{NoMemory, ask_for};
 
 pub use file::{PointFile, ThinFileError, ThinRecipe, Thinning};
 pub use ranks::{FirstValue, ThinningPriority, UnknownPriority, ranks};
+pub use space::{SpaceCloud, SpaceFile, SpaceRecipe, SpaceThinning, judge_space, thin_space};
+
+/// Faults of each kind that a judge names.
+const WITNESSES: usize = 3;
 
 /// About how many bytes a point takes while a cloud is thinned, besides its position, radius and rank: 16 while it is sorted, 28
 /// in its layer, up to 21 for a cell of its own and 1 for its flag; then up to 48 for its judge. And a fifth.
@@ -220,9 +225,6 @@ pub fn judge(
     kept: &[bool],
     control: Control<'_>,
 ) -> Result<ThinnedReport, VerifyError> {
-    /// Faults of each kind that are named.
-    const WITNESSES: usize = 3;
-
     let set = ThinnedSet {
         given: cloud.points,
         kept,

@@ -41,9 +41,16 @@ pub(super) fn search(
     question: &SolidQuestion<'_>,
     monitor: &Monitor<'_>,
 ) -> Result<CubesFound, SolidError> {
-    let region = &question.region;
-    let half = region.size().map(|extent| extent / 2.0);
-    let root = Cube { middle: half, half };
+    let half = question.region.size().map(|extent| extent / 2.0);
+    search_in(question, &Cube { middle: half, half }, monitor)
+}
+
+/// Looks for such places in a part of the region.
+pub(super) fn search_in(
+    question: &SolidQuestion<'_>,
+    root: &Cube,
+    monitor: &Monitor<'_>,
+) -> Result<CubesFound, SolidError> {
     let rule = Rule {
         radius: question.radius,
         limit_squared: question.limit() * question.limit(),
@@ -60,7 +67,7 @@ pub(super) fn search(
         count: question.points.len() as f64,
         monitor,
     };
-    task.of_cube(&root, &near)
+    task.of_cube(root, &near)
 }
 
 /// When a cube is proven, and when it is not cut further.

@@ -60,7 +60,8 @@ impl SolidRegion {
     }
 
     /// Whether all extents and their ratios are within the limits.
-    pub(super) fn is_supported(&self) -> bool {
+    #[must_use]
+    pub fn is_supported(&self) -> bool {
         let range = Region::MIN_EXTENT..=Region::MAX_EXTENT;
         // Each extent is asked, because min and max would pass over a NaN.
         self.size().iter().all(|extent| range.contains(extent))

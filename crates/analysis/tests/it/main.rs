@@ -22,5 +22,6 @@ mod streams;
 mod support;
 mod tessellation;
 mod thinned;
+mod thinned_solid;
 mod uniformity;
 mod verdicts;

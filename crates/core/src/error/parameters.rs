@@ -177,7 +177,7 @@ pub enum ParameterError {
         Number(*.low), Number(*.high), Number(*.maximum)
     )]
     Window {
-        /// The name of the side: "width" or "height".
+        /// The name of the side: "width", "height" or "depth".
         name: &'static str,
         /// Where it begins, in user units.
         low: f64,
@@ -192,7 +192,7 @@ pub enum ParameterError {
         Number(*.low), Number(-.limit), Number(*.limit)
     )]
     FarWindow {
-        /// The name of the side: "width" or "height".
+        /// The name of the side: "width", "height" or "depth".
         name: &'static str,
         /// Where it begins, in user units.
         low: f64,

@@ -4,7 +4,7 @@
 //! fits.
 
 use crate::error::{ParameterError, SampleError};
-use crate::lattice::{Boundary, MAX_SIDE_RADII, check_side};
+use crate::lattice::{Boundary, MAX_SIDE_RADII, R, check_side};
 use crate::progress::Observer;
 
 use super::domain::{MAX_VOLUME_RADII, MIN_SIDE_RADII_SOLID, SolidDomain};
@@ -54,6 +54,25 @@ pub struct SolidSample {
     pub places: Vec<[i32; 3]>,
     /// How many samples were made, of which [`Self::places`] are the first ones.
     pub made: usize,
+}
+
+/// Returns about how many samples a box has, whose sides are in radii.
+fn expected([x, y, z]: [f64; 3], boundary: Boundary) -> f64 {
+    let faces = match boundary {
+        Boundary::Periodic => 0.0,
+        Boundary::Bounded => 2.0 * (x * y + y * z + z * x),
+    };
+    SOLID_DENSITY * x * y * z + FACE_DENSITY * faces
+}
+
+impl SolidDomain {
+    /// Returns about how many samples a maximal set has: by the density of large sets, and by what closed faces add. Of boxes of 10
+    /// r and more it is within 3%.
+    #[must_use]
+    pub fn expected_samples(&self) -> f64 {
+        let radii = self.sides().map(|side| f64::from(side) / f64::from(R));
+        expected(radii, self.boundary())
+    }
 }
 
 impl SolidRequest {
@@ -175,12 +194,7 @@ impl SolidRequest {
 
     /// Returns about how many samples a radius gives.
     fn expected(&self, radius: f64) -> f64 {
-        let [x, y, z] = self.size.map(|side| side / radius);
-        let faces = match self.boundary {
-            Boundary::Periodic => 0.0,
-            Boundary::Bounded => 2.0 * (x * y + y * z + z * x),
-        };
-        SOLID_DENSITY * x * y * z + FACE_DENSITY * faces
+        expected(self.size.map(|side| side / radius), self.boundary)
     }
 
     /// Returns the shortest and the longest radius that the sides allow, a hair inside, since a domain compares
@@ -224,6 +238,19 @@ mod tests {
                 let again = request.attempt(found.domain.radius(), &mut Unobserved);
                 assert_eq!(again.unwrap().1, found.places);
             }
+        }
+    }
+
+    /// Control: without what faces add, the estimate of a bounded box is far off.
+    #[test]
+    fn samples_are_estimated_with_those_at_faces() {
+        for boundary in [Boundary::Periodic, Boundary::Bounded] {
+            let domain = SolidDomain::from_size([10.0, 11.0, 14.0], 1.0, boundary).unwrap();
+            let made = solid_sample_parallel(domain, 5, &mut Unobserved).unwrap();
+            let off = |expected: f64| (expected / made.len() as f64 - 1.0).abs();
+            assert!(off(domain.expected_samples()) < 0.03, "{boundary:?}");
+            let inside = SOLID_DENSITY * domain.volume_radii();
+            assert_eq!(off(inside) > 0.1, boundary == Boundary::Bounded);
         }
     }
 

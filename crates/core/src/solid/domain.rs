@@ -115,6 +115,17 @@ impl SolidDomain {
         [0, 1, 2].map(|axis| self.size[axis] / f64::from(self.sides[axis]))
     }
 
+    /// Returns a bounded box of the lattice alone, from 0 to a highest place: the frame of a window in space without end. Its user
+    /// units are those of the lattice.
+    pub(super) fn of_last(last: Place) -> Self {
+        Self {
+            sides: last,
+            boundary: Boundary::Bounded,
+            size: last.map(f64::from),
+            radius: f64::from(R),
+        }
+    }
+
     /// Returns the highest place.
     pub(super) fn last(&self) -> Place {
         let beyond = match self.boundary {

@@ -417,13 +417,15 @@ pub(super) fn column(bytes: &[u8], format: Format, wanted: &str) -> Result<Vec<f
     })?;
     // A property other than a coordinate may be NaN or infinite in a sound file, but nothing can be ordered by that.
     let finite = |value: f64, place| {
-        let reason = format!("{wanted} is {value}, which is no finite number");
-        let fault = FormatError::Row {
+        // The error is written only where it is one: to write it for each value took longer than to read all of them.
+        let fault = || FormatError::Row {
             format,
             place,
-            reason,
+            reason: format!("{wanted} is {value}, which is no finite number"),
         };
-        Some(value).filter(|value| value.is_finite()).ok_or(fault)
+        Some(value)
+            .filter(|value| value.is_finite())
+            .ok_or_else(fault)
     };
 
     let data = bytes.get(header.data_offset..).unwrap_or_default();

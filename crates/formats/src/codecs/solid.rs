@@ -9,10 +9,13 @@ use crate::format::{Format, Precision};
 use crate::text::{as_utf8, push_line};
 
 /// A set in space as a file holds it.
-pub(crate) struct SolidRaw {
+#[derive(Clone, Debug)]
+pub struct SolidRaw {
     /// The points, in file coordinates.
     pub points: Vec<[f64; 3]>,
+    /// The format and how it was recognised.
     pub detection: Detection,
+    /// Number type of the file's coordinates.
     pub precision: Precision,
 }
 
@@ -34,8 +37,13 @@ pub(crate) fn check_format(format: Format) -> Result<(), FormatError> {
     Err(FormatError::NoThird { format, reason })
 }
 
-/// The points that a file holds, in file coordinates.
-pub(crate) fn decode(bytes: &[u8], hint: &Hint<'_>) -> Result<SolidRaw, FormatError> {
+/// The points in space that `bytes` hold, in file coordinates, as [`decode`](crate::decode) returns those in the plane. Columns,
+/// an origin and a certificate of the hint are not used.
+///
+/// # Errors
+///
+/// As [`decode`](crate::decode), and for formats and files without a third coordinate.
+pub fn decode(bytes: &[u8], hint: &Hint<'_>) -> Result<SolidRaw, FormatError> {
     let bytes = &*as_utf8(bytes);
     let mut detection = detected(bytes, hint)?;
     // Three numbers in a line are taken for XYZ: only the name says that they are UTK's.
@@ -197,7 +205,7 @@ mod tests {
 
     #[test]
     fn faults_are_named() {
-        let said = |bytes: &[u8], format| read(bytes, format).err().expect("refused").to_string();
+        let said = |bytes: &[u8], format| read(bytes, format).expect_err("refused").to_string();
         assert!(said(b"x,y\n1,2\n", Format::Csv).contains("no column is named z"));
         assert!(said(b"1 2\n", Format::Xyz).contains("no column is named z"));
         assert!(said(b"x,y,z\n1,2,nan\n", Format::Csv).contains("is not a finite number"));

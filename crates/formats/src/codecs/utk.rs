@@ -84,14 +84,21 @@ pub(super) fn keep_binary(
     chosen: Option<usize>,
     kept: &[bool],
 ) -> Result<Vec<u8>, FormatError> {
-    let UtkHead { precision, .. } = read_head(bytes)?;
+    // A set in space is in the order and the rows of one in the plane, but with a third number in each row.
+    let (solid, planar) = (3, 2);
+    let axes = match read_head_of(bytes, solid) {
+        Ok(_) => solid,
+        Err(_) => planar,
+    };
+    let UtkHead { precision, .. } = read_head_of(bytes, axes)?;
     let count = kept.iter().filter(|kept| **kept).count() as u64;
-    let width = 2 * precision.bytes();
+    let width = axes as usize * precision.bytes();
     // All sets have as many points as the chosen one, of which `kept` has a flag each; without a choice there is only
     // one set.
     let begin = HEADER_BYTES as usize + chosen.unwrap_or(0) * kept.len() * width;
     let data = bytes.get(begin..).unwrap_or_default();
     let mut out = head(count, precision)?;
+    set_dimension(&mut out, axes);
     out.extend(super::kept::rows(data, width, kept));
     Ok(out)
 }
@@ -224,11 +231,15 @@ pub(super) fn write_solid_binary(
     precision: Precision,
 ) -> Result<Vec<u8>, FormatError> {
     let mut out = head(points.len() as u64, precision)?;
-    // The dimension is the last word of the head.
-    out.truncate(HEADER_BYTES as usize - 4);
-    out.extend_from_slice(&3_u32.to_le_bytes());
+    set_dimension(&mut out, 3);
     binary::push(&mut out, points.as_flattened(), precision);
     Ok(out)
+}
+
+/// Replaces the dimension in the head of a file: the head's last word.
+fn set_dimension(head: &mut Vec<u8>, axes: u32) {
+    head.truncate(HEADER_BYTES as usize - 4);
+    head.extend_from_slice(&axes.to_le_bytes());
 }
 
 /// Returns the precision of a type's code.

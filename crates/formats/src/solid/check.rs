@@ -106,8 +106,14 @@ impl SolidFile {
         });
         let stated = read_beside.transpose()?;
 
-        // `check_bytes` refuses the certificate of a thinned set as such. Here it is refused because it states no third
-        // side, unless a `depth` is given.
+        // A thinned set covers the points that it was chosen from, and not its box: another function judges it.
+        if stated
+            .as_ref()
+            .is_some_and(|stated| stated.thinned.is_some())
+        {
+            return Err(CheckError::Thinned);
+        }
+
         let raw = codec::decode(data, &hint(name, overrides.format, overrides.set))?;
         let (format, precision) = (raw.detection.format, raw.precision);
         // What the overrides leave open is taken from the certificate.

@@ -1,7 +1,7 @@
 //! Files of points, thinned: what they were chosen from, the choice, its verdict and its certificate.
 
 use rayon::prelude::*;
-use tilescope_analysis::{Control, Number, Region, ThinnedReport, VerifyError};
+use tilescope_analysis::{Control, Number, Region, SolidError, ThinnedReport, VerifyError};
 use tilescope_core::Boundary;
 use tilescope_formats::{
     Certificate, CertifiedRadius, Format, FormatError, Hint, KeptRows, ReadSet, Thinned,
@@ -60,6 +60,15 @@ pub enum ThinFileError {
         /// The sides of the rectangle.
         size: [f64; 2],
     },
+    /// The box around the points is no region.
+    #[error("the points reach over {} x {} x {}, which is no region that can be certified", Number(size[0]), Number(size[1]), Number(size[2]))]
+    Box {
+        /// The sides of the box.
+        size: [f64; 3],
+    },
+    /// A thinned set in space has no verdict.
+    #[error("the thinned set has no verdict: {0}")]
+    Solid(#[from] SolidError),
     /// The file would be read in another way under its new name.
     #[error(
         "called {name}, the file would be read as {found} and not as {format}; give it the extension of the input"

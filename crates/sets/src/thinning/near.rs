@@ -3,8 +3,8 @@
 //! The differences of coordinates are doubles, rounded as every subtraction of doubles is. From there on nothing is rounded: the
 //! sum of their squares is compared with the square of the distance exactly.
 
-/// Doubles whose squares are farther apart than this share of one of them are in that order also when they are rounded: the
-/// three squares and the sum are each wrong by 2^-53 at most.
+/// Doubles whose squares are farther apart than this share of one of them are in that order also when they are rounded: up to
+/// four squares and two sums are each wrong by 2^-53 at most.
 const SURE: f64 = 1.0 / (1_u64 << 50) as f64;
 
 /// The distance below which two points are near, prepared for comparisons.
@@ -31,14 +31,14 @@ impl Reach {
         Self::of(least * (2.0 * greatest / (least + greatest)))
     }
 
-    /// Returns whether points with these differences of coordinates are nearer than the distance.
+    /// Returns whether points with these differences of coordinates are nearer than the distance, in the plane or in space.
     #[inline]
-    pub fn holds(&self, [dx, dy]: [f64; 2]) -> bool {
-        let squared = dx * dx + dy * dy;
+    pub fn holds<const AXES: usize>(&self, sides: [f64; AXES]) -> bool {
+        let squared: f64 = sides.iter().map(|side| side * side).sum();
         if squared < self.surely_below {
             return true;
         }
-        squared <= self.surely_above && is_below(dx, dy, self.distance)
+        squared <= self.surely_above && is_below(&sides, self.distance)
     }
 }
 
@@ -52,20 +52,27 @@ pub(super) fn offset(a: [f64; 2], b: [f64; 2], period: Option<[f64; 2]>) -> [f64
     [0, 1].map(|axis| straight[axis].min((sides[axis] - straight[axis]).abs()))
 }
 
-/// Returns whether dx^2 + dy^2 < distance^2, exactly. The last bits of a very small square are no doubles and are lost.
-/// That changes nothing: the distance is not as small, so that such a square matters only where the other difference
-/// equals the distance, and then the sum is not below, with or without these bits.
-fn is_below(dx: f64, dy: f64, distance: f64) -> bool {
+/// Returns whether the squares of up to three sides sum up to less than distance^2, exactly. The last bits of a very small square
+/// are no doubles and are lost. That changes nothing: the distance is not as small, so that such a square matters only where the
+/// other sides are as long as the distance, and then the sum is not below, with or without these bits.
+fn is_below(sides: &[f64], distance: f64) -> bool {
     // Each square in two doubles: the rounded one, and what rounding took from it, which a fused multiplication gives.
-    let [x, y, limit] = [dx, dy, distance].map(|length| {
+    let halves = |length: f64| {
         let square = length * length;
         [square, length.mul_add(length, -square)]
-    });
-    let terms = [x[1], y[1], -limit[1], x[0], y[0], -limit[0]];
+    };
+    let limit = halves(distance);
+    let squares = sides.iter().map(|&side| halves(side));
+    let negative = [-limit[0], -limit[1]];
 
-    // An expansion (Shewchuk 1997): its parts do not overlap, so that the largest one has the sign of the sum.
-    let mut parts = [0.0; 6];
-    for (count, term) in terms.into_iter().enumerate() {
+    // An expansion (Shewchuk 1997): its parts do not overlap, so that the largest one has the sign of the sum. Small terms come
+    // first.
+    let squares: Vec<[f64; 2]> = squares.chain([negative]).collect();
+    let terms = [1, 0]
+        .into_iter()
+        .flat_map(|half| squares.iter().map(move |square| square[half]));
+    let mut parts = [0.0; 8];
+    for (count, term) in terms.enumerate() {
         let mut carried = term;
         for part in &mut parts[..count] {
             (carried, *part) = two_sum(carried, *part);
