@@ -231,11 +231,18 @@ impl SetArguments {
         if let Ok(reader) = StreamReader::open(path, self.format) {
             return Ok(reader.certificate().cloned());
         }
-        // A certificate is that of the file, whichever of its sets is chosen.
-        let set = self.set.or(Some(0));
-        Ok(self
-            .read_as(path, set, CertificateUse::AsStated)?
-            .certificate)
+        let hint = Hint {
+            format: self.format,
+            // A certificate is that of the file, whichever of its sets is chosen, and whatever z is: a set that was thinned by x and
+            // y keeps it.
+            set: self.set.or(Some(0)),
+            any_z: true,
+            columns: columns(self.columns.as_deref()),
+            certificate: CertificateUse::AsStated,
+            ..Hint::default()
+        };
+        let read = tilescope_formats::read(path, &hint).map_err(with_option);
+        Ok(read.in_file(path)?.certificate)
     }
 
     /// Returns how many sets of a file are chosen: one, or all if no argument chooses.
@@ -287,28 +294,36 @@ impl SetArguments {
         certificate: CertificateUse,
         varying: bool,
     ) -> Result<ReadSet> {
-        // The parser of arguments takes two names or none, so that no other number gets lost here.
-        let columns =
-            (self.columns.as_deref()).and_then(|columns| <&[String; 2]>::try_from(columns).ok());
-
         let hint = Hint {
             format: self.format,
             set,
-            columns: columns.map(|columns| columns.each_ref().map(String::as_str)),
+            columns: columns(self.columns.as_deref()),
             origin: self.origin(),
             certificate,
             varying,
             ..Hint::default()
         };
-        let read = tilescope_formats::read(path, &hint).map_err(|error| match error {
-            // The points may be as wanted all the same, and an option reads them.
-            FormatError::FalseCertificate { .. } | FormatError::Certificate { .. } => {
-                anyhow!("{error}; {WITHOUT_CERTIFICATE}")
-            }
-            FormatError::NotPlanar { .. } => anyhow!("{error}; {IN_SPACE}"),
-            other => other.into(),
-        });
+        let read = tilescope_formats::read(path, &hint).map_err(with_option);
         read.in_file(path)
+    }
+}
+
+/// Returns the names of two columns as they are read by.
+pub fn columns(names: Option<&[String]>) -> Option<[&str; 2]> {
+    // The parser of arguments takes two names or none, so that no other number gets lost here.
+    let names = <&[String; 2]>::try_from(names?).ok()?;
+    Some(names.each_ref().map(String::as_str))
+}
+
+/// Adds to the error of a file the option that helps.
+fn with_option(error: FormatError) -> anyhow::Error {
+    match error {
+        // The points may be as wanted all the same, and an option reads them.
+        FormatError::FalseCertificate { .. } | FormatError::Certificate { .. } => {
+            anyhow!("{error}; {WITHOUT_CERTIFICATE}")
+        }
+        FormatError::NotPlanar { .. } => anyhow!("{error}; {IN_SPACE}"),
+        other => other.into(),
     }
 }
 

@@ -1,5 +1,7 @@
 //! `tilescope thin`: the points of a file that are kept so that no two are near each other.
 
+mod space;
+
 use std::fmt::Write;
 use std::path::{Path, PathBuf};
 use std::time::Instant;
@@ -10,7 +12,7 @@ use serde_json::{Value, json};
 use tilescope_analysis::{Boundary, Region, ThinnedReport};
 use tilescope_core::memory::ask;
 use tilescope_formats::{
-    Certificate, CertificateUse, Format, FormatError, Hint, KeptRows, certificate_path,
+    Certificate, CertificateUse, CertifiedRadius, Format, Hint, KeptRows, certificate_path,
     destination, read_whole, write_certified,
 };
 use tilescope_sets::RadiusSource;
@@ -20,7 +22,7 @@ use tilescope_sets::thinning::{
 
 use crate::engine::ThreadArguments;
 use crate::ground::{file_name, formula, image};
-use crate::options::{boundaries, formats, pair};
+use crate::options::{boundaries, columns, formats, pair};
 use crate::parameters::RadiusSpan;
 use crate::paths::{InFile, check_file, check_inputs_stay, named};
 use crate::progress::{verifying, watched};
@@ -56,7 +58,7 @@ pub struct ThinArguments {
     /// The seed of --priority random; if not given, 1
     #[arg(long)]
     seed: Option<u64>,
-    /// Thin by x and y alone, whatever z is. Without this, points with a z other than 0 are refused
+    /// Thin by x and y alone, whatever z is. Without this, points of which one has a z other than 0 are thinned in space
     #[arg(long)]
     xy: bool,
     /// Write the kept points, in the format of the input and with all of their columns, and a certificate beside the file
@@ -99,11 +101,13 @@ or made; rows are copied to the byte. The result is judged: no two kept points a
 point left out is near one that was kept earlier, which only one choice fulfils. It is the same on every
 machine and for any number of threads. Distances are compared exactly: the differences of coordinates are
 doubles, as subtraction rounds them, and from there nothing is rounded. Points exactly R apart both stay; of
-copies the first one stays. Faces and edges of a PLY mesh are left out, other elements stay. `tilescope
+copies the first one stays. Points of which one has a z other than 0 lie in space, with one radius and
+without a domain; --xy thins them by x and y. Faces and edges of a PLY mesh are left out, other elements stay. `tilescope
 verify` judges the file again, with --source against the points that it was chosen from.
 
 Examples:
-  tilescope thin cloud.ply --radius 0.5 --xy --out thinned.ply
+  tilescope thin cloud.ply --radius 0.5 --out thinned.ply
+  tilescope thin terrain.ply --radius 0.5 --xy --out thinned.ply
   tilescope thin survey.csv --radius 2 --priority column height --greatest-first --out peaks.csv
   tilescope thin cloud.npy --radius 0.01 --priority random --seed 7 --out thinned.npy
   tilescope thin stars.csv --radius-expression '0.5 + 0.01*hypot(x, y)' --out thinned.csv
@@ -138,9 +142,14 @@ fn make(arguments: &ThinArguments) -> Result<ThinnedFile> {
     // later.
     ask(bytes.len() as u64).in_file(&arguments.input)?;
     let name = file_name(&arguments.input);
-    let file = PointFile::new(&bytes, arguments.hint(&name))
-        .map_err(hinted)
-        .in_file(&arguments.input)?;
+    let file = match PointFile::new(&bytes, arguments.hint(&name)) {
+        Ok(file) => file,
+        // A third coordinate that is not 0, or a file of space alone.
+        Err(planar) => {
+            let file = space::read(&bytes, arguments, &name, planar).in_file(&arguments.input)?;
+            return space::make(arguments, &recipe, &file, laps);
+        }
+    };
     // Points in a domain whose sides are given are taken for planar.
     if file.read.degrees && !arguments.planar && recipe.domain.is_none() {
         return Err(ThinFileError::Degrees).in_file(&arguments.input);
@@ -173,7 +182,13 @@ fn make(arguments: &ThinArguments) -> Result<ThinnedFile> {
         laps.add("write");
     }
     Ok(ThinnedFile {
-        thinning,
+        described: Described {
+            radius: thinning.radius.clone(),
+            region: json!(thinning.region),
+            origin: json!(thinning.origin),
+            domain: None,
+            priority: thinning.priority().to_string(),
+        },
         report,
         written,
         laps,
@@ -200,17 +215,6 @@ fn write(
         certificate_path,
         left_out: rows.left_out,
     })
-}
-
-/// Adds to the error of a cloud in space the option that thins it: by x and y alone.
-fn hinted(error: ThinFileError) -> anyhow::Error {
-    let is_in_space = matches!(error, ThinFileError::Format(FormatError::NotPlanar { .. }));
-    let error = anyhow::Error::from(error);
-    if is_in_space {
-        return error
-            .context("--xy thins a cloud in space by its x and y, and keeps z with each point");
-    }
-    error
 }
 
 impl ThinArguments {
@@ -324,12 +328,6 @@ pub const XY: &str = "xy";
 pub const COLUMNS: &str = "columns";
 pub const SET: &str = "set";
 
-/// Returns the names of two columns as they are read by.
-pub fn columns(names: Option<&[String]>) -> Option<[&str; 2]> {
-    let names = <&[String; 2]>::try_from(names?).ok()?;
-    Some(names.each_ref().map(String::as_str))
-}
-
 /// The seconds of each part of the work.
 struct Laps {
     last: Instant,
@@ -359,9 +357,19 @@ struct Written {
     left_out: Vec<String>,
 }
 
+/// By what a file was thinned.
+struct Described {
+    radius: CertifiedRadius,
+    region: Value,
+    origin: Value,
+    /// The box of points in space, in words.
+    domain: Option<String>,
+    priority: String,
+}
+
 /// The set that was kept, and how it was judged.
 struct ThinnedFile {
-    thinning: Thinning,
+    described: Described,
     report: ThinnedReport,
     written: Option<Written>,
     laps: Laps,
@@ -370,13 +378,13 @@ struct ThinnedFile {
 impl ThinnedFile {
     /// Returns the report for programs. Fields of a file are null if none was written.
     fn json(&self) -> Value {
-        let (written, thinning) = (self.written.as_ref(), &self.thinning);
+        let (written, described) = (self.written.as_ref(), &self.described);
         let seconds = self.laps.seconds.iter();
         let mut object = json!({
-            "radius": thinning.radius,
-            "region": thinning.region,
-            "origin": thinning.origin,
-            "priority": thinning.priority().to_string(),
+            "radius": described.radius,
+            "region": described.region,
+            "origin": described.origin,
+            "priority": described.priority,
             "certificate": written.map(|file| file.certificate_path.display().to_string()),
             "positions_digest": written.map(|file| &file.certificate.positions_digest),
             "left_out": written.map(|file| &file.left_out),
@@ -388,12 +396,22 @@ impl ThinnedFile {
 
     /// Returns the report in lines.
     fn text(&self) -> String {
-        let radius = output::radius_text(&self.thinning.radius);
-        let priority = self.thinning.priority();
+        let Described {
+            radius,
+            domain,
+            priority,
+            ..
+        } = &self.described;
+        let radius = output::radius_text(radius);
+        // Clouds of a plane are the usual ones; those in space are named as such.
+        let space = domain
+            .as_ref()
+            .map_or_else(String::new, |domain| format!(" in space, {domain}"));
+
         let laps = self.laps.seconds.iter();
         let stages = laps.map(|(name, time)| format!("  {name:<12} {:>9.1} ms\n", time * 1e3));
         let mut out = format!(
-            "thinned to r = {radius}, taken by: {priority}\n\n{}\n{}",
+            "thinned to r = {radius}{space}, taken by: {priority}\n\n{}\n{}",
             stages.collect::<String>(),
             report_text(&self.report)
         );

@@ -1,4 +1,6 @@
-//! Verifying a thinned set: alone, and against the points from which it was chosen.
+//! Verifying a thinned set: alone, and against the points from which it was chosen. [`space`] has those in space.
+
+pub mod space;
 
 use std::fmt::Write;
 use std::path::Path;
@@ -7,17 +9,18 @@ use anyhow::{Result, bail};
 use serde_json::json;
 use tilescope_analysis::{ThinnedReport, shown_in_line};
 use tilescope_formats::{
-    Certificate, CertificateDifference, CertificateUse, Hint, Thinned, implied_kept, keep_rows,
-    read_whole,
+    Certificate, CertificateDifference, CertificateUse, Depth, Hint, Thinned, implied_kept,
+    in_space, keep_rows, read_whole,
 };
 use tilescope_sets::GivenRadius;
 use tilescope_sets::thinning::{PointFile, ThinFileError, ThinRecipe};
 
 use crate::ground::{GroundArguments, file_name};
-use crate::options::{SetArguments, refuse_stated};
+use crate::options::{SetArguments, columns, refuse_stated};
 use crate::paths::InFile;
 use crate::progress::verifying;
-use crate::thin::{COLUMNS, SET, XY, columns, report_json, report_text};
+use crate::solid::box_text;
+use crate::thin::{COLUMNS, SET, XY, report_json, report_text};
 use crate::{output, verdict_code};
 
 /// Verifies a set whose certificate states that it was chosen from another one, and prints the verdict. Without a
@@ -174,23 +177,14 @@ fn against(
     // A point that is not one of the source is a finding. Which points were kept is then not known, and the judge takes
     // none as kept: the report still states how many were given.
     let kept = implied.unwrap_or_else(|index| {
-        let [x, y] = chosen.points()[index];
-        differences.push(CertificateDifference {
-            field: "points",
-            stated: "points of the source, each once".to_owned(),
-            found: format!("point {index} at ({x}, {y}), which is none of those left"),
-        });
+        differences.push(stranger(index, &chosen.points()[index]));
         vec![false; points.len()]
     });
 
     // Other columns, and the order of the rows, are compared as bytes; not after the finding above, where no point
     // counts as kept.
     if differences.is_empty() && keep_rows(given.bytes, &given.hint, &kept)?.bytes != chosen.bytes {
-        differences.push(CertificateDifference {
-            field: "rows",
-            stated: "rows of the source, unchanged".to_owned(),
-            found: "other bytes".to_owned(),
-        });
+        differences.push(other_rows());
     }
 
     // The certificate is made anew, and every number compared.
@@ -202,6 +196,28 @@ fn against(
         differences,
         has_source: true,
     })
+}
+
+/// Returns the finding that a point of a file is none of its source.
+fn stranger(index: usize, point: &[f64]) -> CertificateDifference {
+    let place: Vec<String> = point.iter().map(f64::to_string).collect();
+    CertificateDifference {
+        field: "points",
+        stated: "points of the source, each once".to_owned(),
+        found: format!(
+            "point {index} at ({}), which is none of those left",
+            place.join(", ")
+        ),
+    }
+}
+
+/// Returns the finding that the rows of a file are not those of its source.
+fn other_rows() -> CertificateDifference {
+    CertificateDifference {
+        field: "rows",
+        stated: "rows of the source, unchanged".to_owned(),
+        found: "other bytes".to_owned(),
+    }
 }
 
 impl Verdict {
@@ -226,7 +242,10 @@ impl Verdict {
 
     /// Returns the verdict in lines.
     fn text(&self, stated: &Certificate, thinned: &Thinned) -> String {
-        let region = output::region_text(&stated.region);
+        let region = match stated.depth {
+            None => output::region_text(&stated.region),
+            Some(Depth(depth)) => box_text(&in_space(stated.region, depth)),
+        };
         let radius = output::radius_text(&stated.radius);
         let priority = shown_in_line(&thinned.priority);
         let mut out = format!("thinned to r = {radius} on {region}, taken by: {priority}\n\n");

@@ -76,6 +76,9 @@ Examples:
 pub fn run(arguments: &VerifyArguments) -> Result<u8> {
     interrupt::listen();
     output::note_left_out(&arguments.set, &arguments.file);
+    if let Some(stated) = thinned::space::certificate(&arguments.set, &arguments.file) {
+        return thinned_in_space(arguments, &stated);
+    }
     if solid::is_in_space(&arguments.set, &arguments.file) {
         return in_space(arguments);
     }
@@ -120,6 +123,24 @@ pub fn run(arguments: &VerifyArguments) -> Result<u8> {
         || to_text(&check, corner),
     )?;
     Ok(verdict_code(check.passed()))
+}
+
+/// Checks a set whose certificate states that it was chosen from points in space.
+fn thinned_in_space(arguments: &VerifyArguments, stated: &Certificate) -> Result<u8> {
+    let given = [
+        ("--prefix", arguments.prefix.is_some()),
+        ("--rank", arguments.rank.is_some()),
+    ];
+    solid::refuse(&given, solid::PLANAR)?;
+    let VerifyArguments {
+        file,
+        set,
+        ground,
+        json,
+        ..
+    } = arguments;
+    let source = arguments.source.as_deref();
+    thinned::space::run(file, set, ground, source, stated, *json)
 }
 
 /// Checks a set in space. Refuses the options of planar sets.
