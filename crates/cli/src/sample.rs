@@ -23,6 +23,9 @@ pub fn run(arguments: &SampleArguments) -> Result<u8> {
         check_inputs_stay(path, inputs.chain(arguments.ground.files()))?;
     }
 
+    if let Some(&[x0, y0, z0, x1, y1, z1]) = arguments.window.as_deref() {
+        return solid::window::run(arguments, [x0, y0, z0, x1, y1, z1]);
+    }
     if arguments.space.is_given() {
         return solid::make::sample(arguments);
     }

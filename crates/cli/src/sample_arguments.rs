@@ -38,8 +38,9 @@ pub struct SampleArguments {
     pub space: SpaceArguments,
     /// Only the samples of the set in this rectangle, X0 <= x < X1 and Y0 <= y < Y1, without making the
     /// rest. In a periodic domain it may cross the border or lie beyond it; in a bounded domain a rectangle
-    /// that reaches the upper border includes it. With --levels the file has level and rank of each sample, as the whole set
-    #[arg(long, num_args = 4, value_names = ["X0", "Y0", "X1", "Y1"],
+    /// that reaches the upper border includes it. With --levels the file has level and rank of each sample, as the whole set.
+    /// Six numbers, X0 Y0 Z0 X1 Y1 Z1, are a box in space without end, which has a radius and a seed alone
+    #[arg(long, num_args = 4..=6, value_names = ["X0", "Y0", "X1", "Y1"],
         conflicts_with_all = ["shuffle", "resume", "no_verify"])]
     pub window: Option<Vec<f64>>,
     /// KDRT; exact tiling, which has no bias at seams; or the reference sampler, which makes a maximal set from scratch and,

@@ -27,7 +27,10 @@ const MAX_SAMPLES: f64 = 2e7;
 /// Computes the samples of one window of the domain, judges them and prints the report. Returns the exit code of the program.
 pub fn run(arguments: &SampleArguments, asked: &[f64]) -> Result<u8> {
     let &[left, bottom, right, top] = asked else {
-        anyhow::bail!("--window takes four numbers");
+        anyhow::bail!(
+            "--window takes four numbers, or six in space; {} are given",
+            asked.len()
+        );
     };
     let corners = [left, bottom, right, top];
     let mut watch = Stopwatch::start();

@@ -32,7 +32,12 @@ const USED: [Parameter; 5] = [
 
 /// Makes a set of balls, verifies it and saves it, as the arguments ask; prints the outcome.
 pub fn sample(arguments: &SampleArguments) -> Result<u8> {
-    refuse_planar(arguments)?;
+    let option = arguments.space.option();
+    ensure!(
+        arguments.window.is_none(),
+        "--window: {option} makes a whole box; without it, --window of six numbers makes a part of space without end"
+    );
+    refuse_planar(arguments, option, &USED)?;
     let path = arguments.out.as_deref();
     // The format is checked before the set is made, which may take minutes.
     if let Some(path) = path {
@@ -51,9 +56,13 @@ pub fn sample(arguments: &SampleArguments) -> Result<u8> {
     ))
 }
 
-/// Refuses, by their names, options of planar sets and of other ways to make one.
-fn refuse_planar(arguments: &SampleArguments) -> Result<()> {
-    let option = arguments.space.option();
+/// Refuses, by their names, options of planar sets and of other ways to make one. `option` is the one that makes a set in space, for
+/// which the parameters `used` count.
+pub(super) fn refuse_planar(
+    arguments: &SampleArguments,
+    option: &str,
+    used: &[Parameter],
+) -> Result<()> {
     let why = format!("{option} makes a set in space, by the reference sampler");
     // The reference sampler makes every set in space: to ask for it by name changes nothing.
     match arguments.method {
@@ -69,7 +78,6 @@ fn refuse_planar(arguments: &SampleArguments) -> Result<()> {
     // Sets in space are made whole and in memory, with a corner at 0, without blocks and levels: these have no meaning.
     let given = [
         ("--levels", arguments.nested.levels.is_some()),
-        ("--window", arguments.window.is_some()),
         ("--resume", arguments.resume),
         ("--origin", arguments.origin.is_some()),
         ("--pattern", arguments.run.pattern.is_some()),
@@ -80,7 +88,7 @@ fn refuse_planar(arguments: &SampleArguments) -> Result<()> {
 
     // Only a typed option is refused, as all have defaults.
     let typed = arguments.run.typed.iter();
-    match typed.copied().find(|typed| !USED.contains(typed)) {
+    match typed.copied().find(|typed| !used.contains(typed)) {
         Some(typed) => bail!("--{}: {why}; leave it out", typed.key()),
         None => Ok(()),
     }
