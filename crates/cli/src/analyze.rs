@@ -71,7 +71,8 @@ scatter, and lie 2 to 3 % below those of Heck's definition on the mean periodogr
 lattice has 0.92 instead of 1.
 
 Sets in space, those with a certificate of one or with --depth, have the power by shells of frequency, with
-nu = |k| / cbrt(N / volume), and g(r) over the distance in radii; they are not compared with --against.
+nu = |k| / cbrt(N / volume), and g(r) over the distance in radii. Powers of two single sets are compared
+by the scatter between their frequencies, and averages by the spread between sets.
 
 With --average all sets must have the domain of the first and its number of samples to within 10 %;
 frequencies are the first one's, and nu is taken with the mean number of samples; in space it is the mean of the
@@ -84,6 +85,7 @@ Examples:
   tilescope analyze theirs.txt --radius 0.01 --boundary bounded --json
   tilescope analyze *.npy --out numbers.csv
   tilescope analyze balls.ply --out balls.html
+  tilescope analyze balls.ply --against theirs.ply
 
 Exit codes: 0 all files were analysed, 2 a file was not, or the arguments cannot be used.";
 
@@ -222,7 +224,11 @@ fn save(analysis: &mut Analysis, path: &Path) -> Result<()> {
 fn text(analysis: &Analysis, saved: Option<&str>) -> String {
     let mut out = table::text(&table::measures(&analysis.subjects));
     if let Some(reference) = analysis.reference() {
-        let table = table::differences(reference, analysis.compared(), &analysis.differences);
+        let table = table::differences(
+            &reference.label,
+            analysis.compared().iter().map(|one| one.label.as_str()),
+            &analysis.differences,
+        );
         out = format!("{out}\n{}", table::text(&table));
     }
     with_report(out, saved)

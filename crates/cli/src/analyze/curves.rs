@@ -8,6 +8,7 @@ use tilescope_drawing::spectra::{self, chart};
 use tilescope_figures::chart::{Axis, Figure, Level, LineChart, Look, Panel, Series};
 
 use super::curve::Curve;
+use super::differences::Differences;
 use super::gather::Analysis;
 use super::names;
 use super::subject::Subject;
@@ -133,19 +134,32 @@ fn curve_rows(analysis: &Analysis) -> (Vec<Panel>, Panel) {
 /// Returns the differences of all subjects from the reference, if there is one: of the two curves that have
 /// differences. Anisotropies are compared with the levels in their own chart.
 fn difference_row(analysis: &Analysis) -> Vec<Panel> {
+    let labels = analysis.compared().iter().map(|subject| &subject.label);
+    let each: Vec<(&String, &Differences)> = labels.zip(&analysis.differences).collect();
+    differences(&each, [FREQUENCY, DISTANCE])
+}
+
+/// Returns the charts of differences from a reference, each with the label of its subject: of powers over `frequency`, and of pair
+/// correlations over `distance`.
+pub fn differences(
+    each: &[(&String, &Differences)],
+    [frequency, distance]: [&str; 2],
+) -> Vec<Panel> {
     let texts = [
-        ("radial mean power", FREQUENCY, "P(\u{3bd})"),
-        ("pair correlation", DISTANCE, "g(r)"),
+        ("radial mean power", frequency, "P(\u{3bd})"),
+        ("pair correlation", distance, "g(r)"),
     ];
     // Differences have their curves in the order of these texts.
     let charts = texts.iter().enumerate().map(|(number, (what, x, y))| {
-        let each = analysis.compared().iter().zip(&analysis.differences);
         // Colours are those of the curves above, which count without the reference as well.
-        let lines = each.enumerate().map(|(index, (subject, differences))| {
-            let (_, curve) = &differences.curves[number];
-            // No title is needed: titles only mark the reference, which is not among these.
-            series(&subject.label, Look::Numbered(index), curve)
-        });
+        let lines = each
+            .iter()
+            .enumerate()
+            .map(|(index, (label, differences))| {
+                let (_, curve) = &differences.curves[number];
+                // No title is needed: titles only mark the reference, which is not among these.
+                series(label, Look::Numbered(index), curve)
+            });
         let all: Vec<Series> = lines.flatten().collect();
         let (name, title) = ("no difference".to_owned(), format!("Difference of {what}"));
         let axis = cut_difference(&format!("\u{394}{y}"), &all);

@@ -29,13 +29,29 @@ pub struct Difference {
 impl Differences {
     /// Returns how a subject differs from the reference.
     pub fn of(subject: &Subject, reference: &Subject) -> Result<Self, MeasureError> {
-        let [power, pairs] = subject.minus(reference)?;
+        let curves = subject.minus(reference)?;
+        let words = ["annuli", "r_max"];
+        Ok(Self::between(
+            &subject.measures,
+            &reference.measures,
+            curves,
+            words,
+        ))
+    }
 
+    /// Returns the differences of measures from those of a reference, with those of the radial mean power and of the pair
+    /// correlation. The words say what the points of the power are called, and the unit of the correlation's distances.
+    pub fn between(
+        own: &[Measure],
+        reference: &[Measure],
+        [power, pairs]: [DifferenceCurve; 2],
+        [points, unit]: [&'static str; 2],
+    ) -> Self {
         let difference = |measure: &Measure| {
             // Found by its key: averages have measures that single sets lack, so that the same measure may have another
             // index.
             let is_same = |other: &&Measure| other.key == measure.key;
-            let base = reference.measures.iter().find(is_same);
+            let base = reference.iter().find(is_same);
             let error = |measure: &Measure| measure.spread.map(|spread| spread.standard_error);
             let values = measure.value.zip(base.and_then(|base| base.value));
             let errors = error(measure).zip(base.and_then(error));
@@ -50,17 +66,17 @@ impl Differences {
 
         let [power_key, pairs_key] = ["power_difference", "pair_correlation_difference"];
         // The labels of each curve: its name, what its points are called, and the unit of its x.
-        let of_power = of_curve(&power, power_key, "radial mean power", "annuli", "nu");
-        let of_pairs = of_curve(&pairs, pairs_key, "pair correlation", "bins", "r_max");
+        let of_power = of_curve(&power, power_key, "radial mean power", points, "nu");
+        let of_pairs = of_curve(&pairs, pairs_key, "pair correlation", "bins", unit);
 
-        Ok(Self {
-            measures: subject.measures.iter().map(difference).collect(),
+        Self {
+            measures: own.iter().map(difference).collect(),
             of_curves: of_power.into_iter().chain(of_pairs).collect(),
             curves: [
                 (power_key, Curve::new(power.points, power.bands)),
                 (pairs_key, Curve::new(pairs.points, pairs.bands)),
             ],
-        })
+        }
     }
 }
 

@@ -23,7 +23,11 @@ pub fn html(analysis: &Analysis, figures: &[String]) -> String {
     page_table(&mut out, &measures);
     if let Some(reference) = analysis.reference() {
         out.push_str("<h2>Differences</h2>\n");
-        let table = table::differences(reference, analysis.compared(), &analysis.differences);
+        let table = table::differences(
+            &reference.label,
+            analysis.compared().iter().map(|one| one.label.as_str()),
+            &analysis.differences,
+        );
         page_table(&mut out, &table);
     }
 

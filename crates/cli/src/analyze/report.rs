@@ -128,25 +128,32 @@ fn subject_json(subject: &Subject, differences: Option<&Differences>) -> Value {
         }),
     };
 
-    let curves =
-        |all: &[(&'static str, Curve)]| object(all.iter().map(|(key, c)| (*key, c.json())));
     json["label"] = json!(subject.label);
-    json["curves"] = curves(&subject.curves);
-
+    json["curves"] = curves_json(&subject.curves);
     if let Some(differences) = differences {
-        let each = (differences.measures.iter()).map(|one| (one.measure.key.as_str(), one));
-        let values = each.clone().map(|(key, one)| (key, one.value));
-        let of_curves = (differences.of_curves.iter()).map(|own| (own.key.as_str(), own.value));
-        json["differences"] = object(values.chain(of_curves));
-        json["curves_of_differences"] = curves(&differences.curves);
-        let errors = object(each.filter_map(|(key, one)| Some((key, one.standard_error?))));
-        // Two single sets have no spread, and their differences no errors.
-        if errors != json!({}) {
-            json["standard_errors_of_differences"] = errors;
-        }
+        add_differences(&mut json, differences);
     }
-
     json
+}
+
+/// Returns curves by their names.
+fn curves_json(all: &[(&'static str, Curve)]) -> Value {
+    object(all.iter().map(|(key, curve)| (*key, curve.json())))
+}
+
+/// Adds the differences from the reference to the object of a set or of an average.
+pub fn add_differences(json: &mut Value, differences: &Differences) {
+    let each = (differences.measures.iter()).map(|one| (one.measure.key.as_str(), one));
+    let values = each.clone().map(|(key, one)| (key, one.value));
+    let of_curves = (differences.of_curves.iter()).map(|own| (own.key.as_str(), own.value));
+    json["differences"] = object(values.chain(of_curves));
+    json["curves_of_differences"] = curves_json(&differences.curves);
+
+    let errors = object(each.filter_map(|(key, one)| Some((key, one.standard_error?))));
+    // Two single sets have no spread, and their differences no errors.
+    if errors != json!({}) {
+        json["standard_errors_of_differences"] = errors;
+    }
 }
 
 fn mean_json(measure: &Measure) -> (&str, Value) {

@@ -1,45 +1,39 @@
 //! `tilescope analyze` of sets in space: their numbers, the power by shells of frequency, and the pair correlation. The tables,
-//! charts and reports are those of planar sets; there are no periodograms, and no differences from a reference.
+//! charts and reports are those of planar sets; there are no periodograms.
 
 mod measured;
+mod subject;
 
 use std::path::PathBuf;
 
-use anyhow::Result;
+use anyhow::{Context, Result};
 use serde_json::{Value, json};
-use tilescope_analysis::measures::{Average, Spectrum};
-use tilescope_analysis::{BYTE_ORDER_MARK, SolidShell};
+use tilescope_analysis::BYTE_ORDER_MARK;
 use tilescope_drawing::spectra::{self, chart};
 use tilescope_figures::chart::{Axis, Figure, Level, Look, Series};
 
-use super::curve::Curve;
+use super::differences::Differences;
 use super::gather::Failure;
 use super::measure::Measure;
 use super::table::{Column, Table};
 use super::{AnalyzeArguments, curves, names, page, report, table};
 use crate::paths::named;
-use crate::solid::{box_text, is_in_space, refuse};
+use crate::solid::is_in_space;
 use crate::{describe, interrupt, output};
 use measured::{Measured, Request};
+use subject::SolidSubject;
 
 // A sign for the cube root is in none of the fonts of figures.
 const FREQUENCY: &str = "frequency \u{3bd} = |k| (volume / N)^(1/3)";
 const DISTANCE: &str = "distance / r";
 
-/// A column of the table and a curve in each chart: a set, or the average of several.
-struct Subject {
-    /// The path of the file, or what is averaged.
-    name: String,
-    label: String,
-    /// The domain, and where the radius is from.
-    words: [String; 2],
-    numbers: Vec<Measure>,
-    curves: [(&'static str, Curve); 3],
-}
-
 /// The measures of all files.
 pub struct InSpace {
-    subjects: Vec<Subject>,
+    /// What the others are compared with.
+    reference: Option<SolidSubject>,
+    subjects: Vec<SolidSubject>,
+    /// The differences of each subject from the reference; none without one.
+    differences: Vec<Differences>,
     /// The sets behind an average; none if each set is a subject.
     members: Vec<Measured>,
     failures: Vec<Failure>,
@@ -65,16 +59,12 @@ pub fn is_asked(arguments: &AnalyzeArguments) -> Result<bool> {
 impl InSpace {
     /// Measures the sets of some files; a file that cannot be measured is named, and the others are measured.
     pub fn of(arguments: &AnalyzeArguments) -> Result<Self> {
-        let no_reference = "sets in space are not compared with a reference";
-        refuse(
-            &[("--against", !arguments.against.is_empty())],
-            no_reference,
-        )?;
         let request = Request {
             set: &arguments.set,
             most: arguments.frequencies,
         };
 
+        let reference = reference(&arguments.against, &request)?;
         let mut measured: Vec<Measured> = Vec::new();
         let mut failures = Vec::new();
         for path in &arguments.files {
@@ -94,23 +84,38 @@ impl InSpace {
         }
 
         let (subjects, members) = if arguments.average && !measured.is_empty() {
-            (vec![Subject::average(&measured)?], measured)
+            (vec![SolidSubject::average(&measured)?], measured)
         } else {
             let names: Vec<String> = measured.iter().map(|one| one.name.clone()).collect();
             let labels = names::numbered(&names::short(&names));
             let subjects = measured.into_iter().zip(labels);
             (
                 subjects
-                    .map(|(one, label)| Subject::one(one, label))
+                    .map(|(one, label)| SolidSubject::one(one, label))
                     .collect(),
                 Vec::new(),
             )
         };
+        // Each subject is compared with the reference, and an average as a whole.
+        let differences = match &reference {
+            None => Vec::new(),
+            Some(base) => {
+                let each = subjects.iter().map(|subject| subject.less(base));
+                each.collect::<Result<_>>()?
+            }
+        };
         Ok(Self {
+            reference,
             subjects,
+            differences,
             members,
             failures,
         })
+    }
+
+    /// Returns all columns, that of the reference first.
+    fn all(&self) -> impl Iterator<Item = &SolidSubject> {
+        self.reference.iter().chain(&self.subjects)
     }
 
     /// Whether every file could be measured.
@@ -125,19 +130,32 @@ impl InSpace {
 
     /// Returns the numbers as a table.
     pub fn text(&self) -> String {
-        table::text(&self.table())
+        let mut out = table::text(&self.table());
+        if let Some(differences) = self.table_of_differences() {
+            out.push('\n');
+            out += &table::text(&differences);
+        }
+        out
+    }
+
+    /// Returns the differences from the reference as a table, if there is a reference.
+    fn table_of_differences(&self) -> Option<Table> {
+        let reference = self.reference.as_ref()?;
+        let labels = self.subjects.iter().map(|one| one.label.as_str());
+        Some(table::differences(
+            &reference.label,
+            labels,
+            &self.differences,
+        ))
     }
 
     fn table(&self) -> Table {
-        let rows = self
-            .subjects
-            .first()
-            .map_or(&[][..], |first| &first.numbers);
+        let rows = self.all().next().map_or(&[][..], |first| &first.numbers);
         let words = ["domain", "radius is"].map(|label| (label.to_owned(), ""));
         let labels = rows.iter().map(|own| (own.label.clone(), own.unit));
 
         let mut columns = Vec::new();
-        for subject in &self.subjects {
+        for subject in self.all() {
             let mean = subject.numbers.iter().map(|own| own.text(own.value, 0));
             columns.push(Column::new(
                 &subject.label,
@@ -168,7 +186,7 @@ impl InSpace {
             let pair = |own: &Measure| (own.key.clone(), json!(own.value));
             all.iter().map(pair).collect()
         };
-        let subject = |one: &Subject| {
+        let subject = |one: &SolidSubject| {
             let curves = one
                 .curves
                 .iter()
@@ -182,7 +200,10 @@ impl InSpace {
         };
         let member = |one: &Measured| json!({ "file": one.name, "region": one.region, "measures": numbers(&one.numbers) });
 
-        let all: Vec<Value> = self.subjects.iter().map(subject).collect();
+        let mut all: Vec<Value> = self.subjects.iter().map(subject).collect();
+        for (object, differences) in all.iter_mut().zip(&self.differences) {
+            report::add_differences(object, differences);
+        }
         let is_average = !self.members.is_empty();
         let files = if is_average {
             self.members.iter().map(member).collect()
@@ -192,6 +213,7 @@ impl InSpace {
         json!({
             "files": files,
             "average": if is_average { all.first() } else { None },
+            "against": self.reference.as_ref().map(subject),
             "failures": self.failures,
             "report": saved,
         })
@@ -203,10 +225,16 @@ impl InSpace {
         for one in &self.members {
             report::csv_measures(&mut out, &report::quoted(&one.name), &one.numbers);
         }
-        for one in &self.subjects {
+        for one in self.all() {
             let name = report::quoted(&one.name);
             report::csv_measures(&mut out, &name, &one.numbers);
             report::csv_curves(&mut out, &name, &one.curves);
+        }
+        // Differences of measures have no lines, as they follow from those of the two subjects.
+        for (one, of) in self.subjects.iter().zip(&self.differences) {
+            let name = report::quoted(&one.name);
+            report::csv_measures(&mut out, &name, &of.of_curves);
+            report::csv_curves(&mut out, &name, &of.curves);
         }
         out
     }
@@ -215,6 +243,10 @@ impl InSpace {
     pub fn html(&self, figures: &[String]) -> String {
         let mut out = page::opening();
         page::page_table(&mut out, &self.table());
+        if let Some(differences) = self.table_of_differences() {
+            out.push_str("<h2>Differences</h2>\n");
+            page::page_table(&mut out, &differences);
+        }
         page::curves(&mut out, figures);
         out.push_str(NOTES);
         let reasons = self.failures.iter().map(|failure| &failure.reason);
@@ -226,10 +258,13 @@ impl InSpace {
     /// Returns the figure of the curves.
     pub fn figure(&self) -> Figure {
         let series = |number_of_curve: usize| -> Vec<Series> {
-            let each = self.subjects.iter().enumerate();
+            let each = self.all().enumerate();
             let lines = each.filter_map(|(index, subject)| {
+                // The reference comes first, with a look of its own, and the others count from 0.
+                let number = index.checked_sub(usize::from(self.reference.is_some()));
+                let look = number.map_or(Look::Reference, Look::Numbered);
                 let (_, curve) = &subject.curves[number_of_curve];
-                curves::series(&subject.label, Look::Numbered(index), curve)
+                curves::series(&subject.label, look, curve)
             });
             lines.collect()
         };
@@ -256,93 +291,38 @@ impl InSpace {
             [one] => format!("Analysis of {}", one.label),
             several => format!("Analysis of {} sets", several.len()),
         };
-        let rows = vec![curves::drawn([power, anisotropy]), curves::drawn([pairs])];
+        let labels = self.subjects.iter().map(|subject| &subject.label);
+        let each: Vec<(&String, &Differences)> = labels.zip(&self.differences).collect();
+        let rows = vec![
+            curves::drawn([power, anisotropy]),
+            curves::drawn([pairs]),
+            curves::differences(&each, [FREQUENCY, DISTANCE]),
+        ];
         curves::of_rows(title, rows)
     }
+}
+
+/// Measures what the sets are compared with: one set, or the average of several.
+fn reference(paths: &[PathBuf], request: &Request<'_>) -> Result<Option<SolidSubject>> {
+    let mut measured: Vec<Measured> = Vec::new();
+    for path in paths {
+        // An average has the frequencies and the distances of its first set.
+        let one = request.measure(path, measured.first());
+        measured.push(one.context("--against")?);
+    }
+    // One set is the reference itself, with the scatter between its frequencies; several are averaged.
+    if let [_] = &measured[..] {
+        let one = measured.remove(0);
+        let label = format!(
+            "{} (reference)",
+            names::short(std::slice::from_ref(&one.name))[0]
+        );
+        return Ok(Some(SolidSubject::one(one, label)));
+    }
+    let average = (!measured.is_empty()).then(|| SolidSubject::average(&measured));
+    average.transpose().context("--against")
 }
 
 const NOTES: &str = "<p>Powers are means over shells of frequencies, of which large shells have up to 256 drawn ones (down to 32 of large sets, and fewer in flat boxes). Frequencies are \
 given as nu = |k| / cbrt(N / volume). Shaded bands hold the true mean with probability 0.95: those of one set follow from the \
 scatter between its frequencies, and those of an average from the spread between sets.</p>\n";
-
-impl Subject {
-    /// Returns the column of one set.
-    fn one(set: Measured, label: String) -> Self {
-        let [power, anisotropy, pairs] = set.curves();
-        // 1.96 standard errors to both sides hold the mean with probability 0.95.
-        let band =
-            |shell: &SolidShell| [-1.96, 1.96].map(|by| shell.power + by * shell.standard_error);
-        let bands = set.spectrum.shells.iter().map(band).collect();
-        Self {
-            words: words(&set),
-            name: set.name,
-            label,
-            numbers: set.numbers,
-            // Of one set only the powers have a known error: the other two curves have no bands.
-            curves: named_curves([
-                Curve::new(power, Some(bands)),
-                Curve::new(anisotropy, None),
-                Curve::new(pairs, None),
-            ]),
-        }
-    }
-
-    /// Returns the column of the average of some sets, at least one.
-    fn average(sets: &[Measured]) -> Result<Self> {
-        // All sets have the same numbers, of which some may be undefined.
-        let numbers = (0..sets[0].numbers.len()).map(|index| {
-            let all: Vec<&Measure> = sets.iter().map(|set| &set.numbers[index]).collect();
-            Measure::mean(&all)
-        });
-        let curves: Vec<[Vec<[f64; 2]>; 3]> = sets.iter().map(Measured::curves).collect();
-        let [power, anisotropy, pairs] = [0, 1, 2].map(|which| {
-            let of_sets: Vec<&[[f64; 2]]> = curves.iter().map(|own| &own[which][..]).collect();
-            mean_curve(&of_sets)
-        });
-
-        let names: Vec<&str> = sets.iter().map(|set| set.name.as_str()).collect();
-        Ok(Self {
-            // All have the box of the first set. Where its radius is from is said for it alone: its radius is the unit
-            // of all distances.
-            words: words(&sets[0]),
-            name: names::pattern(&names),
-            label: format!("mean of {}", sets.len()),
-            numbers: numbers.collect::<Result<_, _>>()?,
-            curves: named_curves([power?, anisotropy?, pairs?]),
-        })
-    }
-}
-
-/// Returns the words of a set in the table.
-fn words(set: &Measured) -> [String; 2] {
-    let origin = if set.has_radius {
-        "known"
-    } else {
-        "smallest distance"
-    };
-    [box_text(&set.region), origin.to_owned()]
-}
-
-/// Returns curves with the names that those of planar sets have in files.
-fn named_curves([power, anisotropy, pairs]: [Curve; 3]) -> [(&'static str, Curve); 3] {
-    [
-        ("power", power),
-        ("anisotropy", anisotropy),
-        ("pair_correlation", pairs),
-    ]
-}
-
-/// Returns the mean of some curves with its band.
-fn mean_curve(curves: &[&[[f64; 2]]]) -> Result<Curve> {
-    // Rounding may cost one of them the last shell.
-    let length = curves.iter().map(|curve| curve.len()).min().unwrap_or(0);
-    let [mut x, mut y] = [Average::new(length), Average::new(length)];
-    for curve in curves {
-        let column =
-            |axis: usize| -> Vec<f64> { curve[..length].iter().map(|point| point[axis]).collect() };
-        x.add(&column(0))?;
-        y.add(&column(1))?;
-    }
-    let points = x.means().iter().zip(y.means()).map(|(x, y)| [*x, *y]);
-    Ok(Curve::new(points.collect(), y.band(Spectrum::LEVEL)?))
-}

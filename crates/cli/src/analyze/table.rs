@@ -124,22 +124,26 @@ fn origin(members: &[Member]) -> String {
     }
 }
 
-/// Returns the differences of `subjects` from a reference.
-pub fn differences(reference: &Subject, subjects: &[Subject], all: &[Differences]) -> Table {
+/// Returns the differences of subjects, by their labels, from a reference.
+pub fn differences<'a>(
+    reference: &str,
+    labels: impl Iterator<Item = &'a str>,
+    all: &[Differences],
+) -> Table {
     let Some(first) = all.first() else {
         return Table::default();
     };
     // Either single sets are compared or one average, so that all subjects have the measures of the first.
     let of_measures = first.measures.iter().map(|difference| &difference.measure);
-    let column = |(subject, of): (&Subject, &Differences)| {
+    let column = |(label, of): (&str, &Differences)| {
         let curves = of.of_curves.iter().map(|own| own.text(own.value, 0));
         let measures = of.measures.iter().map(Difference::text);
-        Column::new(&subject.label, measures.chain(curves))
+        Column::new(label, measures.chain(curves))
     };
     Table {
-        head: format!("less {}", reference.label),
+        head: format!("less {reference}"),
         rows: of_measures.chain(&first.of_curves).map(labelled).collect(),
-        columns: subjects.iter().zip(all).map(column).collect(),
+        columns: labels.zip(all).map(column).collect(),
     }
 }
 
