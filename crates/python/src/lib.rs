@@ -27,6 +27,7 @@ mod plane;
 mod recorded;
 mod sample;
 mod solid;
+mod space;
 mod task;
 mod values;
 
@@ -62,6 +63,8 @@ mod _tilescope {
         check_file_in_space, is_in_space, read_file_in_space, sample_solid, save_solid,
         verify_solid,
     };
+    #[pymodule_export]
+    use crate::space::PythonSpace;
     #[pymodule_export]
     use crate::task::set_threads;
 }

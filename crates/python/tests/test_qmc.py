@@ -37,10 +37,10 @@ class TestPoisson(_NAMES["TestPoisson"]):
     # scipy's test of optimizers is such a seed.
 
     def test_0dim(self):
-        with pytest.raises(ValueError, match="d is 0; .* so it must be 2: scipy.stats.qmc.PoissonDisk has other dim"):
+        with pytest.raises(ValueError, match="d is 0; .* so it must be 2 or 3: scipy.stats.qmc.PoissonDisk has other dim"):
             self.engine(d=0, scramble=False)
 
-    # That bounds have another dimension than three is found before that the dimension is not two.
+    # That bounds have another dimension than three is found before the dimension is looked at.
     test_inconsistent_bounds = theirs.TestPoisson.test_inconsistent_bounds
     # Scipy's own engine is let off from these.
     test_fast_forward = theirs.QMCEngineTests.test_fast_forward
@@ -93,6 +93,23 @@ def test_sets_are_conflict_free_and_maximal_at_any_coordinates(corner, sides, ra
     assert engine.random(3).shape == engine.fill_space().shape == (0, 2)
 
 
+@pytest.mark.parametrize(("corner", "sides", "radius"), [([0, 0, 0], [1, 1, 1], 0.1), ([5e5, 4e6, -9], [70, 50, 41], 10)])
+def test_sets_in_space_are_conflict_free_and_maximal(corner, sides, radius):
+    corner, sides = np.array(corner), np.array(sides)
+    engine = qmc.PoissonDisk(3, radius=radius, rng=1, l_bounds=corner, u_bounds=corner + sides)
+    samples = np.concatenate([engine.random(5), engine.fill_space()])
+    assert ((corner < samples) & (samples < corner + sides)).all()
+    assert closest(samples) >= radius
+    offsets = np.clip(samples - corner, 0, sides)
+    assert tilescope.verify_solid(offsets, radius, size=tuple(sides), boundary="bounded").valid
+    assert engine.random(3).shape == engine.fill_space().shape == (0, 3)
+    # Control: without its first sample the set has a gap.
+    assert not tilescope.verify_solid(offsets[1:], radius, size=tuple(sides), boundary="bounded").maximal
+    again = qmc.PoissonDisk(3, radius=radius, rng=1, l_bounds=corner, u_bounds=corner + sides)
+    assert np.array_equal(again.random(7), samples[:7])
+    assert copy.deepcopy(again).random(2).shape == (2, 3)
+
+
 def test_scipys_engine_has_conflicts_at_large_coordinates_and_gaps():
     corner = np.array([5e5, 4e6])
     engine = stats.qmc.PoissonDisk(2, radius=20, rng=1, l_bounds=corner, u_bounds=corner + 1000)
@@ -143,7 +160,9 @@ def test_scipy_integrates_with_it():
 @pytest.mark.parametrize(
     ("arguments", "text"),
     [
-        ({"d": 3}, "d is 3; tilescope.qmc.PoissonDisk samples the plane"),
+        ({"d": 4}, "d is 4; tilescope.qmc.PoissonDisk samples the plane and space"),
+        ({"d": 3, "radius": 0.26}, "a side of the box is 3.846 radii long; in space at least 4.001"),
+        ({"d": 3, "radius": 0}, "the radius is 0; it must be a finite number above 0"),
         ({"d": 2, "radius": 0}, "the radius is 0; it must be a finite number above 0"),
         ({"d": 2, "u_bounds": [np.inf, 1]}, "not supported"),
         ({"d": 2, "u_bounds": [0, 1]}, "Bounds are not consistent"),

@@ -1,6 +1,7 @@
 """Sets in space: arrays of shape (N, 3), verified, saved, and refused by name."""
 
 import json
+import pickle
 
 import numpy as np
 import pytest
@@ -101,3 +102,39 @@ def test_sets_of_others_need_radius_and_box(balls, tmp_path):
         balls.verify(judge="delaunay")
     with pytest.raises(ValueError, match="holds no third coordinate"):
         balls.save(tmp_path / "set.svg")
+
+
+def test_windows_of_space_agree_and_are_valid():
+    space = tilescope.Space(radius=0.5, seed=9)
+    whole = space.window(-2, 10, 0, 2, 13, 2.5)
+    assert whole.shape[1] == 3 and not whole.flags.writeable
+    x, y, z = whole.T
+    inside = (x >= -1) & (x < 1.5) & (y < 12) & (z >= 0.5)
+    part = space.window(-1, 10, 0.5, 1.5, 12, 2.5)
+    assert len(part) > 30 and np.array_equal(part, whole[inside])
+    assert space.is_valid(-1, 10, 0.5, 1.5, 12, 2.5)
+    # As a task of Dask has it.
+    again = pickle.loads(pickle.dumps(space))
+    assert np.array_equal(again.window(-1, 10, 0.5, 1.5, 12, 2.5), part) and repr(again) == repr(space)
+    assert not np.array_equal(tilescope.Space(radius=0.5, seed=8).window(-1, 10, 0.5, 1.5, 12, 2.5), part)
+
+
+@pytest.mark.parametrize(
+    ("corners", "text"),
+    [
+        ((0, 0, 0, 1, 0, 1), "the window's height runs from 0 to 0"),
+        ((0, 0, 0, 1, 1, 1e6), "it must begin between -32,640 and 32,640"),
+        ((0, 0, 0, 1e4, 1e4, 1e4), "samples lie in the window; it may have 2e8"),
+        ((0, 0, 0, 1, 1, float("nan")), "the window's depth"),
+    ],
+)
+def test_impossible_windows_of_space_are_refused(corners, text):
+    with pytest.raises(ValueError, match=text):
+        tilescope.Space(radius=0.5).window(*corners)
+
+
+def test_impossible_spaces_are_refused():
+    with pytest.raises(ValueError, match="the radius is 0; it must be a finite number above 0"):
+        tilescope.Space(radius=0)
+    with pytest.raises(TypeError, match="seed is 'a'; it must be a whole number"):
+        tilescope.Space(radius=1, seed="a")

@@ -2,7 +2,8 @@
 A set is *conflict-free* if no two samples are closer than the radius, and *maximal* if no place of
 the domain is farther than the radius from all samples. :func:`sample` makes sets that are both, at
 millions of samples a second; equal parameters give equal points, bit for bit, on every machine and
-by the command line too. :class:`Plane` gives windows of sets that are never made as a whole.
+by the command line too. :class:`Plane` gives windows of sets that are never made as a whole,
+and :class:`Space` those of sets in space.
 :func:`verify`, which does not know the sampler, judges any set.
 
 Examples
@@ -37,6 +38,7 @@ from tilescope._point_set import Boundary, Format, Judge, PointSet
 from tilescope._progress import Progress, following
 from tilescope._report import Conflict, Domain, Gap, Level, LevelReport, Report, report_of
 from tilescope._solid_set import SolidGap, SolidJudge, SolidReport, SolidSet, sides, solid_report_of
+from tilescope._space import Space
 from tilescope._spectrum import Spectrum
 
 if TYPE_CHECKING:
@@ -54,6 +56,7 @@ __all__ = [
     "SolidGap",
     "SolidReport",
     "SolidSet",
+    "Space",
     "Spectrum",
     "analyze",
     "combine",

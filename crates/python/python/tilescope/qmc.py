@@ -34,6 +34,9 @@ __all__ = ["PoissonDisk"]
 # The shortest side of a box for `tilescope.sample`, in radii: 6, and room for rounding.
 _SHORTEST_SIDE = 6.001
 
+# The shortest side of a box in space, in radii: 4, and room for rounding.
+_SHORTEST_SIDE_IN_SPACE = 4.001
+
 _MOST_LEVELS = 3
 
 # The widest spacing of the floating-point numbers at the bounds, in radii: rounding to wider ones would leave places
@@ -46,7 +49,7 @@ def __dir__() -> list[str]:
 
 
 class PoissonDisk(qmc.QMCEngine):  # type: ignore[misc]
-    """Poisson-disk sampling of a box in the plane, in place of :class:`scipy.stats.qmc.PoissonDisk`.
+    """Poisson-disk sampling of a box in the plane or in space, in place of :class:`scipy.stats.qmc.PoissonDisk`.
 
     No two samples are closer than `radius`, at any coordinates. After :meth:`fill_space` no sample could be
     added: no place of the box is farther than ``(1 + 2**-15) * radius``, and eight times the spacing of
@@ -56,12 +59,13 @@ class PoissonDisk(qmc.QMCEngine):  # type: ignore[misc]
     :meth:`random` continues it. It is made as a whole when its first sample is asked for. The sequence is
     that of ``tilescope.sample(..., boundary="bounded", levels=K, order_within="farthest")``, with as many
     levels as the box has room for, at most 3; in a box with a side shorter than 6 radii it is one of darts.
+    In space it is the order of arrival in ``tilescope.sample(size=..., boundary="bounded")``.
     Threads may share an engine: each sample is given to one of them.
 
     Parameters
     ----------
     d : int
-        Dimension: 2. Scipy's engine has others.
+        Dimension: 2 or 3. Scipy's engine has others. In space sides have at least 4.001 radii.
     radius : float
         The smallest distance between two samples.
     hypersphere : {'volume', 'surface'}, optional
@@ -72,8 +76,8 @@ class PoissonDisk(qmc.QMCEngine):  # type: ignore[misc]
         relaxation seldom spreads the first samples more evenly than they are.
     rng : numpy.random.Generator or int, optional
         Where the seed is drawn from. Equal generators give equal samples on every machine.
-    l_bounds, u_bounds : array_like of shape (2,)
-        Corners of the box; the unit square if they are not given.
+    l_bounds, u_bounds : array_like of shape (d,)
+        Corners of the box; those of the unit square or cube if they are not given.
     seed : int or numpy.random.RandomState, optional
         Scipy's former name of `rng`.
 
@@ -125,14 +129,20 @@ class PoissonDisk(qmc.QMCEngine):  # type: ignore[misc]
         if not np.all(lower < upper):
             raise ValueError("Bounds are not consistent 'l_bounds' < 'u_bounds'")
 
-        if d != 2:
+        if d not in (2, 3):
             raise ValueError(
-                f"d is {d}; tilescope.qmc.PoissonDisk samples the plane, so it must be 2: "
+                f"d is {d}; tilescope.qmc.PoissonDisk samples the plane and space, so it must be 2 or 3: "
                 "scipy.stats.qmc.PoissonDisk has other dimensions"
             )
 
-        width, height = (upper - lower).tolist()
+        width, height, *depths = (upper - lower).tolist()
         _tilescope.check_domain(radius, width, height, "bounded")
+        shortest = min(width, height, *depths)
+        if depths and shortest < _SHORTEST_SIDE_IN_SPACE * radius:
+            raise ValueError(
+                f"a side of the box is {shortest / radius:.4g} radii long; in space at least {_SHORTEST_SIDE_IN_SPACE} are "
+                "needed: choose a smaller radius"
+            )
         _check_spacing(float(np.abs([lower, upper]).max()), radius)
 
         self.radius = radius
@@ -168,8 +178,11 @@ class PoissonDisk(qmc.QMCEngine):  # type: ignore[misc]
             radius = self.radius + 4 * np.spacing(np.abs([lower, upper]).max())
 
             room = sides.min() / (_SHORTEST_SIDE * radius)
+            if len(sides) == 3:
+                x, y, z = sides.tolist()
+                offsets = tilescope.sample(radius=radius, size=(x, y, z), boundary="bounded", seed=seed).points
             # Too narrow for tiles: KDRT needs a domain of several radii.
-            if room < 1:
+            elif room < 1:
                 offsets = _samples_of_narrow_box(sides, radius, np.random.default_rng(seed))
             else:
                 width, height = sides.tolist()
@@ -193,7 +206,7 @@ class PoissonDisk(qmc.QMCEngine):  # type: ignore[misc]
 
         Returns
         -------
-        numpy.ndarray of shape (n, 2)
+        numpy.ndarray of shape (n, d)
             The samples.
 
         Raises
@@ -207,7 +220,7 @@ class PoissonDisk(qmc.QMCEngine):  # type: ignore[misc]
         with self._lock:
             left = len(self._samples()) - self.num_generated
             if min(count, left) == 0:
-                return np.empty((0, 2))
+                return np.empty((0, self.d))
             sample: npt.NDArray[np.float64] = super().random(min(count, left), workers=workers)
             return sample
 
@@ -219,7 +232,7 @@ class PoissonDisk(qmc.QMCEngine):  # type: ignore[misc]
 
         Returns
         -------
-        numpy.ndarray of shape (n, 2)
+        numpy.ndarray of shape (n, d)
             The samples.
         """
         with self._lock:
