@@ -17,8 +17,10 @@ from pathlib import Path
 
 HERE = Path(__file__).parent
 RADIUS = 0.01
+# In the unit cube, which then has about 5,900 samples.
+SPACE_RADIUS = 0.05
 SEEDS = (1, 2, 3)
-# A sampler that takes longer for one set of about 7,000 samples is named as too slow.
+# A sampler that takes longer for one set of about 7,000 samples, or 6,000 in space, is named as too slow.
 PATIENCE_S = 600
 
 
@@ -35,6 +37,7 @@ class Sampler:
     # The side of its square, of which r is a hundredth.
     side: int = 1
     words: str = ""
+    in_space: bool = False
 
     @property
     def key(self):
@@ -60,12 +63,26 @@ SAMPLERS = [
     Sampler("poisson-disc-sampler", "npm", takes_seed=False),
 ]
 
+SPACE_SAMPLERS = [
+    Sampler("tilescope", "this", "periodic", "tilescope, periodic", in_space=True),
+    Sampler("tilescope", "this", "bounded", "tilescope, bounded", in_space=True),
+    Sampler("fast_poisson", "crates.io", in_space=True),
+    Sampler("faster_poisson", "crates.io", call="faster_poisson, dart", words="darts", in_space=True),
+    Sampler("faster_poisson", "crates.io", call="faster_poisson, Bridson", words="Bridson", in_space=True),
+    Sampler("poisson", "crates.io", "periodic", "poisson, Ebeida", words="Ebeida", in_space=True),
+    Sampler("poisson-diskus", "crates.io", "periodic", "poisson_diskus (unseeded)", takes_seed=False, in_space=True),
+    Sampler("scipy", "PyPI", call="scipy, space", words="stats.qmc.PoissonDisk", in_space=True),
+    Sampler("poisson_disc", "PyPI", call="poisson_disc, space", in_space=True),
+    Sampler("poisson-disk-sampling", "npm", call="poisson-disk-sampling, space", in_space=True),
+]
+
 # What was looked at and is not judged, with the reason.
 LEFT_OUT = [
     ("poissonDiskSampling 1.0.0", "PyPI", "its wheel holds no module"),
     ("poisson-2d", "PyPI", "the registry has its name and no file"),
     ("polydisc 0.4.0", "PyPI", "it needs Python 3.13"),
-    ("bsb-native 8.0.2", "PyPI", "it samples space, not the plane"),
+    ("bsb-native 8.0.2", "PyPI", "it samples space, not the plane; it was not tested there"),
+    ("SimpleMPS (Ebeida 2012) in space", "its paper", "no code of it is public"),
     ("@tsparticles/plugin-poisson-disc 4.3.2", "npm", "it is a plugin of an engine of animations"),
 ]
 
@@ -79,6 +96,14 @@ files. Versions are those of {day}.
 | sampler | border | samples | N r²/area | conflicts | smallest distance / r | gaps | covering radius / r | samples/s | equal seeds, equal points |
 |---|---|---|---|---|---|---|---|---|---|
 {rows}
+
+## In space
+
+In the same way {sets} sets of the unit cube with r = {space_radius}, judged by cubes and covered circles of spheres:
+
+| sampler | border | samples | N r³/volume | conflicts | smallest distance / r | gaps | covering radius / r | samples/s | equal seeds, equal points |
+|---|---|---|---|---|---|---|---|---|---|
+{space_rows}
 
 ## What is compared
 
@@ -121,12 +146,12 @@ class Judge:
 
     def make(self, sampler, seed, path):
         """Writes a set, and returns the seconds that it took."""
-        arguments = [sampler.key, str(RADIUS), str(seed), str(path)]
+        arguments = [sampler.key, str(SPACE_RADIUS if sampler.in_space else RADIUS), str(seed), str(path)]
         if sampler.registry == "PyPI":
             return float(output([self.python, HERE / "samplers.py", *arguments]))
         if sampler.registry == "npm":
             return float(output(["node", HERE / "samplers.mjs", *arguments], cwd=self.node_folder))
-        return float(output([self.peers, "--make", *arguments]))
+        return float(output([self.peers, "--make-space" if sampler.in_space else "--make", *arguments]))
 
     def version(self, sampler):
         if sampler.registry == "PyPI":
@@ -142,7 +167,10 @@ class Judge:
     def verdict(self, path, sampler):
         """Returns what `tilescope verify` says of a set of a sampler, by name."""
         sides = ["--width", str(sampler.side), "--height", str(sampler.side), "--boundary", sampler.boundary]
-        command = [self.program, "verify", path, "--radius", str(RADIUS * sampler.side), *sides]
+        radius = RADIUS * sampler.side
+        if sampler.in_space:
+            sides, radius = [*sides, "--depth", "1"], SPACE_RADIUS
+        command = [self.program, "verify", path, "--radius", str(radius), *sides]
         verdict = subprocess.run(command, capture_output=True, text=True, check=False, timeout=PATIENCE_S)
         number = r"([0-9.]+(?:e-?[0-9]+)?)"
         found = {
@@ -191,12 +219,14 @@ class Judge:
 
 def main():
     judge = Judge(*sys.argv[1:])
-    rows, left_out = [], [f"- `{name}` ({where}): {why}." for name, where, why in LEFT_OUT]
+    rows, space_rows = [], []
+    left_out = [f"- `{name}` ({where}): {why}." for name, where, why in LEFT_OUT]
     with tempfile.TemporaryDirectory() as folder:
-        for sampler in SAMPLERS:
+        for sampler in SAMPLERS + SPACE_SAMPLERS:
             try:
-                rows.append(judge.row(sampler, folder))
-                print(rows[-1], flush=True)
+                row = judge.row(sampler, folder)
+                (space_rows if sampler.in_space else rows).append(row)
+                print(row, flush=True)
             except subprocess.TimeoutExpired:
                 left_out.append(f"- `{sampler.name}` ({sampler.registry}): it took more than {PATIENCE_S} s for a set.")
                 print(left_out[-1], flush=True)
@@ -207,6 +237,7 @@ def main():
     machine = f"one thread of a shared server, {platform.machine()}"
     page = PAGE.format(
         day=datetime.date.today().isoformat(), sets=len(SEEDS), radius=RADIUS, rows="\n".join(rows), left_out="\n".join(left_out),
+        space_radius=SPACE_RADIUS, space_rows="\n".join(space_rows),
         machine=machine, python=platform.python_version(), node=output(["node", "--version"]).strip(),
     )  # fmt: skip
     made = HERE / "CONFORMANCE.md.tmp"

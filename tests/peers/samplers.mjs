@@ -1,4 +1,4 @@
-// Makes one set by a sampler of JavaScript: samplers.mjs NAME RADIUS SEED FILE. Writes positions in the unit square, and prints
+// Makes one set by a sampler of JavaScript: samplers.mjs NAME RADIUS SEED FILE. Writes positions in the unit square or the unit cube, and prints
 // the seconds of the processor that the set took. A first, small set is not counted: it loads and compiles.
 // The folder with node_modules is the current one.
 
@@ -19,6 +19,10 @@ const SAMPLERS = {
     const Sampling = require("poisson-disk-sampling");
     return new Sampling({ shape: [1, 1], minDistance: radius }, generator(seed)).fill();
   },
+  "poisson-disk-sampling, space": (radius, seed) => {
+    const Sampling = require("poisson-disk-sampling");
+    return new Sampling({ shape: [1, 1, 1], minDistance: radius }, generator(seed)).fill();
+  },
   "fast-2d-poisson-disk-sampling": (radius, seed) => {
     const Sampling = require("fast-2d-poisson-disk-sampling");
     return new Sampling({ shape: [1, 1], radius }, generator(seed)).fill();
@@ -36,9 +40,10 @@ const SAMPLERS = {
 
 const [name, radius, seed, file] = process.argv.slice(2);
 const make = SAMPLERS[name];
-make(10 * Number(radius), 0);
+make(Math.min(10 * Number(radius), 0.3), 0);
 const began = process.cpuUsage();
 const points = make(Number(radius), Number(seed));
 const { user, system } = process.cpuUsage(began);
-writeFileSync(file, `x,y\n${points.map(([x, y]) => `${x},${y}\n`).join("")}`);
+const head = ["x", "y", "z"].slice(0, points[0].length).join(",");
+writeFileSync(file, `${head}\n${points.map((point) => `${point.join(",")}\n`).join("")}`);
 console.log((user + system) / 1e6);

@@ -1,6 +1,6 @@
 """Makes one set by a sampler of Python: samplers.py NAME RADIUS SEED FILE.
 
-Writes positions in the unit square, or that of 100 x 100 with a hundred times the radius, and prints the seconds of the processor that the set took. The first set,
+Writes positions in the unit square or the unit cube, or in the square of 100 x 100 with a hundred times the radius, and prints the seconds of the processor that the set took. The first set,
 which is small, is not counted: it loads and compiles.
 """
 
@@ -15,6 +15,19 @@ def by_scipy(radius, seed):
     from scipy.stats import qmc
 
     return qmc.PoissonDisk(2, radius=radius, rng=np.random.default_rng(seed)).fill_space()
+
+
+def by_scipy_in_space(radius, seed):
+    from scipy.stats import qmc
+
+    return qmc.PoissonDisk(3, radius=radius, rng=np.random.default_rng(seed)).fill_space()
+
+
+def by_poisson_disc_in_space(radius, seed):
+    from poisson_disc import Bridson_sampling
+
+    np.random.seed(seed)
+    return Bridson_sampling(dims=np.array([1.0, 1.0, 1.0]), radius=radius)
 
 
 def by_poisson_disc(radius, seed):
@@ -52,6 +65,8 @@ SIDE = 100
 
 SAMPLERS = {
     "scipy": by_scipy,
+    "scipy, space": by_scipy_in_space,
+    "poisson_disc, space": by_poisson_disc_in_space,
     "poisson_disc": by_poisson_disc,
     "bridson": by_bridson,
     "blue-noise": by_blue_noise,
@@ -62,11 +77,11 @@ SAMPLERS = {
 def main():
     name, radius, seed, path = sys.argv[1:]
     make = SAMPLERS[name]
-    make(10 * float(radius), 0)
+    make(min(10 * float(radius), 0.3), 0)
     began = time.process_time()
     points = make(float(radius), int(seed))
     spent = time.process_time() - began
-    np.save(path, np.asarray(points, dtype=float).reshape(-1, 2))
+    np.save(path, np.asarray(points, dtype=float).reshape(len(points), -1))
     print(spent)
 
 

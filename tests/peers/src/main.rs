@@ -1,7 +1,9 @@
 //! Compares KDRT and the reference sampler with published crates, on one thread, in one run. Rates of samplers with
 //! other densities cannot be compared alone, so every set is measured by the verifier: density, smallest distance and
 //! covering radius. Run with `cargo run --release -p tilescope-tests-peers`; the first argument is the wanted count of
-//! samples. `--make NAME RADIUS SEED FILE` writes one set instead, for `conformance.py`.
+//! samples. `--make NAME RADIUS SEED FILE` writes one set instead, and `--make-space` one in the unit cube, for `conformance.py`.
+
+mod space;
 
 use std::fmt::Write;
 use std::ops::ControlFlow;
@@ -39,8 +41,11 @@ fn main() {
 
     let arguments: Vec<String> = std::env::args().skip(1).collect();
     if let [option, name, radius, seed, file] = &arguments[..] {
-        assert_eq!(option, "--make");
-        make(name, radius, seed, file);
+        match option.as_str() {
+            "--make" => make(name, radius, seed, file),
+            "--make-space" => space::make(name, radius, seed, file),
+            other => panic!("--make or --make-space, and not {other}"),
+        }
         return;
     }
 
@@ -67,23 +72,28 @@ fn make(name: &str, radius: &str, seed: &str, file: &str) {
     let radius: f64 = radius.parse().expect("a radius");
     let seed: u64 = seed.parse().expect("a seed");
 
-    // The same set again and again: the system counts a thread's time in steps of some milliseconds, as long as one set takes.
-    let (mut made, mut spent) = (0, 0.0);
-    let began = processor_seconds();
-    let mut points = Vec::new();
-    while spent < LONG_ENOUGH_S {
-        points = sampler(radius, seed);
-        made += 1;
-        spent = processor_seconds() - began;
-    }
-
+    let (points, seconds) = timed(|| sampler(radius, seed));
     let mut table = String::from("x,y\n");
     for [x, y] in points {
         // The shortest text that reads back as the same number.
         writeln!(table, "{x},{y}").expect("a text takes every line");
     }
     std::fs::write(file, table).expect("a file that can be written");
-    println!("{}", spent / f64::from(made));
+    println!("{seconds}");
+}
+
+/// Returns what some work makes, and the seconds of the processor that it takes.
+fn timed<T>(work: impl Fn() -> T) -> (T, f64) {
+    // The same work again and again: the system counts a thread's time in steps of some milliseconds, as long as one set takes.
+    let (mut times, began) = (0, processor_seconds());
+    loop {
+        let made = work();
+        times += 1;
+        let spent = processor_seconds() - began;
+        if spent >= LONG_ENOUGH_S {
+            return (made, spent / f64::from(times));
+        }
+    }
 }
 
 /// Returns the seconds of the processor that this program has taken in all of its threads (Linux: `proc_pid_schedstat(5)`).
