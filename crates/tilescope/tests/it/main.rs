@@ -15,6 +15,7 @@ mod ranks;
 mod reproduce;
 mod script;
 mod solid;
+mod space;
 mod stipple;
 mod support;
 mod text_tables;

@@ -10,7 +10,7 @@ use tempfile::{TempDir, tempdir};
 use crate::support::tilescope;
 
 /// Runs the program and returns its one JSON object.
-fn run(folder: &TempDir, line: &str, code: i32) -> Value {
+pub fn run(folder: &TempDir, line: &str, code: i32) -> Value {
     let line = format!("{line} --json");
     let assert = tilescope(folder).args(line.split_whitespace()).assert();
     let assert = assert.code(code);
@@ -18,14 +18,14 @@ fn run(folder: &TempDir, line: &str, code: i32) -> Value {
 }
 
 /// Runs the program, and fails unless it ends with this code.
-fn ends(folder: &TempDir, line: &str, code: i32) -> String {
+pub fn ends(folder: &TempDir, line: &str, code: i32) -> String {
     let assert = tilescope(folder).args(line.split_whitespace()).assert();
     let assert = assert.code(code);
     String::from_utf8(assert.get_output().stdout.clone()).expect("text")
 }
 
 /// Fails unless the program refuses a line with these words.
-fn refused(folder: &TempDir, line: &str, wanted: &str) {
+pub fn refused(folder: &TempDir, line: &str, wanted: &str) {
     let run = tilescope(folder).args(line.split_whitespace()).assert();
     run.code(2).stderr(contains(wanted));
 }
@@ -260,7 +260,9 @@ fn files_of_others_are_sets_in_space_where_a_third_side_is_given() {
         "--depth gives a set in space its third side",
     );
     refused(&folder, "verify a.xyz --radius 0.8", "--slice");
-    refused(&folder, "thin a.xyz --radius 0.8 --out b.xyz", "--xy");
+    // A thinned cloud needs no domain, and no third side.
+    run(&folder, "thin a.xyz --radius 0.8 --out b.xyz", 0);
+    refused(&folder, "thin a.xyz --radius-expression 0.8", "--xy");
     refused(
         &folder,
         "verify a.xyz --depth 3 --width 3 --height 3",
@@ -331,7 +333,6 @@ fn sets_are_analyzed_alone_and_averaged() {
 
     ends(&folder, "sample --radius 0.05 --out planar.csv", 0);
     refused(&folder, "analyze 1.ply planar.csv", "a planar one");
-    refused(&folder, "analyze 1.ply --against 2.ply", "--against");
     refused(&folder, "analyze 1.ply --frequencies 0.01", "not between");
     // A set of another box is named, and the others are averaged.
     ends(&folder, "sample --size 6x6x6 --radius 1 --out small.ply", 0);
