@@ -197,7 +197,7 @@ fn scene(arguments: &DrawArguments, read: &ReadSet, region: Region) -> Result<Sc
     // Where the radius varies, the certificate's radius is not used: disks of one radius would be wrong.
     let stated = certificate
         .map(|c| &c.radius)
-        .filter(|radius| !radius.is_field());
+        .filter(|radius| !radius.varies());
     let radius = given.radius.or(stated.map(CertifiedRadius::least));
     let origin = given.origin().or(certificate.and_then(|c| c.origin));
 
@@ -264,7 +264,7 @@ fn own_radii(arguments: &DrawArguments, read: &ReadSet) -> Result<Option<Vec<f64
         return Ok(Some(radii.clone()));
     }
 
-    let is_field = stated.is_some_and(|stated| stated.radius.is_field());
+    let is_field = stated.is_some_and(|stated| stated.radius.varies());
     if !is_field && !ground.is_given() {
         return Ok(None);
     }

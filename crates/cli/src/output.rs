@@ -267,6 +267,14 @@ pub fn radius_text(radius: &CertifiedRadius) -> String {
                 Number(field.greatest)
             )
         }
+        CertifiedRadius::Column(column) => {
+            format!(
+                "{} to {}, the column {}",
+                Number(column.least),
+                Number(column.greatest),
+                shown_in_line(&column.column)
+            )
+        }
     }
 }
 

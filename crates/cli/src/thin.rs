@@ -17,7 +17,7 @@ use tilescope_formats::{
 };
 use tilescope_sets::RadiusSource;
 use tilescope_sets::thinning::{
-    FirstValue, PointFile, ThinFileError, ThinRecipe, Thinning, ThinningPriority,
+    FirstValue, PointFile, ThinFileError, ThinRadius, ThinRecipe, Thinning, ThinningPriority,
 };
 
 use crate::engine::ThreadArguments;
@@ -48,6 +48,9 @@ pub struct ThinArguments {
     /// The radius of each point from the grey of a PNG image, whose pixels fill the domain
     #[arg(long, value_name = "PNG", requires = "radius")]
     radius_image: Option<PathBuf>,
+    /// The radius of each point from a column or a property of the file; two points are kept as by --radius-expression
+    #[arg(long, value_name = "NAME", conflicts_with_all = ["radius", "radius_expression", "radius_image"])]
+    radius_column: Option<String>,
     /// In which order points are taken: `order`, that of the file; `column NAME`, by the numbers in a column or a property, the
     /// least first; `random`, as --seed draws it. Of equal ones the first in the file comes first
     #[arg(long, num_args = 1..=2, value_names = ["ORDER", "NAME"], default_value = "order")]
@@ -111,6 +114,7 @@ Examples:
   tilescope thin survey.csv --radius 2 --priority column height --greatest-first --out peaks.csv
   tilescope thin cloud.npy --radius 0.01 --priority random --seed 7 --out thinned.npy
   tilescope thin stars.csv --radius-expression '0.5 + 0.01*hypot(x, y)' --out thinned.csv
+  tilescope thin trees.csv --radius-column crown --priority column height --greatest-first --out kept.csv
   tilescope thin tile.csv --radius 0.1 --width 4 --height 4 --boundary periodic --out thinned.csv
   tilescope verify thinned.ply --source cloud.ply";
 
@@ -206,7 +210,9 @@ fn write(
     let (name, mut rows) = (file_name(path), KeptRows::default());
     // Only points that are read back from the new bytes are certified.
     let chosen = file.keep(kept, &mut rows, &name).in_file(path)?;
-    let certificate = thinning.certificate(file.points(), &chosen, report);
+    let certificate = thinning
+        .certificate(file.points(), &chosen, report)
+        .in_file(path)?;
     let certificate_path = write_certified(path, chosen.bytes, &certificate).in_file(path)?;
     // `chosen` borrows `rows`, whose list of left-out elements is moved out below.
     drop(chosen);
@@ -245,14 +251,23 @@ impl ThinArguments {
         })
     }
 
-    /// Returns where the radius comes from.
-    fn radius(&self) -> Result<RadiusSource> {
+    /// Returns where the radii come from.
+    fn radius(&self) -> Result<ThinRadius> {
+        // Clap takes a column without any other radius.
+        match &self.radius_column {
+            Some(name) => Ok(ThinRadius::Column(name.clone())),
+            None => self.source().map(ThinRadius::Source),
+        }
+    }
+
+    /// Returns the radius of all points, or the field that has those of places.
+    fn source(&self) -> Result<RadiusSource> {
         // Clap takes a formula only without --radius and an image.
         if let Some(text) = &self.radius_expression {
             return formula(text);
         }
         let span = self.radius.context(
-            "give --radius R, or --radius-expression or --radius-image for radii that vary",
+            "give --radius R, or --radius-expression, --radius-image or --radius-column for radii that vary",
         )?;
         // The greys of an image lie between two radii, and without an image nothing has a use for a second one. A
         // single radius is the span's `least`.

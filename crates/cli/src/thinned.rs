@@ -154,7 +154,7 @@ fn alone(
     };
 
     // The certificate is made anew, and every number compared.
-    let made = thinning.certificate_of(chosen, &report, thinned.source.clone(), thinned.given);
+    let made = thinning.certificate_of(chosen, &report, thinned.source.clone(), thinned.given)?;
     Ok(Verdict {
         differences: stated.thinned_differences(&made),
         report,
@@ -189,7 +189,7 @@ fn against(
 
     // The certificate is made anew, and every number compared.
     let report = verifying(|control| thinning.judge(points, &kept, control))?;
-    let made = thinning.certificate(points, chosen, &report);
+    let made = thinning.certificate(points, chosen, &report)?;
     differences.extend(stated.thinned_differences(&made));
     Ok(Verdict {
         report,

@@ -269,7 +269,7 @@ fn to_text(check: &Check, origin: Option<[f64; 2]>) -> String {
     let verdict = output::verdict_text(&report, &check.levels);
     // A field has no single radius; its certificate states the least and the greatest.
     let stated = check.certificate.as_ref().map(|stated| &stated.radius);
-    let radius = stated.filter(|radius| radius.is_field()).cloned();
+    let radius = stated.filter(|radius| radius.varies()).cloned();
     let at = origin.map_or_else(String::new, |[x, y]| format!(" at {x} {y}"));
 
     let mut out = format!(

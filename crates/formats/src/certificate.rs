@@ -19,7 +19,8 @@ use crate::error::FormatError;
 use crate::format::{Format, Precision};
 
 pub use self::parts::{
-    CertifiedPrefix, CertifiedRadius, CertifiedShape, Depth, RadiusField, RadiusRule, Thinned,
+    CertifiedPrefix, CertifiedRadius, CertifiedShape, Depth, RadiusColumn, RadiusField, RadiusRule,
+    Thinned,
 };
 
 /// The highest version that this crate reads. It is written for sets with a part of it, such as an origin, which
@@ -105,7 +106,7 @@ impl CertifiedLevel {
 /// | `origin` | `[x, y]`, where the file holds the region's lower corner | 0 0 |
 /// | `depth` | a third side of the region, see [`Depth`] | the set is planar |
 /// | `shape` | which part of the region is to be covered, see [`CertifiedShape`] | all of it |
-/// | `radius` | an object, where the radius varies, see [`RadiusField`] | a number, as in version 1 |
+/// | `radius` | an object, where the radius varies, see [`RadiusField`] and [`RadiusColumn`] | a number, as in version 1 |
 /// | `prefix` | that the set is the beginning of a larger one, see [`CertifiedPrefix`] | it is whole |
 /// | `thinned` | that its points were chosen from another set, see [`Thinned`] | they were not |
 /// | `judges` | `subdivision`: squares or cubes, cut until each is seen to be covered | it may not be |
@@ -328,7 +329,7 @@ impl Certificate {
     /// Whether the radius varies or a shape is to be covered, which a reader has to take into account.
     #[must_use]
     pub const fn is_varying(&self) -> bool {
-        self.shape.is_some() || self.radius.is_field()
+        self.shape.is_some() || self.radius.varies()
     }
 
     /// Whether its judge only counts faults, and measures neither the smallest distance nor the covering radius.
@@ -384,7 +385,7 @@ impl Certificate {
             (<[f64; 2]>::NAME, self.origin.is_some()),
             (Depth::NAME, self.depth.is_some()),
             (CertifiedShape::NAME, self.shape.is_some()),
-            (parts::FIELD, self.radius.is_field()),
+            (parts::FIELD, self.radius.varies()),
             (CertifiedPrefix::NAME, self.prefix.is_some()),
             (Thinned::NAME, self.thinned.is_some()),
         ];
@@ -424,6 +425,10 @@ impl Certificate {
             _ if self.prefix.is_some() && !self.is_varying() && self.depth.is_none() => {
                 "it has the part `prefix`, which is judged only where the radius varies, where there is a shape or a third side"
                     .to_owned()
+            }
+            // Only the judge of thinned sets reads a column of the file: a radius of each point says nothing of places.
+            _ if matches!(self.radius, CertifiedRadius::Column(_)) && self.thinned.is_none() => {
+                "its radii are those of a column, which are judged only in a thinned set".to_owned()
             }
             // If the part were passed over, the next certificate of these points would lack it.
             _ => match self.beside_depth() {

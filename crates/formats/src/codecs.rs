@@ -38,7 +38,7 @@ use crate::text::as_utf8;
 
 pub use self::drawing::{Dots, Drawing};
 pub use self::geojson::may_be_degrees;
-pub use self::kept::{KeptRows, keep_rows, read_column, read_ranks};
+pub use self::kept::{ColumnUse, KeptRows, keep_rows, read_column, read_ranks};
 
 /// What a caller can say about some bytes before they are decoded.
 #[derive(Clone, Copy, Debug, Default)]

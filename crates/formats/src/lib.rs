@@ -47,15 +47,15 @@ mod varying;
 
 pub use certificate::{
     CERTIFICATE_FORMAT_VERSION, CERTIFICATE_SUFFIX, Certificate, CertifiedLevel, CertifiedPrefix,
-    CertifiedRadius, CertifiedShape, Depth, MAX_CERTIFICATE_BYTES, RadiusField, RadiusRule,
-    Rounding, Thinned,
+    CertifiedRadius, CertifiedShape, Depth, MAX_CERTIFICATE_BYTES, RadiusColumn, RadiusField,
+    RadiusRule, Rounding, Thinned,
 };
 pub use check::{
     CertificateDifference, Check, CheckError, MEASURE_TOLERANCE, Overrides, check_bytes, is_valid,
 };
 pub use codecs::{
-    CertificateUse, Dots, Drawing, Hint, KeptRows, ReadSet, Target, decode, encode, keep_rows,
-    may_be_degrees, read_column, read_ranks, refuse_degrees,
+    CertificateUse, ColumnUse, Dots, Drawing, Hint, KeptRows, ReadSet, Target, decode, encode,
+    keep_rows, may_be_degrees, read_column, read_ranks, refuse_degrees,
 };
 #[cfg(not(target_arch = "wasm32"))]
 pub use destination::{certificate_beside, destination};

@@ -35,7 +35,7 @@ impl VaryingDomain {
     /// Returns the radius at each of some points in domain units; nothing if it is the same everywhere.
     #[must_use]
     pub fn radii(&self, points: &[[f64; 2]]) -> Vec<f64> {
-        let varies = self.radius.is_field();
+        let varies = self.radius.varies();
         let points = points.iter().filter(|_| varies);
         points.map(|&point| self.judged.radius_at(point)).collect()
     }

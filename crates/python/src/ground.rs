@@ -331,7 +331,7 @@ impl Ground {
 
     /// Returns whether the radius depends on the place.
     fn varies(&self) -> bool {
-        self.varying.radius.is_field()
+        self.varying.radius.varies()
     }
 
     /// Returns whether only a part of the domain is to be covered.

@@ -18,7 +18,7 @@ use tilescope_analysis::{Control, Number, ThinnedRadii, ThinnedReport, ThinnedSe
 use tilescope_analysis::{VerifyError, verify_thinned};
 use tilescope_core::memory::{NoMemory, ask_for};
 
-pub use file::{PointFile, ThinFileError, ThinRecipe, Thinning};
+pub use file::{MAX_COLUMN_CONTRAST, PointFile, ThinFileError, ThinRadius, ThinRecipe, Thinning};
 pub use ranks::{FirstValue, ThinningPriority, UnknownPriority, ranks};
 pub use space::{SpaceCloud, SpaceFile, SpaceRecipe, SpaceThinning, judge_space, thin_space};
 

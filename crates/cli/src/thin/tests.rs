@@ -15,11 +15,12 @@ use crate::{Arguments, Command, EXIT_FINE, EXIT_NEGATIVE, verify};
 /// A folder with a table of 60 x 60 points, a tenth apart, with columns beside x and y.
 fn folder() -> TempDir {
     let folder = tempfile::tempdir().unwrap();
-    let mut table = "id,x,y,height,name\n".to_owned();
+    let mut table = "id,x,y,height,name,reach\n".to_owned();
     for at in 0..3600_u32 {
         let (x, y) = (f64::from(at % 60) * 0.1, f64::from(at / 60) * 0.1 + 500.0);
         let height = at.wrapping_mul(2_654_435_761) >> 20;
-        writeln!(table, "{at},{x},{y},{height},\"a, {at}\"").unwrap();
+        let reach = 0.15 + f64::from(height % 8) * 0.1;
+        writeln!(table, "{at},{x},{y},{height},\"a, {at}\",{reach}").unwrap();
     }
     fs::write(folder.path().join("cloud.csv"), table).unwrap();
     folder
@@ -82,6 +83,11 @@ fn what_is_thinned_is_verified_alone_and_against_its_source() {
             Some(400),
         ),
         ("--radius-expression 0.2+0.05*x", None),
+        (
+            "--radius-column reach --priority column height --greatest-first",
+            None,
+        ),
+        ("--radius-column 6 --priority random", None),
     ] {
         let made = thin(&folder, &format!("cloud.csv {options} --out thinned.csv")).expect(options);
         assert!(made.report.valid(), "{options}");
@@ -114,7 +120,7 @@ fn what_is_thinned_is_verified_alone_and_against_its_source() {
         .filter(|line| !line.starts_with("id"))
         .max_by_key(height)
         .unwrap();
-    assert_eq!(one, format!("id,x,y,height,name\n{highest}\n"));
+    assert_eq!(one, format!("id,x,y,height,name,reach\n{highest}\n"));
 }
 
 /// Rewrites the thinned table, and its certificate as somebody would who wants to be believed.
@@ -137,8 +143,18 @@ fn tamper(folder: &TempDir, change: impl FnOnce(&mut Vec<String>)) {
     let region = &stated["region"];
     let area = region["width"].as_f64().unwrap() * region["height"].as_f64().unwrap();
     stated["count"] = json!(points.len());
-    stated["density"] =
-        json!(points.len() as f64 * stated["radius"].as_f64().unwrap().powi(2) / area);
+    // Of radii in a column the certificate states the least and the greatest.
+    if stated["radius"].is_object() {
+        let radii = lines[1..]
+            .iter()
+            .map(|line| line.rsplit(',').next().unwrap());
+        let radii: Vec<f64> = radii.map(|radius| radius.parse().unwrap()).collect();
+        stated["radius"]["least"] = json!(radii.iter().copied().fold(f64::INFINITY, f64::min));
+        stated["radius"]["greatest"] = json!(radii.iter().copied().fold(0.0, f64::max));
+    }
+    let radius = &stated["radius"];
+    let least = radius.as_f64().or(radius["least"].as_f64()).unwrap();
+    stated["density"] = json!(points.len() as f64 * least.powi(2) / area);
     stated["digest"] = json!(bytes_digest(text.as_bytes()));
     stated["positions_digest"] = json!(positions_digest(&points));
     fs::write(beside, stated.to_string()).unwrap();
@@ -172,7 +188,7 @@ fn what_was_tampered_with_is_found() {
     // A point that was left out, and one that was never there.
     fresh();
     tamper(&folder, |lines| {
-        lines.insert(2, "1,0.1,500,0,\"a, 1\"".to_owned());
+        lines.insert(2, "1,0.1,500,0,\"a, 1\",0.15".to_owned());
     });
     assert_eq!(codes(), [EXIT_NEGATIVE; 2]);
     fresh();
@@ -210,6 +226,59 @@ fn what_was_tampered_with_is_found() {
         fs::write(&beside, stated.to_string()).unwrap();
         assert_eq!(codes(), [EXIT_FINE, EXIT_NEGATIVE], "{field}");
     }
+}
+
+#[test]
+fn radii_of_a_column_are_judged_from_the_file() {
+    let folder = folder();
+    let fresh = || thin(&folder, "cloud.csv --radius-column reach --out thinned.csv").unwrap();
+    let codes = || {
+        let alone = verified(&folder, "thinned.csv");
+        [alone, verified(&folder, "thinned.csv --source cloud.csv")]
+    };
+
+    // The certificate names the column, and the extremes are those of the points that are kept.
+    let made = fresh();
+    let certificate = made.written.as_ref().unwrap().certificate.clone();
+    let stated = serde_json::to_value(&certificate).unwrap();
+    assert_eq!(stated["radius"]["column"], "reach");
+    assert_eq!(stated["parameters"]["radius-column"], "reach");
+    assert_eq!(stated["radius"]["least"], 0.15);
+    assert!(made.text().contains("the column reach"), "{}", made.text());
+    assert_eq!(codes(), [EXIT_FINE; 2]);
+
+    // A point becomes larger than its neighbours allow, and one smaller, which only the source shows.
+    let set_radius = |radius: &'static str| {
+        move |lines: &mut Vec<String>| {
+            let (row, _) = lines[9].rsplit_once(',').unwrap();
+            lines[9] = format!("{row},{radius}");
+        }
+    };
+    tamper(&folder, set_radius("8.5"));
+    assert_eq!(codes(), [EXIT_NEGATIVE; 2]);
+    fresh();
+    tamper(&folder, set_radius("0.151"));
+    assert_eq!(codes(), [EXIT_FINE, EXIT_NEGATIVE]);
+
+    // Statements on the column that are not those of the file.
+    let beside = folder.path().join("thinned.csv.certificate.json");
+    for (field, value) in [("least", json!(0.1)), ("greatest", json!(7.5))] {
+        fresh();
+        let mut stated: Value = serde_json::from_slice(&fs::read(&beside).unwrap()).unwrap();
+        stated["radius"][field] = value;
+        fs::write(&beside, stated.to_string()).unwrap();
+        assert_eq!(codes(), [EXIT_NEGATIVE; 2], "{field}");
+    }
+
+    // A set that was not thinned has no such radii: nothing would judge the places between its points.
+    fresh();
+    let mut stated: Value = serde_json::from_slice(&fs::read(&beside).unwrap()).unwrap();
+    stated.as_object_mut().unwrap().remove("thinned");
+    let error = Certificate::from_bytes(stated.to_string().as_bytes(), "c.json").unwrap_err();
+    assert!(
+        error.to_string().contains("only in a thinned set"),
+        "{error}"
+    );
 }
 
 #[test]
@@ -335,4 +404,48 @@ fn what_cannot_be_thinned_is_refused_by_name() {
         7,
         "no file beside what was given and what was written"
     );
+}
+
+#[test]
+fn columns_without_a_radius_for_each_point_are_refused_by_row() {
+    let folder = folder();
+    for (name, radii) in [
+        ("zero.csv", ["1", "0"]),
+        ("negative.csv", ["1", "-2"]),
+        ("no-number.csv", ["1", "NaN"]),
+        ("unlike.csv", ["1", "5000"]),
+    ] {
+        let [first, second] = radii;
+        let text = format!("x,y,w\n0,1,{first}\n2,3,{second}\n");
+        fs::write(folder.path().join(name), text).unwrap();
+    }
+    for (line, said) in [
+        (
+            "cloud.csv --radius-column depth",
+            "there is no column \"depth\"",
+        ),
+        (
+            "zero.csv --radius-column w",
+            "line 3: \"0\" in column w is not a finite number above 0",
+        ),
+        (
+            "negative.csv --radius-column w",
+            "line 3: \"-2\" in column w",
+        ),
+        (
+            "no-number.csv --radius-column w",
+            "line 3: \"NaN\" in column w",
+        ),
+        (
+            "unlike.csv --radius-column w",
+            "the radii in column w are from 1 (point 0) to 5000 (point 1)",
+        ),
+        (
+            "cloud.csv --radius-column reach --radius 1",
+            "cannot be used with",
+        ),
+    ] {
+        let found = refusal(&folder, line);
+        assert!(found.contains(said), "{line}: {found}");
+    }
 }

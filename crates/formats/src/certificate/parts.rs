@@ -88,6 +88,8 @@ pub enum CertifiedRadius {
     Constant(f64),
     /// Another one at each place.
     Field(RadiusField),
+    /// Another one for each point, as a column of the file has it.
+    Column(RadiusColumn),
 }
 
 impl CertifiedRadius {
@@ -97,6 +99,7 @@ impl CertifiedRadius {
         match self {
             Self::Constant(radius) => *radius,
             Self::Field(field) => field.least,
+            Self::Column(column) => column.least,
         }
     }
 
@@ -106,13 +109,17 @@ impl CertifiedRadius {
         match self {
             Self::Constant(radius) => *radius,
             Self::Field(field) => field.greatest,
+            Self::Column(column) => column.greatest,
         }
     }
 
-    /// Whether it depends on the place.
+    /// Whether it depends on the place or on the point.
     #[must_use]
-    pub const fn is_field(&self) -> bool {
-        matches!(self, Self::Field(_))
+    pub const fn varies(&self) -> bool {
+        match self {
+            Self::Constant(_) => false,
+            Self::Field(_) | Self::Column(_) => true,
+        }
     }
 }
 
@@ -124,6 +131,11 @@ impl fmt::Display for CertifiedRadius {
                 f,
                 "{} to {}, a field with nodes {} apart and the digest {}",
                 field.least, field.greatest, field.pitch, field.digest
+            ),
+            Self::Column(column) => write!(
+                f,
+                "{} to {}, the column {}",
+                column.least, column.greatest, column.column
             ),
         }
     }
@@ -150,12 +162,41 @@ impl Part for RadiusField {
     const NAME: &'static str = "radius";
 
     fn broken_limit(&self) -> Option<&'static str> {
-        let are_ordered = 0.0 < self.least && self.least <= self.greatest;
-        if !(are_ordered && self.greatest.is_finite()) {
-            return Some("the least radius must be above 0, and no more than the greatest");
-        }
-        broken_raster(&self.digest, self.pitch)
+        broken_order(self.least, self.greatest).or_else(|| broken_raster(&self.digest, self.pitch))
     }
+}
+
+/// A radius for each point of a thinned set, from a column or a property of its file. Density and relative radius are then those
+/// of the least radius. The file's own digest is that of the radii, too.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct RadiusColumn {
+    /// Which of two radii counts.
+    pub rule: RadiusRule,
+    /// The name of the column, or its number from 1.
+    pub column: String,
+    /// The least radius of a point in the file.
+    pub least: f64,
+    /// The greatest radius of a point in the file.
+    pub greatest: f64,
+}
+
+impl Part for RadiusColumn {
+    const NAME: &'static str = "radius";
+
+    fn broken_limit(&self) -> Option<&'static str> {
+        if self.column.is_empty() {
+            return Some("the column has no name");
+        }
+        broken_order(self.least, self.greatest)
+    }
+}
+
+/// Returns the limit broken by the least and the greatest of some radii.
+fn broken_order(least: f64, greatest: f64) -> Option<&'static str> {
+    let are_ordered = 0.0 < least && least <= greatest;
+    (!(are_ordered && greatest.is_finite()))
+        .then_some("the least radius must be above 0, and no more than the greatest")
 }
 
 /// How near two places of different radii may be.
@@ -272,15 +313,20 @@ fn abridged(text: &str) -> String {
     }
 }
 
-/// Reads the radius: a number or a field.
+/// Reads the radius: a number, a field or a column.
 pub(super) fn radius<'de, D: Deserializer<'de>>(from: D) -> Result<CertifiedRadius, D::Error> {
     let Distinct(value) = Distinct::deserialize(from)?;
     if !value.is_object() {
         let radius = f64::deserialize(value).map_err(D::Error::custom)?;
         return Ok(CertifiedRadius::Constant(radius));
     }
-    let field: Option<RadiusField> = part(value).map_err(D::Error::custom)?;
     let missing = || D::Error::custom("`radius` is missing");
+    // A field has no member of this name.
+    if value.get("column").is_some() {
+        let column: Option<RadiusColumn> = part(value).map_err(D::Error::custom)?;
+        return column.map(CertifiedRadius::Column).ok_or_else(missing);
+    }
+    let field: Option<RadiusField> = part(value).map_err(D::Error::custom)?;
     field.map(CertifiedRadius::Field).ok_or_else(missing)
 }
 

@@ -58,19 +58,49 @@ pub fn keep_rows(bytes: &[u8], hint: &Hint<'_>, kept: &[bool]) -> Result<KeptRow
     })
 }
 
+/// What the numbers of a column are read for.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum ColumnUse {
+    /// To be ordered by: every finite number.
+    Order,
+    /// As radii, which are above 0.
+    Radius,
+}
+
+impl ColumnUse {
+    /// Whether a number is of use. NaN and infinities have no place in an order, and are no lengths.
+    pub(super) fn accepts(self, value: f64) -> bool {
+        value.is_finite() && (self == Self::Order || value > 0.0)
+    }
+
+    /// Returns what a number of the column has to be, for messages.
+    pub(super) const fn wanted(self) -> &'static str {
+        match self {
+            Self::Order => "a finite number",
+            Self::Radius => "a finite number above 0",
+        }
+    }
+}
+
 /// Returns the numbers of a column, one for each point: of a text table, by its name or its number from 1; a scalar property of
 /// PLY vertices; a property of `GeoJSON` points.
 ///
 /// # Errors
 ///
-/// As [`decode`](super::decode), and when there is no such column or one of its values is no finite number.
-pub fn read_column(bytes: &[u8], hint: &Hint<'_>, name: &str) -> Result<Vec<f64>, FormatError> {
+/// As [`decode`](super::decode), and when there is no such column or one of its values is of no use: the message names its line
+/// or its point.
+pub fn read_column(
+    bytes: &[u8],
+    hint: &Hint<'_>,
+    name: &str,
+    of_use: ColumnUse,
+) -> Result<Vec<f64>, FormatError> {
     let bytes = &*as_utf8(bytes);
     let format = detected(bytes, hint)?.format;
     match format {
-        Format::Csv | Format::Xyz => table::column(bytes, format, hint.columns, name),
-        Format::PlyAscii | Format::PlyBinary => ply::column(bytes, format, name),
-        Format::Json | Format::GeoJson => json_column(bytes, name),
+        Format::Csv | Format::Xyz => table::column(bytes, format, hint.columns, name, of_use),
+        Format::PlyAscii | Format::PlyBinary => ply::column(bytes, format, name, of_use),
+        Format::Json | Format::GeoJson => json_column(bytes, name, of_use),
         Format::PsaText
         | Format::PsaRps
         | Format::UtkText
@@ -78,7 +108,7 @@ pub fn read_column(bytes: &[u8], hint: &Hint<'_>, name: &str) -> Result<Vec<f64>
         | Format::Npy
         | Format::Svg => Err(FormatError::NotChosen {
             format,
-            reason: "points have no column beside their coordinates to be ordered by",
+            reason: "points have no column beside their coordinates",
         }),
     }
 }
@@ -90,7 +120,7 @@ pub fn read_column(bytes: &[u8], hint: &Hint<'_>, name: &str) -> Result<Vec<f64>
 /// As [`read_column`], but there are no ranks in a file without such a column, nor in JSON whose first feature has no number
 /// of this name.
 pub fn read_ranks(bytes: &[u8], hint: &Hint<'_>) -> Result<Option<Vec<f64>>, FormatError> {
-    match read_column(bytes, hint, RANK) {
+    match read_column(bytes, hint, RANK, ColumnUse::Order) {
         // The header of a table or of PLY names no such column, or the format has no columns. Properties of GeoJSON are
         // looked up feature by feature: if the first one has no number of this name, the file has no ranks. If only a
         // later one lacks it, that is a fault.
@@ -181,13 +211,13 @@ fn keep_geo(object: &mut Value, flags: &mut impl Iterator<Item = bool>) -> bool 
 }
 
 /// Returns the numbers of a property of `GeoJSON` features, one for each point.
-fn json_column(bytes: &[u8], name: &str) -> Result<Vec<f64>, FormatError> {
+fn json_column(bytes: &[u8], name: &str, of_use: ColumnUse) -> Result<Vec<f64>, FormatError> {
     let document: Value = serde_json::from_slice(without_bom(bytes))?;
     let format = Format::Json;
     let Some(features) = document.get("features").and_then(Value::as_array) else {
         return Err(FormatError::NotChosen {
             format,
-            reason: "only the features of a GeoJSON FeatureCollection have properties to be ordered by",
+            reason: "only the features of a GeoJSON FeatureCollection have properties",
         });
     };
 
@@ -196,10 +226,14 @@ fn json_column(bytes: &[u8], name: &str) -> Result<Vec<f64>, FormatError> {
         let place = FilePlace::Point(values.len() as u64);
         // Values of other types than numbers have no order that is the same for everybody.
         let property = &feature["properties"][name];
-        let value = property.as_f64().ok_or_else(|| FormatError::Row {
+        let number = property.as_f64().filter(|&value| of_use.accepts(value));
+        let value = number.ok_or_else(|| FormatError::Row {
             format,
             place,
-            reason: format!("the property {name} is {property}, by which points cannot be ordered"),
+            reason: format!(
+                "the property {name} is {property}, which is not {}",
+                of_use.wanted()
+            ),
         })?;
         // All points of a feature have its properties. Coordinates are those of one point, or an array for each of several.
         let coordinates = feature["geometry"][COORDINATES].as_array();

@@ -3,6 +3,7 @@
 //! Writes ASCII and binary little-endian; reads big-endian too, skips other scalar properties and other elements.
 //! A vertex with z other than 0 is refused.
 
+use super::kept::ColumnUse;
 use super::ply_header::{Element, Encoding, PlyHeader, Scalar, parse};
 use super::ply_outline::{OutlinedElement, elements};
 use super::radii::RADIUS;
@@ -401,7 +402,12 @@ fn keep_lines<'a>(
 }
 
 /// Returns the numbers of a scalar property of the vertices.
-pub(super) fn column(bytes: &[u8], format: Format, wanted: &str) -> Result<Vec<f64>, FormatError> {
+pub(super) fn column(
+    bytes: &[u8],
+    format: Format,
+    wanted: &str,
+    of_use: ColumnUse,
+) -> Result<Vec<f64>, FormatError> {
     let header = parse(bytes, format)?;
     let vertex = &header.vertex;
     let column = vertex.column(wanted).ok_or_else(|| {
@@ -415,16 +421,16 @@ pub(super) fn column(bytes: &[u8], format: Format, wanted: &str) -> Result<Vec<f
             ),
         }
     })?;
-    // A property other than a coordinate may be NaN or infinite in a sound file, but nothing can be ordered by that.
-    let finite = |value: f64, place| {
+    // A property other than a coordinate may be any number in a sound file, also one that is of no use here.
+    let useful = |value: f64, place| {
         // The error is written only where it is one: to write it for each value took longer than to read all of them.
         let fault = || FormatError::Row {
             format,
             place,
-            reason: format!("{wanted} is {value}, which is no finite number"),
+            reason: format!("{wanted} is {value}, which is not {}", of_use.wanted()),
         };
         Some(value)
-            .filter(|value| value.is_finite())
+            .filter(|&value| of_use.accepts(value))
             .ok_or_else(fault)
     };
 
@@ -441,7 +447,7 @@ pub(super) fn column(bytes: &[u8], format: Format, wanted: &str) -> Result<Vec<f
             rows.map(|(line, row)| {
                 let place = FilePlace::Line(line + header.data_line - 1);
                 let field = words(row).nth(column).unwrap_or_default();
-                finite(number(field, format, place)?, place)
+                useful(number(field, format, place)?, place)
             })
             .collect()
         }
@@ -454,7 +460,7 @@ pub(super) fn column(bytes: &[u8], format: Format, wanted: &str) -> Result<Vec<f
             let property = &vertex.properties[column];
             let value = |row: &[u8]| property.scalar.value(&row[property.offset..], endian);
             let rows = rows.chunks_exact(vertex.width.max(1)).zip(0..);
-            rows.map(|(row, index)| finite(value(row), FilePlace::Point(index)))
+            rows.map(|(row, index)| useful(value(row), FilePlace::Point(index)))
                 .collect()
         }
     }

@@ -2,6 +2,7 @@
 
 use serde::Deserialize;
 
+use super::kept::ColumnUse;
 use super::{ply, positive, table};
 use crate::error::FormatError;
 use crate::format::Format;
@@ -19,8 +20,16 @@ pub(super) fn read(
     let is_coordinate = |chosen: [&str; 2]| chosen.iter().any(|name| name.trim() == RADIUS);
     let radii = match format {
         Format::Csv | Format::Xyz if columns.is_some_and(is_coordinate) => None,
-        Format::Csv | Format::Xyz => if_any(table::column(bytes, format, columns, RADIUS))?,
-        Format::PlyAscii | Format::PlyBinary => if_any(ply::column(bytes, format, RADIUS))?,
+        Format::Csv | Format::Xyz => if_any(table::column(
+            bytes,
+            format,
+            columns,
+            RADIUS,
+            ColumnUse::Radius,
+        ))?,
+        Format::PlyAscii | Format::PlyBinary => {
+            if_any(ply::column(bytes, format, RADIUS, ColumnUse::Radius))?
+        }
         // GeoJSON may stand in a file of any JSON.
         Format::Json | Format::GeoJson => of_features(bytes),
         Format::PsaText
@@ -140,7 +149,10 @@ mod tests {
         assert_eq!(found, None);
 
         let refused = |text: &str| table(text).expect_err("no radius").to_string();
-        assert!(refused("x,y,radius\n1,2,0\n").contains("the radius of a point is 0; it must be"));
+        assert!(
+            refused("x,y,radius\n1,2,0\n")
+                .contains("line 2: \"0\" in column radius is not a finite number above 0")
+        );
         assert!(refused("x,y,radius\n1,2,wide\n").contains("wide"));
 
         let shared = br#"{"type": "FeatureCollection", "features": [{"type": "Feature", "properties": {"radius": 1},

@@ -1,6 +1,7 @@
 //! Sets in space as files: points x, y, z in file coordinates. Formats hold them whose readers take three numbers a
 //! point. Planar sets have two numbers a point in most of these formats, and z = 0 in PLY and XYZ.
 
+use super::kept::ColumnUse;
 use super::{Hint, detected, npy, ply, table, utk};
 use crate::binary;
 use crate::detect::Detection;
@@ -75,7 +76,7 @@ pub fn decode(bytes: &[u8], hint: &Hint<'_>) -> Result<SolidRaw, FormatError> {
         _ => {
             let any_z = true;
             let planar = ply::read(bytes, format, any_z)?;
-            let heights = ply::column(bytes, format, "z")?;
+            let heights = ply::column(bytes, format, "z", ColumnUse::Order)?;
             (in_space(&planar.set.points, &heights), planar.precision)
         }
     };

@@ -4,6 +4,7 @@
 //! columns; without one x and y come first. Decimal commas are never read: a row that could be read in two ways is refused.
 
 use super::Raw;
+use super::kept::ColumnUse;
 use super::xyz::planar;
 use crate::column_names as names;
 use crate::error::{FilePlace, FormatError, quote};
@@ -77,9 +78,10 @@ pub(super) fn column(
     format: Format,
     columns: Option<[&str; 2]>,
     wanted: &str,
+    of_use: ColumnUse,
 ) -> Result<Vec<f64>, FormatError> {
     let pick = |rows: &TableRows| names::one(wanted, &rows.names, rows.count);
-    column_by(bytes, format, columns, pick)
+    column_by(bytes, format, columns, of_use, pick)
 }
 
 /// Returns the third coordinates of a table of points in space: those of the column z, without names of the third column.
@@ -88,7 +90,7 @@ pub(super) fn heights(bytes: &[u8], format: Format) -> Result<Vec<f64>, FormatEr
         let none = || "no column is named z, and a set in space has x, y and z".to_owned();
         rows.z.ok_or_else(none)
     };
-    column_by(bytes, format, None, pick)
+    column_by(bytes, format, None, ColumnUse::Order, pick)
 }
 
 /// Returns the numbers of one column. `pick` finds the column once the head of the table is read.
@@ -96,6 +98,7 @@ fn column_by(
     bytes: &[u8],
     format: Format,
     columns: Option<[&str; 2]>,
+    of_use: ColumnUse,
     pick: impl Fn(&TableRows) -> Result<usize, String>,
 ) -> Result<Vec<f64>, FormatError> {
     let mut table = TextTable::new(format, columns);
@@ -121,7 +124,7 @@ fn column_by(
         (row, rest) = split_line(rest);
         table.line += 1;
         if is_row(row) {
-            values.push(rows.value(row, column, FilePlace::Line(table.line))?);
+            values.push(rows.value(row, column, of_use, FilePlace::Line(table.line))?);
         }
     }
     Ok(values)
@@ -418,7 +421,13 @@ impl TableRows {
     }
 
     /// Returns the number in one column of a row.
-    fn value(&mut self, row: &[u8], column: usize, place: FilePlace) -> Result<f64, FormatError> {
+    fn value(
+        &mut self,
+        row: &[u8],
+        column: usize,
+        of_use: ColumnUse,
+        place: FilePlace,
+    ) -> Result<f64, FormatError> {
         let format = self.format;
         let by = self.separator.byte();
         // The row is divided into fields as when its coordinates are read.
@@ -438,20 +447,19 @@ impl TableRows {
         let value = std::str::from_utf8(field)
             .ok()
             .and_then(|text| text.parse().ok());
-        value
-            .filter(|value: &f64| value.is_finite())
-            .ok_or_else(|| {
-                let reason = format!(
-                    "\"{}\" in column {} is not a finite number",
-                    quote(field),
-                    self.names.get(column).unwrap_or(&(column + 1).to_string())
-                );
-                FormatError::Row {
-                    format,
-                    place,
-                    reason,
-                }
-            })
+        value.filter(|&value| of_use.accepts(value)).ok_or_else(|| {
+            let reason = format!(
+                "\"{}\" in column {} is not {}",
+                quote(field),
+                self.names.get(column).unwrap_or(&(column + 1).to_string()),
+                of_use.wanted()
+            );
+            FormatError::Row {
+                format,
+                place,
+                reason,
+            }
+        })
     }
 
     /// Returns the point of a row with these fields.

@@ -4,8 +4,9 @@ use rayon::prelude::*;
 use tilescope_analysis::{Control, Number, Region, SolidError, ThinnedReport, VerifyError};
 use tilescope_core::Boundary;
 use tilescope_formats::{
-    Certificate, CertifiedRadius, Format, FormatError, Hint, KeptRows, ReadSet, Thinned,
-    ThinnedFacts, decode, detect, keep_rows, positions_digest, read_column,
+    Certificate, CertifiedRadius, ColumnUse, Format, FormatError, Hint, KeptRows, RadiusColumn,
+    RadiusRule, ReadSet, Thinned, ThinnedFacts, decode, detect, keep_rows, positions_digest,
+    read_column,
 };
 
 use super::{
@@ -53,6 +54,20 @@ pub enum ThinFileError {
         region: Region,
         /// Where its lower corner lies.
         origin: [f64; 2],
+    },
+    /// The radii of a column differ too much.
+    #[error(
+        "the radii in column {column} are from {} (point {}) to {} (point {}); the greatest may be at most {MAX_COLUMN_CONTRAST} \
+         times the least",
+        Number(radii[0]), points[0], Number(radii[1]), points[1]
+    )]
+    Contrast {
+        /// The name of the column.
+        column: String,
+        /// The least and the greatest radius.
+        radii: [f64; 2],
+        /// The indices of the first points that have these.
+        points: [usize; 2],
     },
     /// The rectangle around the points is no region.
     #[error("the points reach over {} x {}, which is no region that can be certified", Number(size[0]), Number(size[1]))]
@@ -112,6 +127,11 @@ impl<'a> PointFile<'a> {
     #[must_use]
     pub fn points(&self) -> &[[f64; 2]] {
         &self.read.set.points
+    }
+
+    /// Returns the radii that stand in a column.
+    fn radii(&self, name: &str) -> Result<Vec<f64>, FormatError> {
+        read_column(self.bytes, &self.hint, name, ColumnUse::Radius)
     }
 
     /// Returns how the points chosen from this file are read from a file of that name.
@@ -190,11 +210,43 @@ impl<'a> PointFile<'a> {
     }
 }
 
+/// Where the radii of points come from.
+#[derive(Clone, Debug)]
+pub enum ThinRadius {
+    /// They are one for all, or those of a field at the places of the points.
+    Source(RadiusSource),
+    /// They stand in a column or a property of the file, by its name or its number from 1.
+    Column(String),
+}
+
+impl ThinRadius {
+    /// Returns the radius of all points, if there is one.
+    const fn constant(&self) -> Option<f64> {
+        match self {
+            Self::Source(source) => source.constant(),
+            Self::Column(_) => None,
+        }
+    }
+
+    /// Returns the parameter that certificates state it by.
+    fn stated(&self) -> (&'static str, serde_json::Value) {
+        match self {
+            Self::Source(source) => source.stated(),
+            Self::Column(name) => ("radius-column", name.as_str().into()),
+        }
+    }
+}
+
+/// The most that the greatest radius of a column is of the least one. The judge does not cut a part of the points below
+/// 1/64 of the greatest radius in it, so that a part may hold as many points of the least radius as the square of
+/// contrast / 64: some 4,000 at this limit, each compared with those around it.
+pub const MAX_COLUMN_CONTRAST: f64 = 4096.0;
+
 /// How the points of a file are thinned.
 #[derive(Clone, Debug)]
 pub struct ThinRecipe {
-    /// Where the radius comes from.
-    pub radius: RadiusSource,
+    /// Where the radii come from.
+    pub radius: ThinRadius,
     /// In which order points are taken.
     pub priority: ThinningPriority,
     /// The domain and its lower corner; without it, the rectangle around the points.
@@ -208,9 +260,9 @@ pub struct Thinning {
     pub region: Region,
     /// Where its lower corner lies.
     pub origin: [f64; 2],
-    /// The radius, as certificates state it.
+    /// The radius, as certificates state it; of a column, that of all points.
     pub radius: CertifiedRadius,
-    /// The radius at each point, where it varies.
+    /// The radius of each point, where it varies.
     radii: Option<Vec<f64>>,
     /// The order of the points, if it is needed and not that of the file.
     ranks: Option<Vec<u32>>,
@@ -230,8 +282,14 @@ impl ThinRecipe {
         thinned: &Thinned,
         given: GivenRadius,
     ) -> Result<Self, ThinFileError> {
+        let radius = match &stated.radius {
+            CertifiedRadius::Column(column) => ThinRadius::Column(column.column.clone()),
+            CertifiedRadius::Constant(_) | CertifiedRadius::Field(_) => {
+                ThinRadius::Source(RadiusSource::of_certificate(stated, given)?)
+            }
+        };
         Ok(Self {
-            radius: RadiusSource::of_certificate(stated, given)?,
+            radius,
             priority: thinned.priority.parse()?,
             domain: Some((stated.region, stated.origin.unwrap_or_default())),
         })
@@ -258,21 +316,28 @@ impl ThinRecipe {
         };
         refuse_outside(points, region, origin)?;
 
-        let (radius, radii) = match self.radius.constant() {
-            Some(radius) => (CertifiedRadius::Constant(radius), None),
-            None => self.radii(points, region, origin)?,
+        let (radius, radii) = match &self.radius {
+            ThinRadius::Column(name) => {
+                let radii = file.radii(name)?;
+                refuse_contrast(&radii, name)?;
+                (CertifiedRadius::Column(column(&radii, name)), Some(radii))
+            }
+            ThinRadius::Source(source) => match source.constant() {
+                Some(radius) => (CertifiedRadius::Constant(radius), None),
+                None => of_field(source, points, region, origin)?,
+            },
         };
         // A column is read only to rank the points by it.
-        let column = match &self.priority {
+        let priorities = match &self.priority {
             ThinningPriority::Column { column, .. } if with_ranks => {
-                read_column(file.bytes, &file.hint, column)?
+                read_column(file.bytes, &file.hint, column, ColumnUse::Order)?
             }
             ThinningPriority::Column { .. }
             | ThinningPriority::Order
             | ThinningPriority::Random { .. } => Vec::new(),
         };
         // There are no ranks if none are asked for, nor for the order of the file, where a point's index is its rank.
-        let in_order = with_ranks.then(|| ranks(&self.priority, points.len(), &column));
+        let in_order = with_ranks.then(|| ranks(&self.priority, points.len(), &priorities));
 
         let (name, value) = self.radius.stated();
         Ok(Thinning {
@@ -285,34 +350,63 @@ impl ThinRecipe {
             parameters: Stated::from([(name.to_owned(), value)]),
         })
     }
+}
 
-    /// Returns the radius at each point, by the field that sets are made and judged with.
-    fn radii(
-        &self,
-        points: &[[f64; 2]],
-        region: Region,
-        origin: [f64; 2],
-    ) -> Result<(CertifiedRadius, Option<Vec<f64>>), ThinFileError> {
-        let recipe = VaryingRecipe {
-            radius: self.radius.clone(),
-            shape: None,
-            size: region.size().map(Some),
-            origin: Some(origin),
-            boundary: Boundary::of(region.is_periodic()),
-            // No set is made, so that the seed and the count have no meaning.
-            seed: 0,
-            count: None,
-        };
-        let varying = recipe.ground()?.varying;
+/// Returns the radius at each point, by the field that sets are made and judged with.
+fn of_field(
+    source: &RadiusSource,
+    points: &[[f64; 2]],
+    region: Region,
+    origin: [f64; 2],
+) -> Result<(CertifiedRadius, Option<Vec<f64>>), ThinFileError> {
+    let recipe = VaryingRecipe {
+        radius: source.clone(),
+        shape: None,
+        size: region.size().map(Some),
+        origin: Some(origin),
+        boundary: Boundary::of(region.is_periodic()),
+        // No set is made, so that the seed and the count have no meaning.
+        seed: 0,
+        count: None,
+    };
+    let varying = recipe.ground()?.varying;
 
-        // Once for each point: the choice and its judge get the same numbers.
-        let radius = |point: &[f64; 2]| {
-            let place = [point[0] - origin[0], point[1] - origin[1]];
-            varying.judged.radius_at(place)
-        };
-        let radii = points.par_iter().map(radius).collect();
-        Ok((varying.radius.clone(), Some(radii)))
+    // Once for each point: the choice and its judge get the same numbers.
+    let radius = |point: &[f64; 2]| {
+        let place = [point[0] - origin[0], point[1] - origin[1]];
+        varying.judged.radius_at(place)
+    };
+    let radii = points.par_iter().map(radius).collect();
+    Ok((varying.radius.clone(), Some(radii)))
+}
+
+/// Returns what a certificate states of the radii in a column.
+fn column(radii: &[f64], name: &str) -> RadiusColumn {
+    let [least, greatest] = CloudRadii::Each(radii).extremes();
+    RadiusColumn {
+        rule: RadiusRule::HarmonicMean,
+        column: name.to_owned(),
+        least,
+        greatest,
     }
+}
+
+/// Fails if the radii of a column differ by more than is judged in reasonable time.
+fn refuse_contrast(radii: &[f64], name: &str) -> Result<(), ThinFileError> {
+    let [least, greatest] = CloudRadii::Each(radii).extremes();
+    if greatest / least <= MAX_COLUMN_CONTRAST {
+        return Ok(());
+    }
+    let first = |wanted: f64| {
+        radii
+            .iter()
+            .position(|radius| radius.total_cmp(&wanted).is_eq())
+    };
+    Err(ThinFileError::Contrast {
+        column: name.to_owned(),
+        radii: [least, greatest],
+        points: [least, greatest].map(|radius| first(radius).unwrap_or_default()),
+    })
 }
 
 /// Returns the rectangle around some points. A side is at least a radius, so that points on a line have a region, too.
@@ -410,32 +504,45 @@ impl Thinning {
     }
 
     /// Returns the certificate of the points chosen from some.
-    #[must_use]
+    ///
+    /// # Errors
+    ///
+    /// As [`Self::certificate_of`].
     pub fn certificate(
         &self,
         given: &[[f64; 2]],
         chosen: &PointFile<'_>,
         report: &ThinnedReport,
-    ) -> Certificate {
+    ) -> Result<Certificate, ThinFileError> {
         self.certificate_of(chosen, report, positions_digest(given), given.len() as u64)
     }
 
     /// Returns the certificate of points that were chosen from a source of that digest and that many points.
-    #[must_use]
+    ///
+    /// # Errors
+    ///
+    /// [`ThinFileError::Format`] where the file has no radii in the column that states them.
     pub fn certificate_of(
         &self,
         chosen: &PointFile<'_>,
         report: &ThinnedReport,
         source: String,
         given: u64,
-    ) -> Certificate {
+    ) -> Result<Certificate, ThinFileError> {
+        // Of radii in a column the certificate states those of the kept points, which a reader of their file has.
+        let radius = match &self.radius {
+            CertifiedRadius::Column(RadiusColumn { column: name, .. }) => {
+                CertifiedRadius::Column(column(&chosen.radii(name)?, name))
+            }
+            CertifiedRadius::Constant(_) | CertifiedRadius::Field(_) => self.radius.clone(),
+        };
         let facts = ThinnedFacts {
             name: chosen.hint.name,
             data: chosen.bytes,
             read: &chosen.read,
             region: self.region,
             origin: self.origin,
-            radius: self.radius.clone(),
+            radius,
             parameters: self.parameters.clone(),
             thinned: Thinned {
                 source,
@@ -444,7 +551,7 @@ impl Thinning {
             },
             report,
         };
-        facts.certificate()
+        Ok(facts.certificate())
     }
 
     /// Adds a parameter to those that the certificate states.

@@ -217,6 +217,14 @@ pub enum VaryingError {
         /// The parameter that states it.
         name: &'static str,
     },
+    /// A certificate states radii of points, and not of places.
+    #[error(
+        "the certificate states the radius of each point, by the column {column}, and no radius between the points"
+    )]
+    NoPlaces {
+        /// The name of the column.
+        column: String,
+    },
     /// A certificate does not say from what the field was made.
     #[error("the certificate does not say how its field or its shape was made: {0}")]
     Unstated(String),

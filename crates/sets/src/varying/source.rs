@@ -5,7 +5,7 @@ use std::collections::BTreeMap;
 use serde::{Deserialize, Serialize};
 use serde_json::{Value, json};
 use tilescope_core::Boundary;
-use tilescope_formats::Certificate;
+use tilescope_formats::{Certificate, CertifiedRadius};
 
 use super::error::VaryingError;
 use super::expression::Expression;
@@ -120,9 +120,15 @@ impl RadiusSource {
         given: GivenRadius,
     ) -> Result<Self, VaryingError> {
         let parameters = &stated.parameters;
-        // A certificate may state a shape without a field.
-        if !stated.radius.is_field() {
-            return Ok(Self::Constant(stated.radius.least()));
+        match &stated.radius {
+            // A certificate may state a shape without a field.
+            CertifiedRadius::Constant(radius) => return Ok(Self::Constant(*radius)),
+            CertifiedRadius::Column(column) => {
+                return Err(VaryingError::NoPlaces {
+                    column: column.column.clone(),
+                });
+            }
+            CertifiedRadius::Field(_) => {}
         }
 
         // A given expression or grid has the scale that the certificate states with its own expression or grid, or 1 if

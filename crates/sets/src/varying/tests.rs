@@ -166,7 +166,7 @@ fn certificates_say_how_to_judge_a_set_again() {
     let stated = check.certificate.expect("a certificate");
     assert_eq!((stated.format_version, stated.covering_radius), (2, None));
     assert_eq!(stated.origin, Some([500_000.0, 5_400_000.0]));
-    assert!(stated.radius.is_field() && (0.99..1.01).contains(&stated.radius.least()));
+    assert!(stated.radius.varies() && (0.99..1.01).contains(&stated.radius.least()));
 
     // One sample less, and another field.
     let fewer = |data: String| {

@@ -562,7 +562,11 @@ fn radii_of_samples_without_a_certificate_show_conflicts_and_no_covering() {
     fs::write(folder.path().join("c.csv"), "x,y\n0,0\n").unwrap();
     refused(&folder, "verify c.csv", "give --radius");
     fs::write(folder.path().join("c.csv"), "x,y,radius\n0,0,-1\n").unwrap();
-    refused(&folder, "verify c.csv", "the radius of a point is -1");
+    refused(
+        &folder,
+        "verify c.csv",
+        "\"-1\" in column radius is not a finite number above 0",
+    );
 }
 
 #[test]

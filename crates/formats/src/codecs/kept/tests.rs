@@ -109,7 +109,13 @@ fn json_keeps_properties_and_lists_of_points() {
         assert_eq!(none, "{\"features\":[],\"type\":\"FeatureCollection\"}\n");
     }
 
-    let column = read_column(all.as_bytes(), &hint("a.geojson"), "height").expect("numbers");
+    let column = read_column(
+        all.as_bytes(),
+        &hint("a.geojson"),
+        "height",
+        ColumnUse::Order,
+    )
+    .expect("numbers");
     assert_eq!(column, [4.0, 5.0, 5.0]);
 }
 
@@ -168,7 +174,8 @@ fn vertices_keep_their_properties_and_faces_are_left_out() {
         let again = decode(&rows.bytes, &hint("a.ply")).expect(encoding);
         assert_eq!(again.set.points, [[0.5, 1.0], [2.5, 3.0]]);
         for (name, values) in [("z", [3.0, 0.0]), ("red", [255.0, 7.0])] {
-            let column = read_column(&rows.bytes, &hint("a.ply"), name).expect(name);
+            let column =
+                read_column(&rows.bytes, &hint("a.ply"), name, ColumnUse::Order).expect(name);
             assert_eq!(column, values, "{encoding}");
         }
 
@@ -203,7 +210,9 @@ fn what_has_no_columns_is_refused_by_name() {
     let said = refused(keep_rows(svg, &hint("a.svg"), &[true]).expect_err("circles"));
     assert!(said.contains("convert the file to csv first"), "{said}");
     let column = |name: &str, text: &str, column: &str| {
-        refused(read_column(text.as_bytes(), &hint(name), column).expect_err(text))
+        refused(
+            read_column(text.as_bytes(), &hint(name), column, ColumnUse::Order).expect_err(text),
+        )
     };
     assert!(column("a.txt", "1\n1 2\n", "w").contains("no column beside"));
     assert!(column("a.csv", "x,y,w\n1,2,3\n", "v").contains("there is no column \"v\""));
