@@ -33,7 +33,7 @@ use radii::RadiusTable;
 use shape::ShapeIndex;
 
 pub use error::SquaresError;
-pub use search::MAX_FACTOR;
+pub use search::{LiveSquares, MAX_FACTOR};
 pub use varying_region::VaryingRegion;
 
 /// The largest radius: squared distances and the products of the rule stay within 64 bits, and so do bilinear sums with a

@@ -26,7 +26,7 @@ pub use space::{SpaceCloud, SpaceFile, SpaceRecipe, SpaceThinning, judge_space, 
 const WITNESSES: usize = 3;
 
 /// About how many bytes a point takes while a cloud is thinned, besides its position, radius and rank: 16 while it is sorted, 28
-/// in its layer, up to 21 for a cell of its own and 1 for its flag; then up to 48 for its judge. And a fifth.
+/// in its layer, up to 29 for a cell of its own and 1 for its flag; then up to 48 for its judge. And a fifth.
 const BYTES_A_POINT: f64 = 90.0;
 
 /// The largest extent of a cloud, in its least radius: beyond it the doubles of coordinates are too coarse to say which points

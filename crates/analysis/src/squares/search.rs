@@ -1,6 +1,7 @@
 //! The search: tiles of the region, each cut into squares until every square is proven or has an uncovered place.
 
 mod factor;
+mod live;
 
 use std::ops::Range;
 
@@ -20,6 +21,7 @@ use super::{PointSpan, SquaresJudge, SquaresReport, UncoveredPlace};
 
 pub use factor::MAX_FACTOR;
 pub(super) use factor::covering_factor;
+pub use live::LiveSquares;
 
 /// About this many samples lie in a tile: then its lists stay in the cache, and tiles are enough for all threads.
 const TILE_SAMPLES: usize = 512;
@@ -100,6 +102,19 @@ impl TileFindings {
     }
 }
 
+/// Returns how many tiles there are along x and y, with sides of two to this power.
+fn tile_counts(judge: &SquaresJudge, bits: u32) -> [u64; 2] {
+    judge.last().map(|last| (last >> bits) as u64 + 1)
+}
+
+/// Returns the power of two that is the side of the tiles for so many samples.
+fn tile_bits(judge: &SquaresJudge, samples: usize) -> u32 {
+    let most_tiles = (samples / TILE_SAMPLES).max(MIN_TILES) as u64;
+    let fits = |bits: &u32| tile_counts(judge, *bits).into_iter().product::<u64>() <= most_tiles;
+    // Tiles are as small as their greatest number allows. Tiles of the largest size are never too many.
+    (0..MAX_TILE_BITS).find(fits).unwrap_or(MAX_TILE_BITS)
+}
+
 /// A sample of a tile.
 #[derive(Clone, Copy)]
 struct TileSample {
@@ -122,13 +137,8 @@ struct SampleTiles {
 impl SampleTiles {
     /// Sorts samples into tiles, by counting.
     fn new(judge: &SquaresJudge, samples: &[[i32; 2]]) -> Self {
-        let [right, top] = judge.last();
-        let counts = |bits: u32| [right, top].map(|last| (last >> bits) as u64 + 1);
-        let most_tiles = (samples.len() / TILE_SAMPLES).max(MIN_TILES);
-        let fits = |bits: &u32| counts(*bits).into_iter().product::<u64>() <= most_tiles as u64;
-        // Tiles are as small as their greatest number allows. Tiles of the largest size are never too many.
-        let bits = (0..MAX_TILE_BITS).find(fits).unwrap_or(MAX_TILE_BITS);
-        let [columns, rows] = counts(bits).map(|count| count as usize);
+        let bits = tile_bits(judge, samples.len());
+        let [columns, rows] = tile_counts(judge, bits).map(|count| count as usize);
 
         let tile_of = |[x, y]: [i32; 2]| (y >> bits) as usize * columns + (x >> bits) as usize;
         let mut starts = vec![0; columns * rows + 1];
@@ -184,7 +194,7 @@ impl SampleTiles {
 }
 
 /// A sample near a tile, or an image of one.
-#[derive(Clone, Copy)]
+#[derive(Clone, Copy, Debug)]
 struct Near {
     /// Its offset from the tile's lowest place.
     x: i32,

@@ -12,7 +12,7 @@ use crate::report::Report;
 use crate::verify::VerifyOptions;
 use crate::witness::{Conflict, Gap, GapKind};
 
-use super::{LatticeRegion, Radii, Shape, SquaresError, SquaresJudge, SquaresReport};
+use super::{LatticeRegion, LiveSquares, Radii, Shape, SquaresError, SquaresJudge, SquaresReport};
 
 /// A region with the radius at each of its places, and the part of it that is to be covered.
 ///
@@ -70,6 +70,13 @@ impl VaryingRegion {
     pub fn radius_at(&self, place: [f64; 2]) -> f64 {
         let [x, y] = self.units();
         f64::from(self.judge.radius_at(self.lattice_point(place))) * x.min(y)
+    }
+
+    /// Returns the conflicts and the open places of samples that come and go in this region, as lattice points, before there is
+    /// one; `None` where the radii differ so steeply that there are too many squares to keep.
+    #[must_use]
+    pub fn live(&self) -> Option<LiveSquares> {
+        LiveSquares::new(&self.judge)
     }
 
     /// Judges whether `points` are conflict-free and cover the region, as [`verify`](crate::verify) does for a single radius.

@@ -10,6 +10,7 @@ mod live_cover;
 mod live_pairs;
 mod live_slices;
 mod live_spectrum;
+mod live_squares;
 mod numbers;
 mod order;
 mod periodogram;

@@ -9,7 +9,7 @@ use crate::support::{Random, go_on, on_threads};
 
 /// A domain with a radius that varies, and all numbers that it is made from.
 #[derive(Clone, Debug)]
-struct Case {
+pub struct Case {
     region: LatticeRegion,
     pitch_bits: u32,
     columns: usize,
@@ -18,7 +18,7 @@ struct Case {
 }
 
 impl Case {
-    fn judge(&self) -> SquaresJudge {
+    pub fn judge(&self) -> SquaresJudge {
         let radii = Radii::Nodes {
             pitch_bits: self.pitch_bits,
             columns: self.columns,
@@ -32,7 +32,7 @@ impl Case {
     }
 
     /// All places of the domain.
-    fn places(&self) -> Vec<[i32; 2]> {
+    pub fn places(&self) -> Vec<[i32; 2]> {
         let closed = i32::from(!self.is_periodic());
         let (right, top) = (self.region.width + closed, self.region.height + closed);
         let all = (0..top).flat_map(|y| (0..right).map(move |x| [x, y]));
@@ -170,7 +170,7 @@ impl Case {
 }
 
 /// Regions of up to 48 x 48 places with fields that jump from node to node.
-fn cases() -> impl Strategy<Value = Case> {
+pub fn cases() -> impl Strategy<Value = Case> {
     let sides = (1_i32..7, 1_i32..7, 0_i32..8, 0_i32..8, any::<bool>());
     (sides, any::<u64>(), 1_i32..6, 0_u8..4).prop_map(|(sides, seed, contrast, kind)| {
         let (columns, rows, right, top, periodic) = sides;

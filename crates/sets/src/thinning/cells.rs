@@ -113,8 +113,7 @@ pub(super) struct Layer {
     keys: Vec<u64>,
     /// Where the points of each cell begin; the last number is that of all points.
     starts: Vec<u32>,
-    /// Where the cells of each row begin, if there are not many more rows than cells.
-    rows: Option<Vec<u32>>,
+    finder: Finder,
     pub points: Vec<[f64; 2]>,
     pub ranks: Vec<u32>,
     /// The index of each point in the cloud.
@@ -167,7 +166,7 @@ impl Layer {
 
         let zeros = |count: usize| (0..count).map(|_| AtomicU32::new(0)).collect();
         Self {
-            rows: rows(&keys, grid.cells[1]),
+            finder: Finder::of(&keys, grid.cells),
             points: (entries.par_iter())
                 .map(|entry| points[entry.index as usize])
                 .collect(),
@@ -240,54 +239,97 @@ impl Layer {
     pub fn add_around(&self, at: Place, steps: u32, mut add: impl FnMut(u32)) {
         let row_spans = self.grid.around(1, at.row, steps);
         let column_spans = self.grid.around(0, at.column, steps);
-        // Cells of a row follow each other, so that one search finds all that are near.
         for row in row_spans
             .into_iter()
             .flatten()
             .flat_map(|(low, high)| low..=high)
         {
-            for (low, high) in column_spans.into_iter().flatten() {
-                let [low_key, high_key] = [low, high].map(|column| Place { column, row }.key());
-                let (begin, end) = self.row(row);
-                let keys = &self.keys[begin..end];
-                let first = keys.partition_point(|&key| key < low_key);
-                let within = keys[first..].iter().take_while(|&&key| key <= high_key);
-                for (cell, _) in ((begin + first) as u32..).zip(within) {
-                    add(cell);
-                }
+            for columns in column_spans.into_iter().flatten() {
+                self.cells_in_row(row, columns).for_each(&mut add);
             }
         }
     }
 
-    /// Returns where the cells of a row may be found: without a table of rows, among all cells.
-    fn row(&self, row: u32) -> (usize, usize) {
-        let all = self.keys.len();
-        let Some(rows) = &self.rows else {
-            return (0, all);
-        };
-        let begin = |row: usize| rows.get(row).map_or(all, |&begin| begin as usize);
-        (begin(row as usize), begin(row as usize + 1))
+    /// Returns the cells in a span of columns of a row, which follow each other.
+    fn cells_in_row(&self, row: u32, (low, high): Span) -> std::ops::Range<u32> {
+        match &self.finder {
+            Finder::Places { columns, begins } => {
+                // Spans may end beyond the last column, and rows beyond the last row, where there are no points.
+                let begin = |column: u32| {
+                    let place = row as usize * columns + (column as usize).min(*columns);
+                    begins.get(place).copied().unwrap_or(self.cells())
+                };
+                begin(low)..begin(high + 1)
+            }
+            Finder::Rows(rows) => {
+                let begin = |row: usize| rows.get(row).copied().unwrap_or(self.cells());
+                self.found(
+                    begin(row as usize),
+                    begin(row as usize + 1),
+                    row,
+                    (low, high),
+                )
+            }
+            Finder::Search => self.found(0, self.cells(), row, (low, high)),
+        }
+    }
+
+    /// Returns those of the cells from `begin` to `end` that lie in a span of columns of a row, which are all of these.
+    fn found(&self, begin: u32, end: u32, row: u32, (low, high): Span) -> std::ops::Range<u32> {
+        let [low_key, high_key] = [low, high].map(|column| Place { column, row }.key());
+        let keys = &self.keys[begin as usize..end as usize];
+        let first = keys.partition_point(|&key| key < low_key);
+        let within = keys[first..].iter().take_while(|&&key| key <= high_key);
+        let first = begin + first as u32;
+        first..first + within.count() as u32
     }
 }
 
-/// Returns where the cells of each row begin; nothing if most rows would be empty, as where a point lies far from all others.
-fn rows(keys: &[u64], count: u32) -> Option<Vec<u32>> {
-    // The rest at the upper border is a row of its own.
-    let most_rows = count as usize + 1;
-    // Up to four rows a cell, 16 bytes, the table takes less than the cell itself. The constant (chosen, not measured)
-    // lets small clouds have one.
-    if most_rows >= 4 * keys.len() + 1024 {
-        return None;
-    }
+/// How the cell of a place is found among those that have points.
+#[derive(Debug)]
+enum Finder {
+    /// Where the cells from each place of the grid on begin, row by row; a row has `columns` places.
+    Places { columns: usize, begins: Vec<u32> },
+    /// Where the cells of each row begin.
+    Rows(Vec<u32>),
+    /// By a search through all cells.
+    Search,
+}
 
-    let mut rows = Vec::with_capacity(most_rows);
+impl Finder {
+    /// Returns the quickest way whose table is no larger than what the cells themselves take. `cells` is how many whole
+    /// ones the grid has along x and y.
+    fn of(keys: &[u64], cells: [u32; 2]) -> Self {
+        // The rests at the upper borders are a column and a row of their own.
+        let [columns, most_rows] = cells.map(|count| count as usize + 1);
+
+        // Two places a cell take 8 bytes, which `BYTES_A_POINT` counts. The constants here (chosen, not measured) let small
+        // clouds have tables.
+        if columns.saturating_mul(most_rows) <= 2 * keys.len() + 1024 {
+            let place = |key| {
+                let Place { column, row } = Place::of(key);
+                row as usize * columns + column as usize
+            };
+            let begins = begins(keys, columns * most_rows, place);
+            return Self::Places { columns, begins };
+        }
+        // Most rows would be empty where a point lies far from all others. Up to four rows a cell take 16 bytes.
+        if most_rows < 4 * keys.len() + 1024 {
+            let row = |key| Place::of(key).row as usize;
+            return Self::Rows(begins(keys, most_rows, row));
+        }
+        Self::Search
+    }
+}
+
+/// Returns for each number from 0 on the first cell of which `number` gives that or a higher one. Numbers behind that of the last
+/// cell are missing: for them it is the end of all cells.
+fn begins(keys: &[u64], most: usize, number: impl Fn(u64) -> usize) -> Vec<u32> {
+    let mut begins = Vec::with_capacity(most);
     for (cell, &key) in keys.iter().enumerate() {
-        let row = Place::of(key).row as usize;
-        // A row without cells begins, and ends, where the next one begins.
-        while rows.len() <= row {
-            rows.push(cell as u32);
+        while begins.len() <= number(key) {
+            begins.push(cell as u32);
         }
     }
-    // Rows behind the last cell are missing, and `Layer::row` takes the end of all cells for their beginning.
-    Some(rows)
+    begins
 }

@@ -1,0 +1,95 @@
+//! The judge by squares for samples that come and go, against the judge of all of them, at every moment.
+
+use proptest::prelude::*;
+use tilescope_analysis::live::{LiveSample, LiveSquares, Renewal};
+use tilescope_analysis::{LatticeRegion, Radii, Shape, SquaresJudge};
+
+use crate::squares::cases;
+use crate::support::{Random, go_on};
+
+/// Returns the conflicts and the open places that the judge of all samples finds.
+fn judged(judge: &SquaresJudge, samples: &[LiveSample]) -> [u64; 2] {
+    let places: Vec<[i32; 2]> = samples.iter().map(|&(_, place)| place).collect();
+    let report = judge.judge(&places, 0, &go_on).expect("a report");
+    [report.conflicts, report.uncovered]
+}
+
+fn counts(live: &LiveSquares) -> [u64; 2] {
+    [live.conflicts(), live.open_places()]
+}
+
+proptest! {
+    #![proptest_config(ProptestConfig { cases: tilescope_tests::cases(128), failure_persistence: None, ..ProptestConfig::default() })]
+
+    #[test]
+    fn counts_are_those_of_the_judge_at_every_moment(case in cases(), seed in any::<u64>()) {
+        let judge = case.judge();
+        let mut live = LiveSquares::new(&judge).expect("few squares");
+        let (mut random, places) = (Random::new(seed), case.places());
+        let mut below = |count: usize| (random.uniform() * count as f64) as usize;
+        let mut present: Vec<LiveSample> = Vec::new();
+        prop_assert_eq!(counts(&live), judged(&judge, &present));
+        if places.is_empty() {
+            return Ok(());
+        }
+
+        for sample in 0..40 {
+            // Forwards more often than backwards, so that the domain fills.
+            if below(5) < 2 && !present.is_empty() {
+                let (sample, place) = present.swap_remove(below(present.len()));
+                live.remove(sample, place);
+            } else {
+                let place = places[below(places.len())];
+                live.insert(sample, place);
+                present.push((sample, place));
+            }
+            prop_assert_eq!(live.count(), present.len());
+            prop_assert_eq!(counts(&live), judged(&judge, &present));
+        }
+
+        // Made anew at once, and in slices.
+        let mut renewal = Renewal::of(&live, present.clone());
+        while !renewal.is_made() {
+            renewal.proceed();
+        }
+        prop_assert_eq!(counts(&renewal.finish()), judged(&judge, &present));
+        live.rebuild(&present);
+        prop_assert_eq!(counts(&live), judged(&judge, &present));
+    }
+}
+
+#[test]
+fn a_change_that_is_left_out_shows() {
+    let region = LatticeRegion {
+        width: 400,
+        height: 300,
+        boundary: tilescope_analysis::Boundary::Periodic,
+    };
+    let judge = SquaresJudge::new(region, Radii::Constant(20), &Shape::Rectangle).expect("a judge");
+    let mut live = LiveSquares::new(&judge).expect("few squares");
+    let samples = [(0, [50, 50]), (1, [65, 50]), (2, [200, 150])];
+    for (sample, place) in samples {
+        live.insert(sample, place);
+    }
+    assert_eq!(counts(&live), judged(&judge, &samples));
+    assert_eq!(live.conflicts(), 1);
+
+    // The control: of fewer samples the judge counts something else.
+    assert_ne!(counts(&live)[0], judged(&judge, &samples[1..])[0]);
+    assert_ne!(counts(&live)[1], judged(&judge, &samples[..2])[1]);
+}
+
+#[test]
+fn a_field_with_too_many_squares_is_not_followed() {
+    // A large domain with a tiny radius: more than a million squares.
+    let region = LatticeRegion {
+        width: 1 << 12,
+        height: 1 << 12,
+        boundary: tilescope_analysis::Boundary::Bounded,
+    };
+    let of = |radius| {
+        let judge = SquaresJudge::new(region, Radii::Constant(radius), &Shape::Rectangle);
+        LiveSquares::new(&judge.expect("a judge"))
+    };
+    assert!(of(3).is_none() && of(40).is_some());
+}
