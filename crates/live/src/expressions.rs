@@ -45,6 +45,13 @@ fn follow(recording: &Recording) -> NumberAt {
         return Box::new(move |_, _, _| Err(why.clone()));
     }
 
+    // Without its judge, which is made of the field and the shape, nothing here is measured with the radius at each place.
+    if recording.run().locality.is_some() {
+        let why = "it is of one radius in a rectangle, which a set in a field or a shape does not have; the analysis follows its \
+                   conflicts and open places";
+        return Box::new(move |_, _, _| Err(why.to_owned()));
+    }
+
     let mut moment = LiveMoment::new(Arc::new(Course::of_recording(recording)));
     Box::new(move |key, cursor, steps| {
         // Expressions name only numbers of the list above, so that there is one.

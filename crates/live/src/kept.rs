@@ -1,7 +1,9 @@
 //! A measure that is kept from moment to moment, with the number of changes that it has taken: it is never taken for
 //! that of another moment. A change is a sample that comes or goes, and a `Course` lists those of a run.
 
-use tilescope_analysis::live::{LiveCover, LivePairs, LiveSample, LiveSpectrum, Renew, Renewal};
+use tilescope_analysis::live::{
+    LiveCover, LivePairs, LiveSample, LiveSpectrum, LiveSquares, Renew, Renewal,
+};
 use tilescope_analysis::measures::MeasureError;
 
 use crate::course::Course;
@@ -58,6 +60,7 @@ follows!(
     LiveSpectrum: 128, LiveSpectrum::prepare_reading;
     LivePairs: 1, |_| ();
     LiveCover: 1, |_| ();
+    LiveSquares: 1, |_| ();
 );
 
 /// A measure and how many changes of the course it has taken.
@@ -144,6 +147,15 @@ impl<M: Follows> Kept<M> {
             measure.prepare_reading();
         }
         steps
+    }
+
+    /// Returns a measure that has taken no change.
+    pub const fn of_nothing(measure: M) -> Self {
+        Self {
+            measure: Some(measure),
+            taken: 0,
+            ahead: None,
+        }
     }
 
     /// Makes the measure of no samples, if there is none.

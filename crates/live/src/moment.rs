@@ -2,7 +2,7 @@
 
 use std::sync::Arc;
 
-use tilescope_analysis::live::{LiveCover, LivePairs, LiveSpectrum};
+use tilescope_analysis::live::{LiveCover, LivePairs, LiveSpectrum, LiveSquares};
 use tilescope_analysis::measures::MeasureError;
 
 use crate::course::Course;
@@ -26,7 +26,7 @@ pub struct Wanted {
     pub thinned: bool,
     /// Distances: g(r), the smallest one, conflicts.
     pub pairs: bool,
-    /// Open places and the covering radius.
+    /// Open places and, of one radius in a rectangle, the covering radius; in a field or a shape, conflicts too.
     pub cover: bool,
 }
 
@@ -47,6 +47,8 @@ pub struct LiveMoment {
     spectra: Spectra,
     pairs: Kept<LivePairs>,
     cover: Kept<LiveCover>,
+    /// In a field or a shape, the squares of its judge, which take the place of covered circles.
+    squares: Option<Kept<LiveSquares>>,
 }
 
 impl LiveMoment {
@@ -59,6 +61,17 @@ impl LiveMoment {
             spectra: Spectra::default(),
             pairs: Kept::default(),
             cover: Kept::default(),
+            squares: None,
+        }
+    }
+
+    /// Returns the moment before the first event of a run in a field or a shape. `squares` are those of its judge, without
+    /// samples. Spectrum and distances are then of all samples together, without regard to the radius at each place.
+    #[must_use]
+    pub fn in_squares(course: Arc<Course>, squares: LiveSquares) -> Self {
+        Self {
+            squares: Some(Kept::of_nothing(squares)),
+            ..Self::new(course)
         }
     }
 
@@ -99,8 +112,12 @@ impl LiveMoment {
         }
         if wanted.cover {
             let left = budget.saturating_sub(steps);
-            self.cover.begin(|| LiveCover::new(plane))?;
-            steps += self.cover.seek(course, changes, left);
+            steps += if let Some(squares) = &mut self.squares {
+                squares.seek(course, changes, left)
+            } else {
+                self.cover.begin(|| LiveCover::new(plane))?;
+                self.cover.seek(course, changes, left)
+            };
         }
         if wanted.spectrum {
             let left = budget.saturating_sub(steps);
@@ -110,7 +127,7 @@ impl LiveMoment {
         let has_spectrum = self.spectra.after(changes, wanted.thinned).is_some();
         let arrived = (has_spectrum || !wanted.spectrum)
             && (self.pairs().is_some() || !wanted.pairs)
-            && (self.cover().is_some() || !wanted.cover);
+            && (self.cover().is_some() || self.squares().is_some() || !wanted.cover);
         Ok(Moved { steps, arrived })
     }
 
@@ -142,9 +159,15 @@ impl LiveMoment {
         self.pairs.after(self.changes)
     }
 
-    /// Returns the covered circles, if they are this moment's.
+    /// Returns the covered circles, if they are this moment's. In a field or a shape there are none.
     #[must_use]
     pub fn cover(&self) -> Option<&LiveCover> {
         self.cover.after(self.changes)
+    }
+
+    /// Returns the squares of the judge, if they are this moment's. There are some only in a field or a shape.
+    #[must_use]
+    pub fn squares(&self) -> Option<&LiveSquares> {
+        self.squares.as_ref()?.after(self.changes)
     }
 }

@@ -151,7 +151,17 @@ impl LiveMoment {
 
     /// Returns the numbers of a verdict, without witnesses; `None` without samples, or while a measure is not the moment's.
     fn report(&self) -> Option<Report> {
-        let (pairs, cover) = (self.pairs()?, self.cover()?);
+        let pairs = self.pairs()?;
+        // In a field or a shape both counts are those of its judge, with the radius at each place, and no covering radius is
+        // measured.
+        let (conflicts, gaps, covering) = if let Some(squares) = self.squares() {
+            let not_measured = f64::INFINITY;
+            (squares.conflicts(), squares.open_places(), not_measured)
+        } else {
+            let cover = self.cover()?;
+            let covering = cover.covering_radius_in_radii();
+            (pairs.conflicts(), cover.open_places(), covering)
+        };
         let count = self.count();
         if count == 0 {
             return None;
@@ -169,12 +179,12 @@ impl LiveMoment {
             radius,
             covering_tolerance: COVERING_TOLERANCE,
             // The verifier stops counting at this limit, and the two numbers must agree.
-            conflicts: pairs.conflicts().min(MAX_CONFLICTS),
+            conflicts: conflicts.min(MAX_CONFLICTS),
             worst_conflicts: Vec::new(),
-            gaps: cover.open_places(),
+            gaps,
             worst_gaps: Vec::new(),
             min_distance,
-            covering_radius: cover.covering_radius_in_radii() * radius,
+            covering_radius: covering * radius,
             covering_factor: None,
             density: count as f64 * radius * radius / region.area(),
             relative_radius: min_distance / r_max,

@@ -16,7 +16,7 @@ use tilescope_session::session::Session;
 use tilescope_session::task::{self, SessionRef, Task};
 use tilescope_session::words::sentence;
 
-use crate::live::{course_of, refusal};
+use crate::live::{ONE_RADIUS, course_of, refusal};
 pub use figure::CurveFormat;
 
 /// The heights that a curve can have, in screen points: that of a sparkline, and that of a chart of the analysis.
@@ -293,7 +293,7 @@ impl RunCurve {
         if self.of != wanted {
             self.of = wanted;
             // A session without measurable moments is refused here, before any work begins.
-            self.making = match (number, refusal(session)) {
+            self.making = match (number, refused(session)) {
                 (None, _) => Making::Nothing,
                 (Some(_), Some(why)) => Making::Failed(why),
                 (Some(number), None) => {
@@ -325,6 +325,14 @@ impl RunCurve {
             self.take(outcome);
         }
     }
+}
+
+/// Returns why a session has no curves.
+fn refused(session: &Session) -> Option<String> {
+    let is_local = session.ground.is_some();
+    is_local
+        .then(|| ONE_RADIUS.to_owned())
+        .or_else(|| refusal(session))
 }
 
 #[cfg(test)]

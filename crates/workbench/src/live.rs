@@ -5,10 +5,11 @@
 
 use std::sync::Arc;
 
-use tilescope_analysis::live::{LiveCover, LivePairs, LiveSpectrum};
+use tilescope_analysis::live::{LiveCover, LivePairs, LiveSpectrum, LiveSquares};
 use tilescope_analysis::measures::MeasuredSet;
 use tilescope_live::{Course, FRAME_STEPS, LiveMoment, MAX_SAMPLES, Wanted};
 use tilescope_session::geometry::{Key, key_of};
+use tilescope_session::ground::MadeGround;
 use tilescope_session::jobs::{Job, Wake};
 use tilescope_session::moment::ShownMoment;
 use tilescope_session::session::Session;
@@ -41,7 +42,7 @@ enum Followed {
     #[default]
     Nothing,
     /// The run is being read in the background: which sample comes or goes when.
-    Away(Job<Box<LiveMoment>>),
+    Away(Job<Result<Box<LiveMoment>, String>>),
     /// At the moment of the frame before, or on their way from there.
     Here(Box<LiveMoment>),
     /// The run has none, and why.
@@ -175,7 +176,14 @@ impl Live {
         }
         let session = Arc::clone(session);
         let job = Job::start(wake, move |_| {
-            Box::new(LiveMoment::new(Arc::new(course_of(&session))))
+            let course = Arc::new(course_of(&session));
+            let moment = match &session.ground {
+                None => Ok(LiveMoment::new(course)),
+                Some(made) => {
+                    squares_of(made).map(|squares| LiveMoment::in_squares(course, squares))
+                }
+            };
+            moment.map(Box::new)
         });
         self.followed = Followed::Away(job);
     }
@@ -188,8 +196,8 @@ impl Live {
         }
     }
 
-    fn take(&mut self, outcome: Result<Box<LiveMoment>, String>) {
-        match outcome {
+    fn take(&mut self, outcome: Result<Result<Box<LiveMoment>, String>, String>) {
+        match outcome.and_then(|made| made) {
             Ok(moment) => self.followed = Followed::Here(moment),
             Err(why) => self.refuse(sentence(&why)),
         }
@@ -209,8 +217,15 @@ impl Live {
     }
 }
 
-/// Why moments of sets in a field or a shape are not measured.
-pub const ONE_RADIUS: &str = "The measures compare distances with one radius in a rectangle, which a set in a field or a shape does not have; its verdict is by subdivision, with the radius at each place.";
+/// Why sets in a field or a shape have no curves.
+pub const ONE_RADIUS: &str = "The numbers of curves compare distances with one radius in a rectangle, which a set in a field or a shape does not have; the analysis follows its conflicts and open places, with the radius at each place.";
+
+/// What the measures of a set in a field or a shape are of.
+pub const GLOBAL: &str = "Global: spectrum and g(r) are of all samples together, whatever the radius at each place, in the rectangle around them. Conflicts and open places are those of the judge by subdivision, with the radius at each place.";
+
+/// Why a number of the table is not there of a set in a field or a shape.
+pub const NO_MEANING: &str =
+    "It is not measured in a field or a shape: it is defined for one radius in a rectangle.";
 
 /// Why planes through sets in space are not measured.
 pub const IN_SPACE: &str = "The measures of this panel are those of planar sets, and this set is in space: `tilescope analyze` measures its spectrum and its pairs. Its verdict is by cubes and by circles.";
@@ -220,8 +235,10 @@ pub(crate) fn refusal(session: &Session) -> Option<String> {
     if session.solid.is_some() {
         return Some(IN_SPACE.to_owned());
     }
-    if session.ground.is_some() {
-        return Some(ONE_RADIUS.to_owned());
+    // Such a set is not measured at rest either.
+    if session.ground.is_some() && session.recording().is_none() {
+        let why = "This run has no events, so that its moments are not measured; its verdict is by subdivision, with the radius at each place.";
+        return Some(why.to_owned());
     }
     // Nested levels have no events either, but their samples have an order, in which the measures can move.
     if session.recording().is_none() && session.nested.is_none() {
@@ -236,6 +253,16 @@ pub(crate) fn refusal(session: &Session) -> Option<String> {
             counted(count, "sample", "samples")
         )
     })
+}
+
+/// Returns the squares of the judge of a set in a field or a shape, without samples.
+fn squares_of(made: &MadeGround) -> Result<LiveSquares, String> {
+    let (ground, _) = made.ground().map_err(|error| error.to_string())?;
+    let too_many = || {
+        "the radius is so small next to every place that too many squares would be kept: moments of this set are not measured"
+            .to_owned()
+    };
+    ground.varying.judged.live().ok_or_else(too_many)
 }
 
 /// Returns the course of a run: which sample comes or goes at which event. Takes a tenth of a second for ten million events.

@@ -16,6 +16,7 @@ use tilescope_analysis::measures::{MeasuredSet, Spectrum};
 use tilescope_drawing::palette::Palette;
 use tilescope_session::moment::ShownMoment;
 use tilescope_session::words::{capital, grouped};
+use tilescope_ui::language::Worded;
 use tilescope_ui::theme::semibold;
 use tilescope_ui::widgets::{Kebab, Known, heading};
 
@@ -28,7 +29,7 @@ use tilescope_workbench::analysis::reference_file::ReferenceFile;
 use tilescope_workbench::analysis::{Analysis, AnalysisCommand, name_of};
 use tilescope_workbench::command::{Command, Which};
 use tilescope_workbench::files::{FileCommand, Purpose};
-use tilescope_workbench::live::{IN_SPACE, Live, ONE_RADIUS};
+use tilescope_workbench::live::{GLOBAL, IN_SPACE, Live};
 use tilescope_workbench::state::{RunView, State};
 
 /// Minimum width of the panel for two columns of charts, in screen points.
@@ -67,6 +68,8 @@ struct RunMeasures<'a> {
     /// The measures of another moment, shown until those of this one are there. In a run whose measures move with it,
     /// only the spectrum can be of another moment.
     before: Option<&'a MeasuredSet>,
+    /// Whether the radius depends on the place, or the domain is a shape.
+    is_local: bool,
 }
 
 impl<'a> RunMeasures<'a> {
@@ -88,6 +91,7 @@ impl<'a> RunMeasures<'a> {
             now,
             live: run.live.of(shown).map(|set| &**set).filter(|_| is_wanted),
             before: before.filter(|_| is_wanted),
+            is_local: shown.session.ground.is_some(),
         }
     }
 
@@ -165,18 +169,20 @@ pub fn show(ui: &mut Ui, context: &AnalysisContext<'_>, commands: &mut Vec<Comma
         lines(ui, RichText::new(IN_SPACE).color(palette.muted)).known_as("analysis.status");
         return;
     }
-    // All measures of the panel compare distances with one radius.
-    if shown.session.ground.is_some() {
-        lines(ui, RichText::new(ONE_RADIUS).color(palette.muted)).known_as("analysis.status");
-        return;
-    }
 
     // Commands of the analysis are collected apart, and become commands of the window at the end.
     let mut own = Vec::new();
     let sets = Sets::of(context, &shown);
     status(ui, context, &shown, &sets, &mut own);
+    if sets.first.is_local {
+        let text = RichText::new(ui.words(GLOBAL))
+            .size(12.0)
+            .color(palette.muted);
+        ui.label(text).known_as("analysis.global");
+    }
 
-    let brush = context.analysis.brush;
+    // The causes of a range are looked for with one radius.
+    let brush = context.analysis.brush.filter(|_| !sets.first.is_local);
     if ui.available_width() >= TWO_COLUMNS {
         // The curves have a column to themselves, below the legend that names their lines.
         ui.columns_const(|[left, right]| {
@@ -193,6 +199,7 @@ pub fn show(ui: &mut Ui, context: &AnalysisContext<'_>, commands: &mut Vec<Comma
     }
 
     ui.add_space(8.0);
+    own.retain(|command| !(sets.first.is_local && matches!(command, AnalysisCommand::Brush(_))));
     commands.extend(own.into_iter().map(Command::Analysis));
 }
 
@@ -205,8 +212,10 @@ fn rest(
     own: &mut Vec<AnalysisCommand>,
 ) {
     ui.add_space(6.0);
-    heading(ui, "Brush");
-    brushed(ui, context, own);
+    if !sets.first.is_local {
+        heading(ui, "Brush");
+        brushed(ui, context, own);
+    }
     heading(ui, "Numbers");
     numbers::show(ui, sets);
     file(ui, context, commands, own);
@@ -272,8 +281,11 @@ fn status_text(run: &RunView, shown: &ShownMoment<'_>, measures: &RunMeasures<'_
         Some(known) => format!(" Faded: {}.", known.name),
         None => String::new(),
     };
-    // A run whose measures cannot move with it says why not.
+    // A run whose measures cannot move with it says why not. One in a field or a shape is not measured at rest either.
     let refusal = run.live.refusal().unwrap_or_default();
+    if shown.session.ground.is_some() && !refusal.is_empty() {
+        return format!("{name}: {refusal}");
+    }
     let doing = if measuring.is_stopped(shown) {
         "not measured."
     } else {

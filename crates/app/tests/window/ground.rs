@@ -216,12 +216,21 @@ fn a_key_paints_in_the_middle_of_the_view() {
 }
 
 #[test]
-fn panels_of_one_radius_say_why_they_are_empty() {
+fn the_analysis_of_a_field_counts_and_says_what_is_global() {
     let mut harness = made(Preset::Ramp);
     let open = |panel| Command::Window(WindowCommand::OpenPanel(panel));
     apply(&mut harness, open(Panel::Analysis));
     let said = text(&harness, "analysis.status");
-    assert!(said.contains("one radius"), "{said}");
+    assert!(said.contains("no conflicts, 0 open places"), "{said}");
+    assert!(text(&harness, "analysis.global").contains("with the radius at each place"));
+    // A number of one radius is not there, and the brush is not offered.
+    let gaps = text(&harness, "analysis.number-gaps");
+    assert!(gaps.contains("Open places: 0"), "{gaps}");
+    let smallest = text(&harness, "analysis.number-min_distance_r");
+    assert!(
+        smallest.contains("Smallest distance, r: \u{2013}"),
+        "{smallest}"
+    );
     apply(&mut harness, open(Panel::Legend));
     assert!(find(&harness, "layer.field").is_some() && find(&harness, "layer.blocks").is_none());
 }

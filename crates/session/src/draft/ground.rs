@@ -470,9 +470,14 @@ impl Draft {
             // A field on the command line is bounded unless it says otherwise.
             Boundary::Bounded => "",
         };
+        // The lower corner of the domain, which a shape that was opened has moved.
+        let origin = match self.ground.origin {
+            [x, y] if x == 0.0 && y == 0.0 => String::new(),
+            [x, y] => format!(" --origin {x} {y}"),
+        };
         let white = &self.ground.white;
         Some(format!(
-            "tilescope sample --radius-image {PAINTED} --radius {radius}..{white} --width {width} --height {height}{periodic} --seed {seed} --out set.csv"
+            "tilescope sample --radius-image {PAINTED} --radius {radius}..{white} --width {width} --height {height}{origin}{periodic} --seed {seed} --out set.csv"
         ))
     }
 

@@ -3,18 +3,21 @@
 use std::sync::Arc;
 
 use serde_json::json;
+use tilescope_analysis::VerifyOptions;
 use tilescope_core::{Boundary, RunEvent, Unobserved, Verdict as DartVerdict};
 use tilescope_formats::{Overrides, check};
+use tilescope_live::Course;
 use tilescope_session::ground::MadeGround;
 use tilescope_session::incoming::NamedBytes;
 use tilescope_session::layers::{Layer, SessionKind};
 use tilescope_session::session::Session;
 use tilescope_sets::{GrayImage, RadiusSource, ShapeSource, VaryingRecipe};
-use tilescope_workbench::command::{FormCommand, TimeCommand};
+use tilescope_workbench::command::{FormCommand, PaintCommand, TimeCommand, WindowCommand};
 use tilescope_workbench::compare::ComparePreset;
 use tilescope_workbench::draft::{Choice, FormPart, Preset, RadiusBy};
 use tilescope_workbench::export::ExportKind;
 use tilescope_workbench::files::FileCommand;
+use tilescope_workbench::layout::Panel;
 use tilescope_workbench::live::ONE_RADIUS;
 use tilescope_workbench::{Command, State, link, state};
 
@@ -271,6 +274,19 @@ fn a_dropped_polygon_is_covered_and_its_export_is_judged() {
             .all(|&point| locality.inside(point))
     );
 
+    // Where radii are painted on the park, the command of the painted field has the park's lower corner.
+    form(
+        &mut state,
+        FormCommand::Paint(PaintCommand::Stroke(vec![[20.0, 20.0]])),
+    );
+    let command = state.form().draft.painted_command().expect("a command");
+    assert!(
+        command.contains("--height 40 --origin 100 250 --seed"),
+        "{command}"
+    );
+    form(&mut state, FormCommand::Paint(PaintCommand::Reset));
+    state.settle();
+
     let folder = tempfile::tempdir().unwrap();
     let path = folder.path().join("park.csv");
     write(&mut state, ExportKind::Result, &path, &[]);
@@ -326,6 +342,52 @@ fn measures_of_one_radius_and_other_things_say_why_they_are_missing() {
     state.apply(Command::Appearance(command));
     state.settle();
     assert_eq!(state.runs().first.curve.failure(), Some(ONE_RADIUS));
+}
+
+#[test]
+fn the_analysis_follows_what_the_judge_of_the_field_counts() {
+    let mut state = made();
+    state.apply(Command::Window(WindowCommand::OpenPanel(Panel::Analysis)));
+    state.settle();
+    let shown = Arc::clone(session(&state));
+    let (ground, _) = shown.ground.as_ref().unwrap().ground().unwrap();
+    let course = Course::of_recording(shown.recording().unwrap());
+    let radius = shown.run().domain.radius();
+
+    let mut open_places = Vec::new();
+    // Forwards, backwards, and far, in parts of the samples.
+    for part in [0.1, 0.3, 0.31, 0.9, 0.05, 1.0] {
+        let cursor = course.cursor_after((course.final_count() as f64 * part) as usize);
+        state.apply(Command::Time(TimeCommand::Jump(cursor)));
+        state.settle();
+
+        let moment = state.runs().first.shown().unwrap();
+        let ids = moment.moment().covering(&shown);
+        let places = ids.iter().map(|&(_, id)| shown.position(id).to_array());
+        let points: Vec<[f64; 2]> = places.map(|place| place.map(|at| at * radius)).collect();
+        let go_on = |_| std::ops::ControlFlow::Continue(());
+        let judge = &ground.varying.judged;
+        let expected = judge
+            .verify(&points, &VerifyOptions::default(), &go_on)
+            .unwrap();
+
+        let live = state.runs().first.live.of(&moment).expect("measures");
+        let found = live.verdict().expect("counts");
+        assert_eq!(live.samples, points.len());
+        assert_eq!(
+            (found.conflicts, found.gaps),
+            (expected.conflicts, expected.gaps),
+            "{part}"
+        );
+        assert!(live.spectrum.is_some() && live.pairs.is_some());
+        open_places.push(found.gaps);
+    }
+    // The control: no two moments have the same count, and only at the end no place is open.
+    let at_the_end = open_places.pop().zip(open_places.iter().copied().min());
+    assert!(at_the_end.is_some_and(|(last, least)| last == 0 && least > 0));
+    open_places.sort_unstable();
+    open_places.dedup();
+    assert_eq!(open_places.len(), 5);
 }
 
 #[test]

@@ -9,6 +9,7 @@ use tilescope_session::words::{conflicts_in, counted, grouped, sentence};
 use tilescope_ui::language::Worded;
 use tilescope_ui::table::{SpokenCell, spoken_row, table};
 use tilescope_ui::widgets::Known;
+use tilescope_workbench::live::NO_MEANING;
 
 use super::{RunMeasures, Sets};
 use crate::ENABLED;
@@ -121,6 +122,7 @@ fn numbers(ui: &mut Ui, sets: &Sets<'_>, columns: &[Column], heads: &[&str]) {
 
         let explanation = match file.as_ref().and_then(unjudged) {
             Some(reason) if is_of_verdict(number) => format!("{} {reason}", number.meaning),
+            _ if !has_meaning(number, &sets.first) => format!("{} {NO_MEANING}", number.meaning),
             _ => number.meaning.to_owned(),
         };
         let key = (number.key, name);
@@ -139,6 +141,9 @@ fn unknown() -> (String, bool) {
 
 /// Returns a number of the moment of a run, and whether it is outdated.
 fn now(number: &SetNumber, run: &RunMeasures<'_>) -> (String, bool) {
+    if !has_meaning(number, run) {
+        return unknown();
+    }
     run.part(|set| text_of(number, set)).unwrap_or_else(|| {
         let awaits_rest = run.live.is_some_and(|live| awaits_rest(number, live));
         let text = if awaits_rest {
@@ -154,7 +159,7 @@ fn now(number: &SetNumber, run: &RunMeasures<'_>) -> (String, bool) {
 fn difference(number: &SetNumber, sets: &Sets<'_>) -> Option<String> {
     let value = |run: RunMeasures<'_>| {
         let (value, faded) = run.part(|set| number.of(set))?;
-        (!faded).then_some(value)
+        (!faded && has_meaning(number, &run)).then_some(value)
     };
     let difference = value(sets.second?)? - value(sets.first)?;
     // As many decimals as the numbers beside it have.
@@ -194,6 +199,12 @@ fn text_of(number: &SetNumber, set: &MeasuredSet) -> Option<String> {
 /// Returns whether a number is not known while the run moves, though the set has one.
 fn awaits_rest(number: &SetNumber, live: &MeasuredSet) -> bool {
     live.samples >= MIN_SAMPLES && number.needs.is_some_and(|part| !live.knows(part))
+}
+
+/// Returns whether a number is one of this run. In a field or a shape these are counts, with conflicts and open places by the judge
+/// of such sets, and what is read from the spectrum of all samples.
+fn has_meaning(number: &SetNumber, run: &RunMeasures<'_>) -> bool {
+    !run.is_local || number.decimals == 0 || number.needs == Some(Part::Spectrum)
 }
 
 /// Returns whether a number depends on the radius that the set was judged with.

@@ -172,17 +172,18 @@ impl RunView {
         if let (Some(session), Some(shown)) = (&self.session, self.shown()) {
             let layers = session.drawable(asked.layers).drawn_at(shown.stage);
             // The panel of the analysis shows all measures; a part of the frequencies will do while all would take too many steps.
-            // Measures at rest need one radius, too.
-            let is_analysed = asked.is_analysed && !session.has_own_disks();
+            // Its measures are those of the plane.
+            let is_analysed = asked.is_analysed && session.solid.is_none();
             let wanted = Wanted {
                 spectrum: is_analysed,
                 thinned: is_analysed,
                 pairs: is_analysed,
-                // The gaps of a plane are looked for pixel by pixel: its disks have no radius in common.
-                cover: is_analysed || layers.has_gaps() && session.solid.is_none(),
+                // Where disks have radii of their own, gaps are looked for pixel by pixel.
+                cover: is_analysed || layers.has_gaps() && !session.has_own_disks(),
             };
             live.follow(session, &shown, wanted, asked.steps, &context.wake);
-            if is_analysed {
+            // Measures at rest need one radius.
+            if is_analysed && !session.has_own_disks() {
                 measuring.want(session, &shown, &context.wake);
             }
             if let Some(cover) = live.cover(&shown).filter(|_| layers.has_gaps()) {
