@@ -123,7 +123,7 @@ pub fn verify_thinned(
 
     let bounds = Bounds::of(set.given.iter().copied());
     let largest_radius = set.radii.largest();
-    let tiles = Tiles::over(&bounds, set.given.len());
+    let tiles = Tiles::over(&bounds, set.given.len(), largest_radius);
     let all = 0..set.given.len() as u32;
 
     let given = tiles.sort(|add| all.clone().for_each(|index| add(set.placed(index))));
@@ -251,6 +251,17 @@ impl ThinnedSet<'_> {
             ThinnedRadii::Each(radii) => {
                 let radii = points.iter().map(|point| radii[point.index as usize]);
                 radii.fold(0.0, f64::max)
+            }
+        }
+    }
+
+    /// Returns the smallest radius of some points.
+    fn smallest(&self, points: &[Placed]) -> f64 {
+        match self.radii {
+            ThinnedRadii::Constant(radius) => radius,
+            ThinnedRadii::Each(radii) => {
+                let radii = points.iter().map(|point| radii[point.index as usize]);
+                radii.fold(f64::INFINITY, f64::min)
             }
         }
     }

@@ -75,10 +75,10 @@ impl Search<'_> {
         }
 
         let near = begin..kept.len();
-        // The halves of a part far smaller than a radius, as copies of one point make it, would have the same kept points
-        // around. So the part is not cut further: these points are few, unless they conflict. The 64 was chosen, not
-        // measured.
-        let is_small = width.max(height) <= largest_radius / 64.0;
+        // The halves of a part far smaller than all radii in it, as copies of one point make it, would have the same kept
+        // points around. So the part is not cut further: these points are few, unless they conflict. The 64 was chosen,
+        // not measured.
+        let is_small = width.max(height) <= self.set.smallest(points) / 64.0;
         let found = if points.len() <= FEW || is_small {
             self.each(points, &mut kept[near])
         } else {

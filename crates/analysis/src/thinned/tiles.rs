@@ -22,14 +22,17 @@ pub(super) struct TiledPoints {
 }
 
 impl Tiles {
-    /// Returns tiles for so many points within the bounds, each about a square.
-    pub fn over(bounds: &Bounds, count: usize) -> Self {
+    /// Returns tiles for so many points within the bounds, each about a square, with sides of at least the largest radius: in
+    /// smaller ones the kept points around would be far more than those within.
+    pub fn over(bounds: &Bounds, count: usize, largest_radius: f64) -> Self {
         let most = (count / TILE_POINTS).max(1);
         let [width, height] = bounds.size();
+        let fitting =
+            |side: f64, counted: usize| counted.min((side / largest_radius) as usize).max(1);
         // Of a line the ratio is 0 or infinite, and of a single place no number, which becomes 0.
         let columns = (most as f64 * (width / height)).sqrt();
-        let columns = (columns as usize).clamp(1, most);
-        let counts = [columns, (most / columns).max(1)];
+        let columns = fitting(width, (columns as usize).min(most));
+        let counts = [columns, fitting(height, most / columns)];
         Self {
             low: bounds.low,
             inverse: [counts[0] as f64 / width, counts[1] as f64 / height],

@@ -4,7 +4,7 @@ use proptest::prelude::*;
 use tilescope_analysis::live::{LiveSample, LiveSquares, Renewal};
 use tilescope_analysis::{LatticeRegion, Radii, Shape, SquaresJudge};
 
-use crate::squares::cases;
+use crate::squares::{cases, filled};
 use crate::support::{Random, go_on};
 
 /// Returns the conflicts and the open places that the judge of all samples finds.
@@ -92,4 +92,42 @@ fn a_field_with_too_many_squares_is_not_followed() {
         LiveSquares::new(&judge.expect("a judge"))
     };
     assert!(of(3).is_none() && of(40).is_some());
+}
+
+#[test]
+fn steps_are_about_those_that_are_announced() {
+    let region = LatticeRegion {
+        width: 3_000,
+        height: 2_000,
+        boundary: tilescope_analysis::Boundary::Periodic,
+    };
+    let (judge, places) = filled(region, 96);
+    let samples: Vec<LiveSample> = (0..).zip(places).collect();
+    let mut live = LiveSquares::new(&judge).expect("few squares");
+    let anew = live.rebuild(&samples);
+    let announced = live.cost_of_rebuild(samples.len());
+
+    let mut changes = 0;
+    for &(sample, place) in &samples[..300] {
+        changes += live.remove(sample, place);
+        changes += live.insert(sample, place);
+    }
+    assert_eq!(counts(&live), [0, 0]);
+    let of_change = changes / 600;
+
+    // Otherwise moments would be made anew where changes are quicker, or the other way round.
+    let is_about = |steps: u64, expected: u64| steps <= 3 * expected && expected <= 3 * steps;
+    let are_about = is_about(of_change, live.cost_of_change()) && is_about(anew, announced);
+    assert!(
+        are_about,
+        "a change {of_change}, anew {anew} of {announced}"
+    );
+
+    // No slice takes a frame.
+    let mut renewal = Renewal::of(&live, samples.clone());
+    let mut largest = 0;
+    while !renewal.is_made() {
+        largest = largest.max(renewal.proceed());
+    }
+    assert!(largest < 20_000, "{largest}");
 }

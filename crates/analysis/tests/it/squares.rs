@@ -257,7 +257,7 @@ proptest! {
 }
 
 /// A set of one radius that is maximal, made from random darts and from what the judge finds uncovered, and its judge.
-fn filled(region: LatticeRegion, radius: i32) -> (SquaresJudge, Vec<[i32; 2]>) {
+pub fn filled(region: LatticeRegion, radius: i32) -> (SquaresJudge, Vec<[i32; 2]>) {
     let judge = SquaresJudge::new(region, Radii::Constant(radius), &Shape::Rectangle).unwrap();
     let mut samples: Vec<[i32; 2]> = Vec::new();
     loop {

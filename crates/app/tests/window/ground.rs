@@ -221,7 +221,7 @@ fn the_analysis_of_a_field_counts_and_says_what_is_global() {
     let open = |panel| Command::Window(WindowCommand::OpenPanel(panel));
     apply(&mut harness, open(Panel::Analysis));
     let said = text(&harness, "analysis.status");
-    assert!(said.contains("no conflicts, 0 open places"), "{said}");
+    assert!(said.contains("0 conflicts, 0 open places"), "{said}");
     assert!(text(&harness, "analysis.global").contains("with the radius at each place"));
     // A number of one radius is not there, and the brush is not offered.
     let gaps = text(&harness, "analysis.number-gaps");

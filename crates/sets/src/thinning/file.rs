@@ -237,9 +237,8 @@ impl ThinRadius {
     }
 }
 
-/// The most that the greatest radius of a column is of the least one. The judge does not cut a part of the points below
-/// 1/64 of the greatest radius in it, so that a part may hold as many points of the least radius as the square of
-/// contrast / 64: some 4,000 at this limit, each compared with those around it.
+/// The most that the greatest radius of a column is of the least one. Each octave of radii has a grid of its own, and each point
+/// looks around in all of them: in twelve at this limit. Chosen, not measured.
 pub const MAX_COLUMN_CONTRAST: f64 = 4096.0;
 
 /// How the points of a file are thinned.
