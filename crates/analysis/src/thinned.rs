@@ -15,7 +15,7 @@ use crate::monitor::{Control, Monitor};
 
 use exact::is_below;
 use search::Search;
-use tiles::Tiles;
+use tiles::PointTiles;
 
 /// Distances that differ by a smaller share are compared exactly; parts are searched this much too far, too. Squares and sums
 /// of doubles are wrong by some 2^-53.
@@ -123,7 +123,7 @@ pub fn verify_thinned(
 
     let bounds = Bounds::of(set.given.iter().copied());
     let largest_radius = set.radii.largest();
-    let tiles = Tiles::over(&bounds, set.given.len(), largest_radius);
+    let tiles = PointTiles::over(&bounds, set.given.len(), largest_radius);
     let all = 0..set.given.len() as u32;
 
     let given = tiles.sort(|add| all.clone().for_each(|index| add(set.placed(index))));

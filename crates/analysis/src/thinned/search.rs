@@ -9,7 +9,7 @@ use crate::error::VerifyError;
 use crate::findings::MAX_CONFLICTS;
 use crate::monitor::Monitor;
 
-use super::tiles::{TiledPoints, Tiles};
+use super::tiles::{PointTiles, TiledPoints};
 use super::{Bounds, DOUBT, Placed, ThinnedReport, ThinnedSet, mean};
 
 /// A part with this few points is looked at point by point.
@@ -29,7 +29,7 @@ impl Search<'_> {
     /// Judges the points given, tile by tile, and returns the findings.
     pub fn all(
         &self,
-        tiles: &Tiles,
+        tiles: &PointTiles,
         mut given: TiledPoints,
         kept: &TiledPoints,
     ) -> Result<ThinnedReport, VerifyError> {

@@ -7,7 +7,7 @@ use super::{Bounds, Placed};
 const TILE_POINTS: usize = 1 << 10;
 
 /// A grid over a rectangle. Places beyond it belong to the tiles at its border.
-pub(super) struct Tiles {
+pub(super) struct PointTiles {
     low: [f64; 2],
     /// Tiles of a unit of length, along x and y.
     inverse: [f64; 2],
@@ -21,7 +21,7 @@ pub(super) struct TiledPoints {
     points: Vec<Placed>,
 }
 
-impl Tiles {
+impl PointTiles {
     /// Returns tiles for so many points within the bounds, each about a square, with sides of at least the largest radius: in
     /// smaller ones the kept points around would be far more than those within.
     pub fn over(bounds: &Bounds, count: usize, largest_radius: f64) -> Self {
@@ -90,7 +90,7 @@ impl TiledPoints {
     /// Returns all points that are at most `reach` from a rectangle, and some more, row by row of tiles.
     pub fn around(
         &self,
-        tiles: &Tiles,
+        tiles: &PointTiles,
         bounds: &Bounds,
         reach: f64,
     ) -> impl Iterator<Item = &[Placed]> {

@@ -39,6 +39,8 @@ pub(super) fn read(
         | Format::Npy
         | Format::Svg => None,
     };
+
+    // Columns were checked row by row. Of features any number may come.
     for &radius in radii.iter().flatten() {
         positive("the radius of a point", radius)?;
     }

@@ -465,6 +465,7 @@ impl Draft {
             boundary,
             ..
         } = self.parameters;
+
         let periodic = match boundary {
             Boundary::Periodic => " --boundary periodic",
             // A field on the command line is bounded unless it says otherwise.

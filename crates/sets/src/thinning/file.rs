@@ -535,6 +535,7 @@ impl Thinning {
             }
             CertifiedRadius::Constant(_) | CertifiedRadius::Field(_) => self.radius.clone(),
         };
+
         let facts = ThinnedFacts {
             name: chosen.hint.name,
             data: chosen.bytes,

@@ -56,7 +56,7 @@ struct PlannedSquare {
     bits: u32,
     share: Share,
     range: RadiusRange,
-    parts: Parts,
+    parts: SquareParts,
 }
 
 /// There are more squares than are kept.
@@ -64,7 +64,7 @@ struct TooManySquares;
 
 /// What a square consists of.
 #[derive(Clone, Copy, Debug)]
-enum Parts {
+enum SquareParts {
     /// It is one of the smallest, with the list of this number.
     Whole(u32),
     /// Its quarters, except for those outside of the domain.
@@ -151,7 +151,7 @@ impl Plan {
             bits,
             share,
             range,
-            parts: Parts::Whole(self.smallest.len() as u32),
+            parts: SquareParts::Whole(self.smallest.len() as u32),
         });
         if side <= range.least || bits == 0 {
             self.smallest.push(number);
@@ -164,7 +164,7 @@ impl Plan {
             let corner = [corner[0] + right * half, corner[1] + up * half];
             *quarter = self.add(corner, bits - 1, share)?;
         }
-        self.squares[number as usize].parts = Parts::Quarters(quarters);
+        self.squares[number as usize].parts = SquareParts::Quarters(quarters);
         Ok(Some(number))
     }
 
@@ -177,8 +177,10 @@ impl Plan {
         let mut at = self.roots.iter().copied().find(holds)?;
         loop {
             match self.squares[at as usize].parts {
-                Parts::Whole(list) => return Some(list as usize),
-                Parts::Quarters(quarters) => at = quarters.into_iter().flatten().find(holds)?,
+                SquareParts::Whole(list) => return Some(list as usize),
+                SquareParts::Quarters(quarters) => {
+                    at = quarters.into_iter().flatten().find(holds)?;
+                }
             }
         }
     }
@@ -261,11 +263,11 @@ impl LiveSquares {
     fn open_from(&self, number: u32, bits: u32) -> u64 {
         let square = &self.plan.squares[number as usize];
         match square.parts {
-            Parts::Quarters(quarters) if square.bits > bits => {
+            SquareParts::Quarters(quarters) if square.bits > bits => {
                 let quarters = quarters.into_iter().flatten();
                 quarters.map(|quarter| self.open_from(quarter, bits)).sum()
             }
-            Parts::Quarters(_) | Parts::Whole(_) => self.open[number as usize],
+            SquareParts::Quarters(_) | SquareParts::Whole(_) => self.open[number as usize],
         }
     }
 
@@ -362,13 +364,13 @@ impl LiveSquares {
         }
         let mut steps = 1;
         match square.parts {
-            Parts::Whole(list) => {
+            SquareParts::Whole(list) => {
                 self.enlist(square, list as usize, changed);
                 if changed.searches {
                     steps += self.search(plan, number);
                 }
             }
-            Parts::Quarters(quarters) => {
+            SquareParts::Quarters(quarters) => {
                 for quarter in quarters.into_iter().flatten() {
                     steps += self.reach(plan, quarter, changed);
                 }
@@ -403,7 +405,7 @@ impl LiveSquares {
     /// Searches one of the smallest squares anew. Returns the counted steps.
     fn search(&mut self, plan: &Plan, number: u32) -> u64 {
         let square = &plan.squares[number as usize];
-        let Parts::Whole(list) = square.parts else {
+        let SquareParts::Whole(list) = square.parts else {
             return 0;
         };
         let near = self.lists[list as usize].clone();
@@ -439,7 +441,7 @@ impl LiveSquares {
     /// Counts the open places of a square with quarters from theirs.
     fn sum(&mut self, plan: &Plan, number: u32) {
         let square = &plan.squares[number as usize];
-        let Parts::Quarters(quarters) = square.parts else {
+        let SquareParts::Quarters(quarters) = square.parts else {
             return;
         };
         let is_hole = self.reached[number as usize] == 0 && square.share == Share::Everything;
