@@ -348,7 +348,8 @@ impl LiveSquares {
         self.lists[list].iter().filter(is_near_one).count() as u64
     }
 
-    /// Tells a square and its parts of a sample, as far as it may be near a place of them. Returns the counted steps.
+    /// Counts a sample in a square and in its parts, as far as it may be near a place of them, or takes it off. Returns the counted
+    /// steps.
     fn reach(&mut self, plan: &Plan, number: u32, changed: &Changed) -> u64 {
         let square = &plan.squares[number as usize];
         let nearest = changed.beside(&square.span);
