@@ -7,17 +7,20 @@ use anyhow::{Context, Result, bail, ensure};
 use clap::{Args, ValueEnum};
 use tilescope_analysis::{COVERING_TOLERANCE, Number, Region, exposed_arcs, lossy};
 use tilescope_core::{Boundary, Key, NOT_OF_EXACT, Parameters, PatternSpec, stages};
+use tilescope_drawing::orbit::OrbitView;
 use tilescope_figures::{
     DiskRadii, FigureError, Palette, PictureOptions, Rect, Scene, SetPicture, set_scene,
     to_png_controlled,
 };
 use tilescope_formats::{Certificate, CertifiedRadius, PointSet, Provenance, ReadSet, write_whole};
+use tilescope_session::look::Look;
+use tilescope_session::words::grouped;
 
 use crate::ground::GroundArguments;
 use crate::options::SetArguments;
 use crate::paths::{InFile, check_file, check_inputs_stay, extension, named};
 use crate::progress::verifying;
-use crate::solid::{self, Slice};
+use crate::solid::{self, Slice, orbit};
 use crate::{EXIT_FINE, interrupt, output};
 
 /// Widths of a picture in pixels. In a smaller one even the disks of the coarsest periodic set, 10 r wide, would be no more than
@@ -30,15 +33,15 @@ const WIDTHS: RangeInclusive<u32> = 16..=32_768;
 pub struct DrawArguments {
     /// The point set
     file: PathBuf,
-    /// The picture: .png or .svg
+    /// The picture: .png or .svg, with --turn .gif, .apng or .png
     picture: PathBuf,
     #[command(flatten)]
     set: SetArguments,
     #[command(flatten)]
     ground: GroundArguments,
-    /// Width of the picture in pixels
-    #[arg(long, value_name = "PX", default_value_t = 1600)]
-    size: u32,
+    /// Width of the picture in pixels; without it 1600, and 480 for an animation
+    #[arg(long, value_name = "PX")]
+    size: Option<u32>,
     /// Draw only this part of the domain, in the file's units
     #[arg(long, num_args = 4, value_names = ["X0", "Y0", "X1", "Y1"], allow_negative_numbers = true)]
     window: Option<Vec<f64>>,
@@ -52,6 +55,15 @@ pub struct DrawArguments {
     /// Of a set in space, draw this plane: each ball that it meets is a disk, and places in none of the disks are gaps
     #[arg(long, value_name = "AXIS=PLACE", value_parser = Slice::parse, conflicts_with = "gaps")]
     slice: Option<Slice>,
+    /// Of a set in space, draw balls of half the radius, seen from this direction in degrees: around from the x axis, then above;
+    /// after them a magnification and "whole", so that no corner is cut out
+    #[arg(long, value_name = "AZIMUTH,ELEVATION[,ZOOM[,whole]]", num_args = 0..=1,
+        default_missing_value = "300,30", value_parser = orbit::parse,
+        conflicts_with_all = ["slice", "gaps", "window", "no_disks"])]
+    orbit: Option<OrbitView>,
+    /// With --orbit, an animation in which the set turns once
+    #[arg(long, requires = "orbit")]
+    turn: bool,
     /// Colours
     #[arg(long, value_enum, default_value = "light")]
     theme: Theme,
@@ -68,7 +80,9 @@ Examples:
   tilescope draw theirs.csv gaps.png --radius 0.01 --gaps
   tilescope draw set.ply zoom.svg --window 0.2 0.2 0.4 0.4 --theme dark
   tilescope draw field.npy field.png --radius-image grey.png
-  tilescope draw balls.ply plane.png --slice z=5";
+  tilescope draw balls.ply plane.png --slice z=5
+  tilescope draw balls.ply balls.png --orbit
+  tilescope draw balls.ply turn.gif --orbit 30,20 --turn --theme dark";
 
 #[derive(Clone, Copy, Debug, ValueEnum)]
 enum Theme {
@@ -81,34 +95,39 @@ pub fn run(arguments: &DrawArguments) -> Result<u8> {
     interrupt::listen();
 
     let path = &arguments.picture;
-    let is_svg = match extension(path).as_str() {
-        "png" => false,
-        "svg" => true,
-        _ => bail!("{}: the extension must be .png or .svg", named(path)),
-    };
+    let kind = PictureKind::of(path, arguments.turn)?;
 
     // Checked before the set is read. A picture over the set would destroy it and its certificate.
     check_file(path)?;
     check_inputs_stay(path, [arguments.file.as_path()])?;
     output::note_left_out(&arguments.set, &arguments.file);
+    let width = arguments.width();
     ensure!(
-        WIDTHS.contains(&arguments.size),
-        "--size is {}; it must be between {} and {} pixels",
-        arguments.size,
+        WIDTHS.contains(&width),
+        "--size is {width}; it must be between {} and {} pixels",
         WIDTHS.start(),
         WIDTHS.end()
     );
 
+    if let Some(view) = arguments.orbit {
+        return of_space(arguments, view, kind);
+    }
     let (laid_out, count) = match arguments.slice {
         Some(slice) => of_plane(arguments, slice)?,
         None => of_set(arguments)?,
     };
-    let bytes = if is_svg {
-        tilescope_figures::to_svg(&laid_out)?.into_bytes()
+    write_picture(path, &laid_out, kind)?;
+    output::emit(&format!("{count} samples drawn into {}\n", named(path)))?;
+    Ok(EXIT_FINE)
+}
+
+/// Writes a picture that is laid out in pixels.
+fn write_picture(path: &Path, laid_out: &Scene, kind: PictureKind) -> Result<()> {
+    let bytes = if kind == PictureKind::Svg {
+        tilescope_figures::to_svg(laid_out)?.into_bytes()
     } else {
-        // The scene is laid out in pixels already.
         let scale = 1.0;
-        match to_png_controlled(&laid_out, scale, &mut |_, _| interrupt::flow()) {
+        match to_png_controlled(laid_out, scale, &mut |_, _| interrupt::flow()) {
             // Only a request to end cancels the picture, and the check below reports it.
             Err(FigureError::Cancelled) => Vec::new(),
             drawn => drawn?,
@@ -116,17 +135,93 @@ pub fn run(arguments: &DrawArguments) -> Result<u8> {
     };
 
     interrupt::check("the picture")?;
-    write_whole(path, &bytes)?;
+    Ok(write_whole(path, &bytes)?)
+}
 
-    output::emit(&format!("{count} samples drawn into {}\n", named(path)))?;
+/// Draws the balls of a set in space, in a picture or in an animation of a turn.
+fn of_space(arguments: &DrawArguments, view: OrbitView, kind: PictureKind) -> Result<u8> {
+    refuse_ground(arguments)?;
+    let path = &arguments.picture;
+    let balls = orbit::read(&arguments.file, &arguments.set)?;
+    let look = match arguments.theme {
+        Theme::Light => Look::Light,
+        Theme::Dark => Look::Dark,
+    };
+    let drawn = orbit::Drawn {
+        balls: &balls,
+        view,
+        width: arguments.width(),
+        palette: tilescope_drawing::palette::Palette::of(look),
+    };
+
+    let count = grouped(balls.points.len());
+    if kind.is_animation() {
+        let frames = drawn.write_turn(path, kind == PictureKind::Gif)?;
+        output::emit(&format!(
+            "{count} balls turned in {frames} frames, in {}\n",
+            named(path)
+        ))?;
+    } else {
+        write_picture(path, &drawn.scene()?, kind)?;
+        output::emit(&format!("{count} balls drawn into {}\n", named(path)))?;
+    }
     Ok(EXIT_FINE)
+}
+
+/// What kind of file a picture is, by its extension.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+enum PictureKind {
+    Png,
+    Svg,
+    Gif,
+    Apng,
+}
+
+impl PictureKind {
+    /// Returns the kind that the extension asks for, of an animation or of a picture.
+    fn of(path: &Path, is_animation: bool) -> Result<Self> {
+        Ok(match (extension(path).as_str(), is_animation) {
+            ("png", false) => Self::Png,
+            ("svg", false) => Self::Svg,
+            ("gif", true) => Self::Gif,
+            ("apng" | "png", true) => Self::Apng,
+            (_, true) => bail!(
+                "{}: the extension of an animation must be .gif, .apng or .png",
+                named(path)
+            ),
+            ("gif" | "apng", false) => bail!(
+                "{}: the extension must be .png or .svg; animations are those of --orbit --turn",
+                named(path)
+            ),
+            (_, false) => bail!("{}: the extension must be .png or .svg", named(path)),
+        })
+    }
+
+    const fn is_animation(self) -> bool {
+        matches!(self, Self::Gif | Self::Apng)
+    }
+}
+
+impl DrawArguments {
+    /// Returns the width in pixels. An animation is smaller: its frames are as many times as large in the file.
+    fn width(&self) -> u32 {
+        self.size.unwrap_or(if self.turn { 480 } else { 1600 })
+    }
+}
+
+/// Refuses a field or a shape, which sets in space do not have.
+fn refuse_ground(arguments: &DrawArguments) -> Result<()> {
+    // Only an option that is given has a name here.
+    let is_given = true;
+    let ground = arguments.ground.option().map(|name| (name, is_given));
+    solid::refuse(ground.as_slice(), solid::PLANAR)
 }
 
 /// Returns the picture of a planar set, and how many samples it has.
 fn of_set(arguments: &DrawArguments) -> Result<(Scene, usize)> {
     ensure!(
         !solid::is_in_space(&arguments.set, &arguments.file),
-        "{}: the set has a third side, and a picture is that of a plane of it: --slice z=PLACE",
+        "{}: the set has a third side, and a picture is that of a plane of it, --slice z=PLACE, or of its balls, --orbit",
         named(&arguments.file)
     );
     let read = arguments.set.read_varying(&arguments.file)?;
@@ -149,11 +244,7 @@ fn of_set(arguments: &DrawArguments) -> Result<(Scene, usize)> {
 
 /// Returns the picture of a plane of a set in space, and how many balls it meets.
 fn of_plane(arguments: &DrawArguments, slice: Slice) -> Result<(Scene, usize)> {
-    // Fields and shapes are those of sets in the plane: an option of theirs, whose name `option` returns only if it is
-    // given, is refused.
-    let is_given = true;
-    let ground = arguments.ground.option().map(|name| (name, is_given));
-    solid::refuse(ground.as_slice(), solid::PLANAR)?;
+    refuse_ground(arguments)?;
     let disks = solid::plane::read(&arguments.file, &arguments.set, slice)?;
     let (count, region) = (disks.middles.len(), disks.region);
     let name = lossy(arguments.file.file_name().unwrap_or_default());
@@ -179,7 +270,7 @@ fn picture_options(
     origin: [f64; 2],
 ) -> Result<PictureOptions> {
     Ok(PictureOptions {
-        width: f64::from(arguments.size),
+        width: f64::from(arguments.width()),
         palette: match arguments.theme {
             Theme::Light => Palette::LIGHT,
             Theme::Dark => Palette::DARK,

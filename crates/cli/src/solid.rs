@@ -1,10 +1,12 @@
 //! Sets in space: balls in a box, by the commands that make, verify, convert and draw sets. Options of planar sets are refused by
 //! name.
 //!
-//! [`make`] has `tilescope sample`, [`window`] its windows, [`check`] `verify` and `convert`, [`plane`] the disks in which a plane meets the balls.
+//! [`make`] has `tilescope sample`, [`window`] its windows, [`check`] `verify` and `convert`, [`plane`] the disks in which a plane
+//! meets the balls, [`orbit`] the picture of all balls.
 
 pub mod check;
 pub mod make;
+pub mod orbit;
 pub mod plane;
 mod verdict;
 pub mod window;

@@ -21,6 +21,7 @@ pub mod labels;
 pub mod look;
 pub mod looks;
 pub mod made;
+pub mod orbit;
 pub mod palette;
 pub mod parts;
 pub mod picture;

@@ -1,0 +1,121 @@
+//! The picture with its caption and the meaning of its colours, for files.
+
+use std::ops::ControlFlow;
+
+use tilescope_figures::{
+    Anchor, Baseline, Bitmap, FigureError, Group, Rect, Scene, Shape, Style, Text, fitted,
+};
+use tilescope_session::words::{counted, significant};
+
+use super::{COLOR_BANDS, GoOn, OrbitError, OrbitPicture, OrbitSet, OrbitView, band_color};
+
+/// Returns what a picture shows, in a sentence: "739 balls of half the radius in a box of 10 x 10 x 10, cut open at the corner
+/// nearest to the eye, seen from 30 degrees above".
+#[must_use]
+pub fn described(set: &OrbitSet<'_>, view: OrbitView) -> String {
+    let balls = counted(set.points.len(), "ball", "balls");
+    let sides = set.size.map(significant).join(" \u{d7} ");
+    let cut = if view.is_cut {
+        ", cut open at the corner nearest to the eye"
+    } else {
+        ""
+    };
+    format!(
+        "{balls} of half the radius in a box of {sides}{cut}, seen from {}",
+        view.height_text()
+    )
+}
+
+/// Returns the picture with a line above it, and below it what the colours mean.
+///
+/// # Errors
+///
+/// [`OrbitError`].
+pub fn scene(
+    picture: &OrbitPicture<'_>,
+    caption: &str,
+    go_on: GoOn<'_>,
+) -> Result<Scene, OrbitError> {
+    let pixels = picture.draw(go_on)?;
+    let [width, height] = picture.size.map(f64::from);
+    let colors: Vec<[u8; 3]> = pixels
+        .rgba
+        .chunks_exact(4)
+        .map(|pixel| [pixel[0], pixel[1], pixel[2]])
+        .collect();
+    drop(pixels);
+
+    let opaque = |color: ecolor::Color32| color.to_array();
+    let palette = picture.palette;
+    let mut scene = Scene::new(width, height, opaque(palette.domain));
+    // Who does not see the picture gets the whole sentence; above it the line has no room for more than the caption.
+    scene.title = format!("{caption}: {}", described(&picture.set, picture.view));
+
+    let mut group = Group::new("balls");
+    let rect = Rect::new([0.0; 2], [width, height]);
+    // `draw` refused sides that a bitmap cannot have.
+    let bitmap = Bitmap::rgb(picture.size[0] as usize, &colors).map_err(too_large(picture))?;
+    group.shapes.push(Shape::Image { rect, bitmap });
+    scene.groups.push(group);
+
+    // Letters grow with the picture: the lengths below are pixels of one that is 1000 wide.
+    let px = width / 1000.0;
+    let mut words = Group::new("caption");
+    let at = [16.0 * px, 32.0 * px];
+    let (letters, room) = (20.0 * px, width - 2.0 * at[0]);
+    let line = fitted(caption, room, letters);
+    let text = Text::new(at, line, letters, opaque(palette.text));
+    words.shapes.push(Shape::Text(text));
+    if picture.set.is_in_order {
+        words.shapes.extend(legend(picture, px, height));
+    }
+    scene.groups.push(words);
+    Ok(scene)
+}
+
+fn too_large(picture: &OrbitPicture<'_>) -> impl Fn(FigureError) -> OrbitError {
+    let [width, height] = picture.size;
+    move |_| OrbitError::Size { width, height }
+}
+
+/// Returns the squares of the colours at the lower edge, with the share of the balls that each has.
+fn legend(picture: &OrbitPicture<'_>, px: f64, height: f64) -> Vec<Shape> {
+    let palette = picture.palette;
+    let letters = |at: [f64; 2], text: String, anchor| {
+        Shape::Text(Text {
+            anchor,
+            baseline: Baseline::Middle,
+            ..Text::new(at, text, 15.0 * px, palette.muted.to_array())
+        })
+    };
+    let (left, middle) = (16.0 * px, height - 30.0 * px);
+    let heading = "balls by arrival, the first:".to_owned();
+    let mut shapes = vec![letters([left, middle - 24.0 * px], heading, Anchor::Start)];
+
+    // A square and its words take this room.
+    let room = 62.0 * px;
+    for band in 0..COLOR_BANDS {
+        let x = left + room * f64::from(band);
+        let half = 7.0 * px;
+        let [red, green, blue] = band_color(palette, band);
+        let square = Rect::new([x, middle - half], [x + 2.0 * half, middle + half]);
+        let style = Style::filled([red, green, blue, u8::MAX]);
+        shapes.push(Shape::Rect {
+            rect: square,
+            style,
+        });
+
+        // The last colour is that of all that the others leave, as many balls as the one before it has.
+        let share = match band {
+            last if last == COLOR_BANDS - 1 => "rest".to_owned(),
+            band => format!("1/{}", 2_u32 << band),
+        };
+        shapes.push(letters([x + 2.6 * half, middle], share, Anchor::Start));
+    }
+    shapes
+}
+
+/// Draws every picture to its end.
+pub const fn to_the_end() -> ControlFlow<()> {
+    ControlFlow::Continue(())
+}
