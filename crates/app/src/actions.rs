@@ -34,6 +34,7 @@ use tilescope_workbench::curve::CurveNumber;
 use tilescope_workbench::finder::Finder;
 use tilescope_workbench::help::HelpPage;
 use tilescope_workbench::layout::Panel;
+use tilescope_workbench::orbit::OrbitCommand;
 use tilescope_workbench::scenes::{SceneCommand, SceneList};
 use tilescope_workbench::state::{NO_PLANE, RunView, State, Time};
 
@@ -760,8 +761,13 @@ fn camera(list: &mut List, state: &State) {
     // Keys zoom about the middle; the wheel zooms about the pointer.
     let middle = state.runs().first.viewport.center();
     // The factors are chosen. They are inverse to each other, so that zooming in and out leads back.
+    let orbit = state.runs().first.orbit();
     for (name, key, factor) in [("Zoom in", Key::Plus, 1.25), ("Zoom out", Key::Minus, 0.8)] {
-        let action = list.add(name, view_of_a(ViewCommand::Zoom(middle, factor)));
+        let zoom = match orbit {
+            Some(_) => ViewCommand::Orbit(OrbitCommand::Zoom(factor)),
+            None => ViewCommand::Zoom(middle, factor),
+        };
+        let action = list.add(name, view_of_a(zoom));
         action.on_key(key).refused(no_session(state));
     }
 
@@ -775,6 +781,15 @@ fn camera(list: &mut List, state: &State) {
         let no_plane = state.runs().first.plane().is_none().then_some(NO_PLANE);
         action.on_key(key).refused(no_plane);
     }
+    let balls = OrbitCommand::Show(orbit.is_none());
+    let no_space = state.runs().first.plane().is_none().then_some(NO_PLANE);
+    list.add(
+        "Show the set as balls",
+        view_of_a(ViewCommand::Orbit(balls)),
+    )
+    .on_key(Key::Y)
+    .refused(no_space)
+    .marked(orbit.is_some());
     let follows = state.runs().first.follows_events();
     let pin = view_of_a(ViewCommand::PinPlane(follows == Some(true)));
     let no_events = "The plane follows the events of a recorded set in space, and there are none.";

@@ -5,7 +5,7 @@
 mod analysis;
 mod caption;
 mod choices;
-mod common;
+pub(crate) mod common;
 pub mod compact;
 mod compare;
 mod content;

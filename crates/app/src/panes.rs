@@ -5,6 +5,7 @@ mod buffers;
 mod input;
 mod menu;
 mod objects;
+mod orbit;
 mod painting;
 mod titles;
 
@@ -14,6 +15,7 @@ use egui::{Rect, Sense, Ui, vec2};
 use crate::ENABLED;
 pub(crate) use input::has_focus;
 pub use input::leads_zoom;
+use orbit::OrbitPane;
 use painting::CanvasBrush;
 use tilescope_canvas::pane::Pane;
 use tilescope_canvas::sprites::Sprites;
@@ -29,7 +31,7 @@ use tilescope_ui::language::Worded;
 use tilescope_ui::widgets::Known;
 use tilescope_workbench::command::{Command, ViewCommand, Which};
 use tilescope_workbench::passes::OnCanvas;
-use tilescope_workbench::state::{Runs, State};
+use tilescope_workbench::state::{RunView, Runs, State};
 
 /// The context of the canvas.
 pub struct CanvasContext<'a> {
@@ -241,6 +243,20 @@ impl PaneSide<'_> {
             overlay::waiting(&painter, rect, is_sampling, palette);
             return response;
         };
+
+        if let Some(orbit) = run.and_then(RunView::orbit) {
+            let pane = OrbitPane {
+                which: self.which,
+                rect,
+                session: subject.shown.session,
+                orbit,
+                palette,
+                is_bare: context.is_stage,
+                is_embedded: context.is_embedded,
+            };
+            pane.show(ui, &response, commands);
+            return response;
+        }
 
         let brush = self.brush(context);
         // Once a frame: what fingers did is kept for the next frame, so that a second look would take the lifting of two for a tap.

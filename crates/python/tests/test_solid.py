@@ -5,6 +5,7 @@ import pickle
 
 import numpy as np
 import pytest
+from matplotlib import pyplot
 
 import tilescope
 
@@ -47,6 +48,18 @@ def test_numbers_of_samples_are_met():
     report = exact.verify()
     assert len(exact) == 777 < exact.made
     assert report.valid and not report.maximal and 1 <= report.covering_factor < 1.6
+
+
+def test_plots_show_all_samples_in_their_box(balls):
+    ax = balls.plot()
+    x, y, z = ax.collections[0]._offsets3d
+    assert np.array_equal(np.column_stack([x, y, z]), balls.points)
+    assert (ax.get_xlim(), ax.get_ylim(), ax.get_zlim()) == ((0, 5), (0, 6), (0, 7))
+    assert balls.plot(ax) is ax
+    pyplot.close("all")
+    with pytest.raises(TypeError, match="three dimensions"):
+        balls.plot(pyplot.gca())
+    pyplot.close("all")
 
 
 @pytest.mark.parametrize("name", ["set.ply", "set.npy", "set.csv", "set.xyz", "set.bin", "set.dat"])

@@ -26,6 +26,7 @@ use crate::export::ExportCommand;
 use crate::files::FileCommand;
 use crate::help::HelpPage;
 use crate::layout::Panel;
+use crate::orbit::OrbitCommand;
 use crate::passes::PassCommand;
 use crate::scenes::SceneCommand;
 
@@ -272,6 +273,8 @@ pub enum ViewCommand {
     StepPlane(i32),
     /// Pins the plane where it lies, or has it follow the events of the run.
     PinPlane(bool),
+    /// Shows a set in space as balls instead of a plane through it, or changes how they are seen.
+    Orbit(OrbitCommand),
 }
 
 /// One of the runs that are shown.

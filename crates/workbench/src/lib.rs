@@ -34,6 +34,7 @@ pub mod help;
 pub mod layout;
 pub mod link;
 pub mod live;
+pub mod orbit;
 pub mod remote;
 pub mod rules;
 pub mod scene_lesson;

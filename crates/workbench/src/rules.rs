@@ -381,7 +381,10 @@ const fn view(which: Which, command: &ViewCommand) -> Rules {
         // Frames have no panels.
         ViewCommand::Inspect => NOT_IN_FRAME,
 
-        ViewCommand::Plane(_) | ViewCommand::StepPlane(_) | ViewCommand::PinPlane(_) => rules,
+        ViewCommand::Plane(_)
+        | ViewCommand::StepPlane(_)
+        | ViewCommand::PinPlane(_)
+        | ViewCommand::Orbit(_) => rules,
 
         // An event, a verdict or a selection belongs to one run alone, so that a linked camera stays where it is.
         ViewCommand::GoToCurrent

@@ -8,6 +8,7 @@ use serde_json::{Map, Value, json};
 use tilescope_core::{MAXIMAL_DENSITY, Parameters};
 use tilescope_debugger::MAX_SAMPLES;
 use tilescope_drawing::camera::{Camera, MAX_OFFSET, is_near};
+use tilescope_drawing::orbit::OrbitView;
 use tilescope_session::layers::{Layer, Layers};
 use tilescope_session::selection::Selection;
 
@@ -31,6 +32,8 @@ pub struct SavedView {
     /// Where the plane through a set in space lies along the third axis, in user units, if it was moved; `None`
     /// where it follows the events, or lies in the middle of the box.
     pub plane: Option<f64>,
+    /// From where a set in space is seen as balls, if it is shown so; `None` for a plane through it.
+    pub orbit: Option<OrbitView>,
     /// How moments are drawn.
     pub appearance: Appearance,
     /// Where the panels stand.
@@ -50,6 +53,7 @@ impl Default for SavedView {
         Self {
             camera: None,
             plane: None,
+            orbit: None,
             appearance: Appearance::default(),
             layout: Layout::default(),
             selection: Selection::Nothing,
@@ -76,6 +80,9 @@ impl SavedView {
         put("fitted", json!(self.camera.is_none()));
         if let Some(plane) = self.plane {
             put("plane", json!(plane));
+        }
+        if let Some(orbit) = self.orbit {
+            put("orbit", json!(orbit));
         }
 
         let names = |layers: Layers| json!(layers.iter().map(Layer::name).collect::<Vec<_>>());
@@ -132,6 +139,8 @@ impl SavedView {
         // A plane beyond the box is moved to its end where the view is applied.
         let plane = parts.take("plane", |place: f64| place.is_finite().then_some(place));
         view.plane = plane.or(view.plane);
+        // A saved view without this part shows a plane.
+        view.orbit = parts.take("orbit", |orbit: OrbitView| Some(orbit.within_limits()));
 
         parts.set(&mut view.appearance.chosen_layers, "layers", layers);
         parts.set(&mut view.appearance.colouring, "colouring", Some);

@@ -45,6 +45,7 @@ tasks! {
     crate::analysis::reference::MeasureReferenceTask,
     crate::analysis::brush::BrushTask,
     crate::curve::CurveTask,
+    crate::orbit::OrbitTask,
     crate::compare::DivergenceTask,
     crate::compare::difference::DifferenceTask,
     crate::files::ReadTask,

@@ -22,6 +22,7 @@ use crate::actions::time_refusals;
 use tilescope_workbench::arrangement::Arrangement;
 use tilescope_workbench::clock::{Clock, SPEEDS, WHOLE_RUNS_SECS};
 use tilescope_workbench::command::{Command, TimeCommand, ViewCommand, Which};
+use tilescope_workbench::orbit::OrbitCommand;
 
 /// Minimum width for counts beside the sentence.
 const WIDE: f32 = 760.0;
@@ -576,6 +577,16 @@ fn plane(ui: &mut Ui, context: &TimeContext<'_>, commands: &mut Vec<Command>) {
     }
     response.on_hover_text(ui.words(
         "Where the plane that is shown lies along the third axis. J and K move it by a tenth of r.",
+    ));
+
+    let mut is_orbit = context.run.orbit().is_some();
+    let balls = ui.checkbox(&mut is_orbit, ui.words("Balls"));
+    if balls.known_as("plane.balls").changed() {
+        let show = ViewCommand::Orbit(OrbitCommand::Show(is_orbit));
+        commands.push(Command::View(Which::First, show));
+    }
+    balls.on_hover_text(ui.words(
+        "Shows the whole set as balls of half the radius, cut open at a corner, instead of the plane.",
     ));
 
     // Without events there is nothing to follow.

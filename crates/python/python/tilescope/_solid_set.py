@@ -253,6 +253,42 @@ class SolidSet:
             found = _tilescope.verify_solid(self._points, json.dumps(self._facts), judge, told)
         return solid_report_of(json.loads(found))
 
+    def plot(self, ax: Any = None) -> Any:
+        """Draws the samples with matplotlib, as dots in their box, coloured by their order from early to late.
+
+        ``tilescope draw --orbit`` draws them as balls, cut open at a corner.
+
+        Parameters
+        ----------
+        ax : mpl_toolkits.mplot3d.axes3d.Axes3D, optional
+            Where to draw; axes of a new figure if not given.
+
+        Returns
+        -------
+        mpl_toolkits.mplot3d.axes3d.Axes3D
+            The axes.
+
+        Raises
+        ------
+        ImportError
+            If there is no matplotlib.
+        TypeError
+            If the axes are not of three dimensions.
+        """
+        if ax is None:
+            try:
+                from matplotlib import pyplot
+            except ImportError as error:
+                raise ImportError("plots need matplotlib: pip install matplotlib") from error
+            ax = pyplot.figure().add_subplot(projection="3d")
+        elif not hasattr(ax, "set_zlim"):
+            raise TypeError("the axes are not of three dimensions: projection='3d' makes such")
+        ax.scatter(*self._points.T, c=np.arange(len(self)), cmap="cividis", s=12, linewidths=0)
+        width, height, depth = self.size
+        ax.set(xlim=(0, width), ylim=(0, height), zlim=(0, depth), xlabel="x", ylabel="y", zlabel="z")
+        ax.set_box_aspect(self.size)
+        return ax
+
     def save(
         self,
         path: Path,

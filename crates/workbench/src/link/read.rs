@@ -11,6 +11,7 @@ use tilescope_core::combine::file::{Layout as Combination, PieceSource, PlacedPi
 use tilescope_core::{MAXIMAL_DENSITY, NestedRequest, Parameters, PatternSpec, WithinLevel};
 use tilescope_debugger::{Listings, SavedBreakpoint, SavedScene};
 use tilescope_drawing::camera::Camera;
+use tilescope_drawing::orbit::OrbitView;
 use tilescope_session::combination::NINE;
 use tilescope_session::ground::{GroundRequest, PortableGround};
 use tilescope_session::language;
@@ -32,7 +33,7 @@ use crate::layout;
 use crate::view::{speed, whole_run};
 
 /// The keys of a link besides the parameters of its runs.
-const OTHERS: &str = "v levels exactly order-within radius-expression shape origin depth combine at rank stage camera plane layers colouring look curve select clock speed whole-run loop b break watch mark \
+const OTHERS: &str = "v levels exactly order-within radius-expression shape origin depth combine at rank stage camera plane orbit layers colouring look curve select clock speed whole-run loop b break watch mark \
      mark-view layout lesson step practice language";
 
 /// The keys of texts that people write, in which every character counts.
@@ -340,6 +341,7 @@ impl LinkReader {
 
         // Planes lie across the third axis alone.
         content.view.plane = self.take("plane", |text| finite(text.strip_prefix("z:")?));
+        content.view.orbit = self.take("orbit", OrbitView::read);
 
         if let Some(layers) = self.take("layers", |text| Some(text.to_owned())) {
             let (layers, unknown) = read_layers(&layers);

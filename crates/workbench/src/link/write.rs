@@ -193,6 +193,9 @@ impl Writer {
             // Not rounded, so that the link shows the same disks.
             self.put("plane", format!("z:{}", exact(place)));
         }
+        if let Some(orbit) = content.view.orbit {
+            self.put("orbit", orbit.to_string());
+        }
 
         if let Some(layers) = content.view.appearance.chosen_layers {
             self.put("layers", layers_text(layers));

@@ -319,6 +319,7 @@ impl Runs {
             (side.camera, side.fitted, side.flight) = (self.first.camera, self.first.fitted, None);
             // The same place is seen in both only in the same plane.
             side.follow_plane(&self.first);
+            side.follow_orbit(&self.first);
         }
 
         if !comparison.linked_playback {

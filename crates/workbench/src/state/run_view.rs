@@ -20,6 +20,7 @@ use super::{Appearance, Verification};
 use crate::analysis::Measuring;
 use crate::curve::RunCurve;
 use crate::live::Live;
+use crate::orbit::RunOrbit;
 use crate::passes::Passes;
 use tilescope_drawing::brushed::BrushedCause;
 use tilescope_drawing::camera::{Camera, Flight};
@@ -28,6 +29,7 @@ use tilescope_drawing::subject::{Contrast, Subject};
 mod camera;
 mod debug;
 mod hits;
+mod orbit;
 mod passes;
 mod plane;
 mod prefix;
@@ -112,6 +114,8 @@ pub struct RunView {
     prefix: prefix::Prefix,
     /// The plane that is shown, of a set in space.
     plane: plane::Plane,
+    /// The picture of a set in space as balls, where that is shown instead of a plane.
+    orbit: RunOrbit,
 }
 
 impl Default for RunView {
@@ -152,6 +156,7 @@ impl Default for RunView {
             transition: transition::Transition::default(),
             prefix: prefix::Prefix::default(),
             plane: plane::Plane::default(),
+            orbit: RunOrbit::default(),
         }
     }
 }

@@ -7,6 +7,7 @@ use tilescope_session::selection::Selection;
 use super::effects::{Context, Effect};
 use super::{Runs, State, Time};
 use crate::device::EngineChoice;
+use crate::orbit::RunOrbit;
 use crate::view::SavedView;
 
 impl Runs {
@@ -33,6 +34,7 @@ impl SavedView {
         Self {
             camera: (!fitted).then_some(camera),
             plane: first.moved_plane(),
+            orbit: first.orbit().map(RunOrbit::view),
             appearance: state.appearance.clone(),
             layout: state.past.layout_to_store(&state.window).clone(),
             selection: first.selection(),
@@ -66,6 +68,9 @@ impl SavedView {
             } else {
                 dropped.push("plane");
             }
+        }
+        if !run.take_orbit(self.orbit) {
+            dropped.push("orbit");
         }
 
         // The passes of the GPU are not saved, so that a clock of passes is not applied.

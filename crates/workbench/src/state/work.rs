@@ -536,6 +536,7 @@ fn asked_of(state: &State, which: Which, dt_secs: f32) -> Asked {
         is_analysed: state.window.shows(Panel::Analysis),
         steps: frame_steps(dt_secs) / runs,
         curve: state.appearance.curve.number.filter(|_| is_first),
+        is_dark: state.appearance.look.is_dark(),
     }
 }
 

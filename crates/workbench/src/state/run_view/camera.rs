@@ -83,6 +83,7 @@ impl RunView {
             ViewCommand::Plane(place) => self.show_plane(place, context),
             ViewCommand::StepPlane(steps) => self.step_plane(steps, context),
             ViewCommand::PinPlane(is_pinned) => self.pin_plane(is_pinned, context),
+            ViewCommand::Orbit(command) => self.change_orbit(command, context),
         }
     }
 

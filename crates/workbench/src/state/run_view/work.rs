@@ -28,6 +28,7 @@ pub(in crate::state) struct Asked {
     /// The counted steps that the measures which move with it may take in a frame.
     pub(in crate::state) steps: u64,
     pub(in crate::state) curve: Option<CurveNumber>,
+    pub(in crate::state) is_dark: bool,
 }
 
 impl RunView {
@@ -159,6 +160,7 @@ impl RunView {
     pub(in crate::state) fn follow_moment(&mut self, asked: Asked, context: &Context) {
         if let Some(session) = &self.session {
             self.curve.want(session, asked.curve, &context.wake);
+            self.orbit.want(session, asked.is_dark, &context.wake);
         }
 
         if !asked.is_analysed {
@@ -241,6 +243,7 @@ impl RunView {
             self.follow_moment(asked, context);
             self.live.settle();
             self.curve.settle();
+            self.orbit.settle();
             self.geometry.settle();
         }
         // Each round measures one more part.
