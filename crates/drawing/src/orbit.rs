@@ -22,7 +22,7 @@ use edges::Edge;
 use projection::{PlacedBall, Projection};
 use shade::Shading;
 
-pub use scene::{described, scene, to_the_end};
+pub use scene::{band_share, described, scene, to_the_end};
 pub use view::{MAX_ELEVATION, OrbitView, TURN_FRAMES, ZOOMS};
 
 /// The most balls of a picture: the codes of surfaces have 32 bits, two of them for the kind of a surface.
@@ -111,6 +111,7 @@ impl OrbitSet<'_> {
         if balls > MAX_BALLS {
             return Err(OrbitError::TooMany { balls });
         }
+        // A coordinate that is no number would be placed nowhere, and no comparison of nearness would hold.
         for (index, point) in self.points.iter().enumerate() {
             if let Some(&coordinate) = point.iter().find(|value| !value.is_finite()) {
                 return Err(OrbitError::Place { index, coordinate });

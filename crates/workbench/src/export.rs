@@ -17,6 +17,7 @@ use std::path::{Path, PathBuf};
 
 pub(crate) use provenance::provenance;
 use tilescope_drawing::brushed::Cause;
+use tilescope_drawing::orbit::OrbitView;
 use tilescope_drawing::picture::{MomentView, PictureView};
 use tilescope_session::moment::Moment;
 
@@ -158,6 +159,8 @@ pub enum ExportCommand {
     Analysis(bool),
     /// Chooses whether an animation shows the whole run.
     WholeRun(bool),
+    /// Chooses whether an animation of a set in space shows the passage of the plane, instead of events.
+    Passage(bool),
     /// Chooses the clock that counts the frames of an animation.
     Clock(Clock),
     /// Chooses how a stipple is drawn.
@@ -179,6 +182,30 @@ pub struct ExportJob {
     pub session: SessionRef,
     /// The content to write.
     pub content: ExportContent,
+}
+
+/// How a picture shows the balls of a set in space.
+#[derive(Clone, Debug, PartialEq, serde::Serialize, serde::Deserialize)]
+pub struct BallsView {
+    /// From where they are seen.
+    pub view: OrbitView,
+    /// Width and height in pixels.
+    pub size: [u32; 2],
+    /// Whether the colours are those of the dark palette.
+    pub is_dark: bool,
+    /// A line above the picture; empty for none.
+    pub caption: String,
+    /// Whether the meaning of the colours stands below it.
+    pub legend: bool,
+}
+
+/// The passage of the plane through a set in space.
+#[derive(Clone, Debug, PartialEq, serde::Serialize, serde::Deserialize)]
+pub struct PassageView {
+    /// The moment and the view of all frames, whatever the plane of the view.
+    pub shown: MomentView,
+    /// Pixels for a point of the window.
+    pub scale: f64,
 }
 
 /// The content of an export.
@@ -210,6 +237,20 @@ pub enum ExportContent {
         causes: Option<Cause>,
         /// Pixels for a point of the window; unused for SVG.
         scale: f64,
+    },
+    /// The balls of a set in space.
+    Balls {
+        /// The view, of the first frame if they turn.
+        shown: BallsView,
+        /// Hundredths of a second for a frame of a turn; `None` for one picture.
+        delay: Option<u16>,
+    },
+    /// An animation in which the plane passes through a set in space.
+    Passage {
+        /// The view of all frames.
+        shown: PassageView,
+        /// Hundredths of a second for a frame.
+        delay: u16,
     },
     /// A picture of each scene, in files whose names are numbered.
     Scenes {

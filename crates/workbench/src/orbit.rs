@@ -105,6 +105,7 @@ impl Task for OrbitTask {
 
         let points = solid.positions(session.run());
         let set = drawn_set(session, solid, &points);
+        // The window enlarges a coarse picture to the room that the full one has.
         let size = if is_coarse {
             size.map(|side| side.div_ceil(COARSER))
         } else {
@@ -172,8 +173,8 @@ impl RunOrbit {
     #[must_use]
     pub fn sentence(&self, session: &Session) -> Option<String> {
         let solid = session.solid.as_ref()?;
-        let points = solid.positions(session.run());
-        let words = described(&drawn_set(session, solid, &points), self.view);
+        let count = session.run().samples.points.len();
+        let words = described(count, solid.domain.size(), self.view);
         Some(format!("{words}."))
     }
 

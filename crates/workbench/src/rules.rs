@@ -25,6 +25,7 @@ use crate::command::{
 use crate::compare::CompareCommand;
 use crate::export::ExportCommand;
 use crate::files::FileCommand;
+use crate::orbit::OrbitCommand;
 use crate::passes::PassCommand;
 use crate::scenes::SceneCommand;
 
@@ -383,8 +384,12 @@ const fn view(which: Which, command: &ViewCommand) -> Rules {
 
         ViewCommand::Plane(_)
         | ViewCommand::StepPlane(_)
-        | ViewCommand::PinPlane(_)
-        | ViewCommand::Orbit(_) => rules,
+        | ViewCommand::PinPlane(_) => rules,
+        ViewCommand::Orbit(command) => Rules {
+            // Each of two canvases has its own size.
+            moves_camera: !matches!(command, OrbitCommand::Size(_)),
+            ..rules
+        },
 
         // An event, a verdict or a selection belongs to one run alone, so that a linked camera stays where it is.
         ViewCommand::GoToCurrent
@@ -537,6 +542,7 @@ const fn export(command: &ExportCommand) -> Rules {
         | ExportCommand::Ink(_)
         | ExportCommand::Browse
         | ExportCommand::Write
+        | ExportCommand::Passage(_)
         | ExportCommand::Cancel => REVEALING,
     }
 }

@@ -91,6 +91,21 @@ impl Sheet<'_> {
                 self.ink(ui);
                 self.width(ui);
             }
+            kind if self.source.shows_balls(kind) => {
+                self.scale(ui);
+                self.colours(ui);
+                self.legend(ui);
+                if kind == ExportKind::Animation {
+                    self.delay(ui);
+                }
+            }
+            ExportKind::Animation if self.source.shows_passage(self.form) => {
+                self.scale(ui);
+                self.colours(ui);
+                self.legend(ui);
+                self.span(ui);
+                self.delay(ui);
+            }
             ExportKind::Picture | ExportKind::Scenes => {
                 self.scale(ui);
                 self.colours(ui);
@@ -154,6 +169,9 @@ impl Sheet<'_> {
                 "All dots of the moment shown, as ink on paper, with the parameters inside."
                     .to_owned()
             }
+            ExportKind::Picture if self.source.shows_balls(self.form.kind) => {
+                "The balls of the set as they are seen, with the parameters inside.".to_owned()
+            }
             ExportKind::Picture => {
                 format!("The canvas as it is, with the parameters inside. {LEFT_OUT}")
             }
@@ -166,6 +184,13 @@ impl Sheet<'_> {
 
     /// Returns what an animation shows, in words.
     fn animation(&self) -> String {
+        if self.source.shows_balls(self.form.kind) {
+            return "The set turns once. The corner that is cut out turns with it.".to_owned();
+        }
+        if self.source.shows_passage(self.form) {
+            return "The plane passes through the set, from one end of the third axis to the other."
+                .to_owned();
+        }
         let Some(range) = self.source.range(self.form) else {
             return "An animation shows the view from event to event.".to_owned();
         };
@@ -423,9 +448,21 @@ impl Sheet<'_> {
     fn span(&mut self, ui: &mut Ui) {
         let has_loop = self.source.time.playback.range.is_some();
         let part = if has_loop { "the loop" } else { "this stage" };
+        let passes = self.source.shows_passage(self.form);
+        let (has_plane, has_events) = self.source.plane_and_events();
         self.named(ui, "Shows", |sheet, ui, _| {
-            for (whole, name) in [(false, part), (true, "the whole run")] {
-                let button = Button::selectable(sheet.form.whole_run == whole, name);
+            if has_plane {
+                let button = Button::selectable(passes, "the plane's passage");
+                let button = ui.add(button);
+                if button.known_as("export.passage").clicked() {
+                    sheet.commands.push(ExportCommand::Passage(true));
+                }
+            }
+            // Without events there are no stages to choose from.
+            let spans = [(false, part), (true, "the whole run")];
+            for (whole, name) in spans.into_iter().filter(|_| has_events) {
+                let chosen = !passes && sheet.form.whole_run == whole;
+                let button = Button::selectable(chosen, name);
                 let id = if whole { "whole-run" } else { "part" };
                 if ui
                     .add(button)

@@ -1,7 +1,9 @@
 //! The chips above the canvas that switch its layers.
 
-use egui::{RichText, Ui, vec2};
+use egui::{Color32, RichText, Sense, Ui, vec2};
 use tilescope_classroom::room::HIDDEN_LAYER;
+use tilescope_drawing::orbit::{COLOR_BANDS, band_color, band_share};
+use tilescope_drawing::palette::Palette;
 use tilescope_session::layers::Layer;
 use tilescope_session::verification::Verdict;
 use tilescope_ui::language::Worded;
@@ -16,8 +18,11 @@ const AUTOMATIC: &str = "The layers follow the stage: the KD-tree while blocks a
 
 pub const CONTENT: Content = Content::of_run(Room::Whole, show);
 
-/// Shows a chip for each layer of this kind of session.
+/// Shows a chip for each layer of this kind of session; over balls, which have no layers, the meaning of their colours.
 pub fn show(ui: &mut Ui, context: &PanelContext<'_>, commands: &mut Vec<Command>) {
+    if context.run.orbit().is_some() {
+        return colors_of_balls(ui, context.palette);
+    }
     let row = ui.horizontal_wrapped(|ui| {
         ui.spacing_mut().item_spacing = vec2(5.0, 6.0);
         let appearance = context.appearance;
@@ -58,6 +63,23 @@ pub fn show(ui: &mut Ui, context: &PanelContext<'_>, commands: &mut Vec<Command>
         }
     });
     name_group(&row.response, &ui.words("Layers"));
+}
+
+/// Shows the colours of balls with the share of the balls that has each.
+fn colors_of_balls(ui: &mut Ui, palette: &Palette) {
+    let row = ui.horizontal_wrapped(|ui| {
+        let heading = ui.words("Balls by arrival: the first half, the next quarter, and so on");
+        ui.label(RichText::new(heading).color(palette.muted))
+            .known_as("orbit.colours");
+        for band in 0..COLOR_BANDS {
+            let [red, green, blue] = band_color(palette, band);
+            let (square, _) = ui.allocate_exact_size(vec2(12.0, 12.0), Sense::hover());
+            let color = Color32::from_rgb(red, green, blue);
+            ui.painter().rect_filled(square, 2.0, color);
+            ui.label(RichText::new(ui.words(band_share(band))).small());
+        }
+    });
+    name_group(&row.response, &ui.words("Colours of balls"));
 }
 
 /// Returns whether the empty circles are asked for where there are none to draw: at the end of a maximal run.

@@ -50,6 +50,15 @@ const SPECIMEN: &str = "The circumcentre of sample 10,774 of block 88 with sampl
 
 /// Returns the last step in the words of the window's language; of nested levels with the verdict on the samples that are shown.
 fn said(ctx: &Context, context: &TimeContext<'_>) -> String {
+    // At the end of a run the sentence is about the plane, which balls take the place of.
+    let run = context.run;
+    let session = run.session.as_deref().filter(|_| run.is_at_end());
+    if let Some((orbit, session)) = run.orbit().zip(session)
+        && let Some(sentence) = orbit.sentence(session)
+    {
+        return ctx.words(sentence);
+    }
+
     let happened = happened(context.run.shown().as_ref()) + context.run.prefix_verdict();
     ctx.words(happened)
 }

@@ -72,6 +72,7 @@ impl OrbitPane<'_> {
     /// Paints the picture that was made last, or why there is none.
     fn paint(&self, ui: &Ui) {
         let painter = ui.painter_at(self.rect);
+        // The ground of the picture, so that nothing flashes before the first one is there.
         painter.rect_filled(self.rect, 0.0, self.palette.domain);
         if let Some(image) = self.orbit.image() {
             let texture = texture(
@@ -140,81 +141,112 @@ impl OrbitPane<'_> {
     fn buttons(&self, ui: &mut Ui, changes: &mut Vec<OrbitCommand>) {
         let room = self.rect.shrink(INSET);
         let mut over = ui.new_child(UiBuilder::new().max_rect(room));
-        over.horizontal_top(|ui| {
-            let ground = self.palette.panel.gamma_multiply(0.9);
-            Frame::new()
-                .fill(ground)
-                .corner_radius(6.0)
-                .inner_margin(4.0)
-                .show(ui, |ui| {
-                    ui.spacing_mut().item_spacing.x = 4.0;
-                    let steps = [
-                        (
-                            "Plane",
-                            "plane",
-                            "Shows a plane through the set again.",
-                            OrbitCommand::Show(false),
-                        ),
-                        (
-                            "\u{2190}",
-                            "left",
-                            "Turns the set to the left.",
-                            OrbitCommand::Turn([STEP, 0.0]),
-                        ),
-                        (
-                            "\u{2192}",
-                            "right",
-                            "Turns the set to the right.",
-                            OrbitCommand::Turn([-STEP, 0.0]),
-                        ),
-                        (
-                            "\u{2191}",
-                            "up",
-                            "Looks from higher up.",
-                            OrbitCommand::Turn([0.0, STEP]),
-                        ),
-                        (
-                            "\u{2193}",
-                            "down",
-                            "Looks from lower down.",
-                            OrbitCommand::Turn([0.0, -STEP]),
-                        ),
-                        (
-                            "+",
-                            "larger",
-                            "Makes the picture larger.",
-                            OrbitCommand::Zoom(ZOOM),
-                        ),
-                        (
-                            "\u{2212}",
-                            "smaller",
-                            "Makes the picture smaller.",
-                            OrbitCommand::Zoom(1.0 / ZOOM),
-                        ),
-                        (
-                            "Reset",
-                            "reset",
-                            "Returns to the view at first.",
-                            OrbitCommand::Reset,
-                        ),
-                    ];
-                    for (sign, id, meaning, change) in steps {
-                        let meaning = ui.words(meaning);
-                        let button = ui.button(ui.words(sign)).on_hover_text(&meaning);
-                        button.widget_info(|| {
-                            egui::WidgetInfo::labeled(egui::Role::Button, crate::ENABLED, &meaning)
-                        });
-                        button.issues(format_args!("orbit.{id}"), change, changes);
-                    }
+        // The buttons have a ground, as balls may lie under them; it lets the picture shine through a little.
+        let ground = self.palette.panel.gamma_multiply(0.9);
+        let frame = Frame::new().fill(ground).corner_radius(6.0);
+        // A narrow canvas has them in several rows.
+        over.horizontal_wrapped(|ui| {
+            ui.spacing_mut().item_spacing = vec2(4.0, 4.0);
+            frame.inner_margin(4.0).show(ui, |ui| {
+                for button in BUTTONS {
+                    button.show(ui, changes);
+                }
 
-                    let mut is_cut = self.orbit.view().is_cut;
-                    let cut = ui.checkbox(&mut is_cut, ui.words("Cut open"));
-                    if cut.known_as("orbit.cut").changed() {
-                        changes.push(OrbitCommand::Cut(is_cut));
-                    }
-                    cut.on_hover_text(ui.words("Cuts the corner that is nearest to the eye out."));
-                });
+                let mut is_cut = self.orbit.view().is_cut;
+                let cut = ui.checkbox(&mut is_cut, ui.words("Cut open"));
+                if cut.known_as("orbit.cut").changed() {
+                    changes.push(OrbitCommand::Cut(is_cut));
+                }
+                cut.on_hover_text(ui.words("Cuts the corner that is nearest to the eye out."));
+            });
         });
+    }
+}
+
+/// A button over the picture.
+struct OrbitButton {
+    sign: &'static str,
+    /// Its name for tools.
+    id: &'static str,
+    /// What it does: its tooltip, and its name for screen readers.
+    meaning: &'static str,
+    change: OrbitCommand,
+}
+
+const BUTTONS: [OrbitButton; 8] = [
+    button(
+        "Plane",
+        "plane",
+        "Shows a plane through the set again.",
+        OrbitCommand::Show(false),
+    ),
+    button(
+        "\u{2190}",
+        "left",
+        "Turns the set to the left.",
+        OrbitCommand::Turn([STEP, 0.0]),
+    ),
+    button(
+        "\u{2192}",
+        "right",
+        "Turns the set to the right.",
+        OrbitCommand::Turn([-STEP, 0.0]),
+    ),
+    button(
+        "\u{2191}",
+        "up",
+        "Looks from higher up.",
+        OrbitCommand::Turn([0.0, STEP]),
+    ),
+    button(
+        "\u{2193}",
+        "down",
+        "Looks from lower down.",
+        OrbitCommand::Turn([0.0, -STEP]),
+    ),
+    button(
+        "+",
+        "larger",
+        "Makes the picture larger.",
+        OrbitCommand::Zoom(ZOOM),
+    ),
+    button(
+        "\u{2212}",
+        "smaller",
+        "Makes the picture smaller.",
+        OrbitCommand::Zoom(1.0 / ZOOM),
+    ),
+    button(
+        "Reset",
+        "reset",
+        "Returns to the view at first.",
+        OrbitCommand::Reset,
+    ),
+];
+
+const fn button(
+    sign: &'static str,
+    id: &'static str,
+    meaning: &'static str,
+    change: OrbitCommand,
+) -> OrbitButton {
+    OrbitButton {
+        sign,
+        id,
+        meaning,
+        change,
+    }
+}
+
+impl OrbitButton {
+    fn show(&self, ui: &mut Ui, changes: &mut Vec<OrbitCommand>) {
+        let meaning = ui.words(self.meaning);
+        let response = ui.button(ui.words(self.sign)).on_hover_text(&meaning);
+        // An arrow alone would say nothing to those who do not see where it stands.
+        response.widget_info(|| {
+            egui::WidgetInfo::labeled(egui::Role::Button, crate::ENABLED, &meaning)
+        });
+        response.issues(format_args!("orbit.{}", self.id), self.change, changes);
     }
 }
 

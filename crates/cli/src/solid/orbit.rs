@@ -12,6 +12,7 @@ use tilescope_drawing::orbit::{
 use tilescope_drawing::palette::Palette;
 use tilescope_figures::{AnimationError, FigureError, Scene, to_pixels, write_apng, write_gif};
 use tilescope_formats::{FormatError, write_through};
+use tilescope_session::words::counted;
 use tilescope_sets::SolidMade;
 
 use crate::interrupt;
@@ -65,10 +66,9 @@ pub fn read(file: &Path, set: &SetArguments) -> Result<Balls> {
         certificate.method == SolidMade::METHOD && certificate.shuffle_seed.is_none()
     });
     let name = lossy(file.file_name().unwrap_or_default());
-    let caption = format!(
-        "{name}: balls of r/2 in a box of {}",
-        box_text(&read.region)
-    );
+    let count = counted(read.points.len(), "ball", "balls");
+    let sides = box_text(&read.region);
+    let caption = format!("{name}: {count} of r/2 in a box of {sides}");
     Ok(Balls {
         points: read.points,
         region: read.region,
@@ -100,6 +100,7 @@ impl<'a> Drawn<'a> {
             radius: self.balls.radius,
             is_in_order: self.balls.is_in_order,
         };
+        // The box fits into a square from whichever side it is seen, so that a turn needs no other shape.
         let size = [self.width; 2];
         Ok(OrbitPicture::new(set, self.view, size, self.palette))
     }
@@ -107,7 +108,7 @@ impl<'a> Drawn<'a> {
     /// Returns the picture.
     pub fn scene(&self) -> Result<Scene> {
         let picture = self.picture()?;
-        let drawn = orbit_scene(&picture, &self.balls.caption, &interrupt::flow);
+        let drawn = orbit_scene(&picture, &self.balls.caption, true, &interrupt::flow);
         if drawn == Err(OrbitError::Cancelled) {
             interrupt::check("the picture")?;
         }
@@ -117,11 +118,14 @@ impl<'a> Drawn<'a> {
     /// Writes an animation of a turn, and returns how many frames it has.
     pub fn write_turn(&self, path: &Path, is_gif: bool) -> Result<usize> {
         let still = self.picture()?;
-        let metadata = [("View".to_owned(), described(&still.set, still.view))];
+        let metadata = [(
+            "View".to_owned(),
+            described(still.set.points.len(), still.set.size, still.view),
+        )];
         // The corner that is cut out stays that of the first frame, and turns with the set.
         let frames = self.view.turn().map(|view| {
             let frame = OrbitPicture { view, ..still };
-            let scene = orbit_scene(&frame, &self.balls.caption, &interrupt::flow);
+            let scene = orbit_scene(&frame, &self.balls.caption, true, &interrupt::flow);
             let cancelled_or_wrong = |error| match error {
                 OrbitError::Cancelled => FigureError::Cancelled,
                 other => FigureError::Chart(other.to_string()),

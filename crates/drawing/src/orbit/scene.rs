@@ -7,14 +7,14 @@ use tilescope_figures::{
 };
 use tilescope_session::words::{counted, significant};
 
-use super::{COLOR_BANDS, GoOn, OrbitError, OrbitPicture, OrbitSet, OrbitView, band_color};
+use super::{COLOR_BANDS, GoOn, OrbitError, OrbitPicture, OrbitView, band_color};
 
-/// Returns what a picture shows, in a sentence: "739 balls of half the radius in a box of 10 x 10 x 10, cut open at the corner
+/// Returns what a picture of so many balls in a box of a size shows, in a sentence: "739 balls of half the radius in a box of 10 x 10 x 10, cut open at the corner
 /// nearest to the eye, seen from 30 degrees above".
 #[must_use]
-pub fn described(set: &OrbitSet<'_>, view: OrbitView) -> String {
-    let balls = counted(set.points.len(), "ball", "balls");
-    let sides = set.size.map(significant).join(" \u{d7} ");
+pub fn described(count: usize, size: [f64; 3], view: OrbitView) -> String {
+    let balls = counted(count, "ball", "balls");
+    let sides = size.map(significant).join(" \u{d7} ");
     let cut = if view.is_cut {
         ", cut open at the corner nearest to the eye"
     } else {
@@ -26,7 +26,7 @@ pub fn described(set: &OrbitSet<'_>, view: OrbitView) -> String {
     )
 }
 
-/// Returns the picture with a line above it, and below it what the colours mean.
+/// Returns the picture with a line above it, unless that is empty, and, if asked for, below it what the colours mean.
 ///
 /// # Errors
 ///
@@ -34,6 +34,7 @@ pub fn described(set: &OrbitSet<'_>, view: OrbitView) -> String {
 pub fn scene(
     picture: &OrbitPicture<'_>,
     caption: &str,
+    has_legend: bool,
     go_on: GoOn<'_>,
 ) -> Result<Scene, OrbitError> {
     let pixels = picture.draw(go_on)?;
@@ -49,7 +50,13 @@ pub fn scene(
     let palette = picture.palette;
     let mut scene = Scene::new(width, height, opaque(palette.domain));
     // Who does not see the picture gets the whole sentence; above it the line has no room for more than the caption.
-    scene.title = format!("{caption}: {}", described(&picture.set, picture.view));
+    let set = &picture.set;
+    let words = described(set.points.len(), set.size, picture.view);
+    scene.title = if caption.is_empty() {
+        words
+    } else {
+        format!("{caption}: {words}")
+    };
 
     let mut group = Group::new("balls");
     let rect = Rect::new([0.0; 2], [width, height]);
@@ -66,7 +73,8 @@ pub fn scene(
     let line = fitted(caption, room, letters);
     let text = Text::new(at, line, letters, opaque(palette.text));
     words.shapes.push(Shape::Text(text));
-    if picture.set.is_in_order {
+    // Balls of one colour need none.
+    if has_legend && picture.set.is_in_order {
         words.shapes.extend(legend(picture, px, height));
     }
     scene.groups.push(words);
@@ -89,11 +97,11 @@ fn legend(picture: &OrbitPicture<'_>, px: f64, height: f64) -> Vec<Shape> {
         })
     };
     let (left, middle) = (16.0 * px, height - 30.0 * px);
-    let heading = "balls by arrival, the first:".to_owned();
+    let heading = "balls by arrival: the first half, the next quarter, and so on".to_owned();
     let mut shapes = vec![letters([left, middle - 24.0 * px], heading, Anchor::Start)];
 
     // A square and its words take this room.
-    let room = 62.0 * px;
+    let room = 72.0 * px;
     for band in 0..COLOR_BANDS {
         let x = left + room * f64::from(band);
         let half = 7.0 * px;
@@ -105,14 +113,20 @@ fn legend(picture: &OrbitPicture<'_>, px: f64, height: f64) -> Vec<Shape> {
             style,
         });
 
-        // The last colour is that of all that the others leave, as many balls as the one before it has.
-        let share = match band {
-            last if last == COLOR_BANDS - 1 => "rest".to_owned(),
-            band => format!("1/{}", 2_u32 << band),
-        };
+        let share = band_share(band);
         shapes.push(letters([x + 2.6 * half, middle], share, Anchor::Start));
     }
     shapes
+}
+
+/// Returns the share of the balls that have the colour of a band, in the order of their arrival.
+#[must_use]
+pub fn band_share(band: u32) -> String {
+    // The last colour is that of all that the others leave, as many balls as the one before it has.
+    match band {
+        last if last == COLOR_BANDS - 1 => "rest".to_owned(),
+        band => format!("1/{}", 2_u32 << band),
+    }
 }
 
 /// Draws every picture to its end.

@@ -11,7 +11,7 @@ const LIGHT: [f32; 3] = [-0.424, 0.566, 0.707];
 /// The share of light that every surface has.
 const AMBIENT: f32 = 0.42;
 /// How much the farthest surface is like the ground: depth is seen without dark colours, which a projector loses.
-const HAZE: f32 = 0.62;
+const HAZE: f32 = 0.5;
 /// Below this share of a sphere's normal towards the eye its rim is dark, so that balls of a colour are told apart.
 const RIM: f32 = 0.34;
 /// How much lighter, or darker on a light ground, the flat faces are than spheres.
@@ -54,7 +54,12 @@ impl<'a> Shading<'a> {
             colors: bands.collect(),
             ground: rgb(palette.domain),
             border: rgb(palette.border),
-            notch: rgb(palette.text),
+            // Light in every look: the edges of the cut lie before balls, which are darker.
+            notch: if palette.dark {
+                rgb(palette.text)
+            } else {
+                rgb(palette.domain)
+            },
             face_tint: if palette.dark {
                 [255.0; 3]
             } else {
@@ -68,6 +73,7 @@ impl<'a> Shading<'a> {
         let width = band.columns / rays;
         for (number, pixel) in pixels.chunks_exact_mut(4).enumerate() {
             let (row, column) = (number / width, number % width);
+            // The mean is that of the encoded colours: between neighbours of a ball's edge the eye sees no difference.
             let mut sum = [0.0; 3];
             for y in row * rays..(row + 1) * rays {
                 for x in column * rays..(column + 1) * rays {

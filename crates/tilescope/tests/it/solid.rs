@@ -242,6 +242,90 @@ fn formats_are_converted_and_planes_are_cut() {
 }
 
 #[test]
+fn balls_are_drawn_as_pictures_and_turn() {
+    let folder = tempdir().unwrap();
+    let made = "sample --size 5x5x5 --radius 1 --out a.ply";
+    ends(&folder, made, 0);
+    for (line, file) in [
+        ("draw a.ply a.png --orbit --size 120", "a.png"),
+        (
+            "draw a.ply whole.png --orbit 300,30,1,whole --size 120",
+            "whole.png",
+        ),
+        (
+            "draw a.ply a.svg --orbit 10,-20 --size 120 --theme dark",
+            "a.svg",
+        ),
+    ] {
+        let said = ends(&folder, line, 0);
+        assert!(said.contains("balls drawn into"), "{said}");
+        assert!(folder.path().join(file).exists());
+    }
+    let pictures = ["a.png", "whole.png"].map(|name| fs::read(folder.path().join(name)).unwrap());
+    assert_ne!(pictures[0], pictures[1]);
+    let svg = fs::read_to_string(folder.path().join("a.svg")).unwrap();
+    assert!(
+        svg.contains("seen from 20 degrees below") && svg.contains("by arrival"),
+        "{svg}"
+    );
+
+    // A file whose order is not that of arrival has one colour, without a legend.
+    ends(
+        &folder,
+        &format!("{made} --shuffle 3").replace("a.ply", "b.ply"),
+        0,
+    );
+    ends(&folder, "draw b.ply b.svg --orbit --size 120", 0);
+    let svg = fs::read_to_string(folder.path().join("b.svg")).unwrap();
+    assert!(!svg.contains("by arrival"));
+
+    let said = ends(&folder, "draw a.ply a.gif --orbit --turn --size 32", 0);
+    assert!(said.contains("turned in 72 frames"), "{said}");
+    assert!(
+        fs::read(folder.path().join("a.gif"))
+            .unwrap()
+            .starts_with(b"GIF89a")
+    );
+
+    for (line, wanted) in [
+        (
+            "draw a.ply x.gif --orbit",
+            "animations are those of --orbit --turn",
+        ),
+        ("draw a.ply x.svg --orbit --turn", ".gif, .apng or .png"),
+        ("draw a.ply x.png --turn", "--orbit"),
+        ("draw a.ply x.png --orbit north", "is no direction"),
+        ("draw a.ply x.png --orbit --size 5000", "at most 4096"),
+        (
+            "draw a.ply x.png --orbit --slice z=1",
+            "cannot be used with",
+        ),
+    ] {
+        refused(&folder, line, wanted);
+    }
+    ends(&folder, "sample --radius 0.1 --out planar.csv", 0);
+    refused(&folder, "draw planar.csv x.png --orbit", "no third side");
+    refused(&folder, "draw a.ply x.png", "or of its balls, --orbit");
+}
+
+/// The picture in README.md is what its commands make, for whoever has the repository.
+#[test]
+fn the_commands_of_the_readme_make_its_picture_of_balls() {
+    const README: &str = include_str!("../../../../README.md");
+    let folder = tempdir().unwrap();
+    let is_wanted =
+        |line: &&str| line.ends_with("--out balls.ply") || line.contains("orbit.png --orbit");
+    let commands: Vec<&str> = README.lines().filter(is_wanted).collect();
+    assert_eq!(commands.len(), 2, "{commands:?}");
+    for command in commands {
+        ends(&folder, command.trim_start_matches("tilescope "), 0);
+    }
+    let pictures = std::path::Path::new(env!("CARGO_MANIFEST_DIR")).join("../../assets/pictures");
+    let made = fs::read(folder.path().join("orbit.png")).unwrap();
+    assert!(made == fs::read(pictures.join("orbit.png")).unwrap());
+}
+
+#[test]
 fn files_of_others_are_sets_in_space_where_a_third_side_is_given() {
     let folder = tempdir().unwrap();
     // A body-centred lattice in a box of 3.

@@ -66,6 +66,8 @@ pub struct ExportForm {
     pub scenes: usize,
     /// Whether an animation shows the whole run instead of the stage shown or the loop.
     pub whole_run: bool,
+    /// Whether an animation of a set in space shows the passage of the plane, instead of events.
+    pub passage: bool,
     /// The clock that counts frames.
     pub clock: Clock,
     /// Ticks of the clock from frame to frame, as typed; empty until an animation is chosen.
@@ -96,6 +98,7 @@ impl Default for ExportForm {
             analysis: false,
             scenes: 0,
             whole_run: false,
+            passage: false,
             clock: Clock::Event,
             every: String::new(),
             delay: "100".to_owned(),

@@ -38,12 +38,6 @@ pub enum ExportRefusal {
     /// The analysis beside a picture is that of planar sets.
     #[error("The analysis is that of planar sets, and this set is in space: leave it out.")]
     SolidAnalysis,
-    /// Animations need events, and a large set in space has none.
-    #[error(
-        "This set in space has no events, so that there is no time to animate: one of more than {} samples keeps its result alone.",
-        grouped(tilescope_session::ground::MAX_RECORDED as usize)
-    )]
-    SolidTime,
     /// No sample covers its disk.
     #[error("No sample covers its disk at this moment.")]
     NoSamples,

@@ -2,6 +2,7 @@
 //! completely or not at all. Both give the same bytes. [`WriteError`] says why an export fails once it has begun;
 //! `refusal.rs` lists the reasons for which it does not begin.
 
+mod balls;
 mod space;
 
 use std::io::{self, Write};
@@ -9,6 +10,7 @@ use std::ops::ControlFlow;
 use std::path::{Path, PathBuf};
 use tilescope_drawing::brushed::BrushedCause;
 use tilescope_drawing::dots::on_paper;
+use tilescope_drawing::orbit::TURN_FRAMES;
 use tilescope_drawing::picture::{PictureView, frame};
 
 use serde::{Deserialize, Deserializer, Serialize, Serializer};
@@ -29,6 +31,7 @@ use super::picture::{described, scene};
 use super::provenance::{method, parameter_map, provenance};
 use super::{ExportContent, ExportJob, extension, scene_path};
 use crate::clock::Clock;
+pub use balls::PASSAGE_FRAMES;
 use tilescope_session::ground::MadeGround;
 use tilescope_session::incoming::NamedBytes;
 use tilescope_session::jobs::Monitor;
@@ -153,6 +156,7 @@ pub fn write(job: &ExportJob, monitor: &Monitor) -> Result<Written, WriteError> 
         ExportContent::Samples { .. } => write_samples(job, monitor),
         ExportContent::Picture { .. }
         | ExportContent::Scenes { .. }
+        | ExportContent::Balls { delay: None, .. }
         | ExportContent::Dots { .. } => pictures(job, monitor).and_then(|files| {
             // All are drawn by now, so that a picture that cannot be drawn leaves no files of the others.
             for (path, bytes) in &files {
@@ -161,7 +165,9 @@ pub fn write(job: &ExportJob, monitor: &Monitor) -> Result<Written, WriteError> 
             Ok(what(job))
         }),
         // Frames go to the file one by one, as all of them may not fit into memory.
-        ExportContent::Animation { .. } => {
+        ExportContent::Animation { .. }
+        | ExportContent::Balls { .. }
+        | ExportContent::Passage { .. } => {
             let written = write_through(&job.path, |file| animate(job, file, monitor));
             written.map(|()| what(job))
         }
@@ -184,13 +190,16 @@ pub fn render(job: &ExportJob, monitor: &Monitor) -> Result<Outgoing, WriteError
         ExportContent::Samples { .. } => render_samples(job, &name, &mut files, monitor),
         ExportContent::Picture { .. }
         | ExportContent::Scenes { .. }
+        | ExportContent::Balls { delay: None, .. }
         | ExportContent::Dots { .. } => pictures(job, monitor).and_then(|made| {
             for (path, bytes) in made {
                 files.push(NamedBytes::new(name_of(&path)?, bytes));
             }
             Ok(what(job))
         }),
-        ExportContent::Animation { .. } => {
+        ExportContent::Animation { .. }
+        | ExportContent::Balls { .. }
+        | ExportContent::Passage { .. } => {
             // A browser has no file to write to, so that the whole animation is in memory, up to a limit.
             let mut bytes = Limited(Vec::new());
             animate(job, &mut bytes, monitor).map(|()| {
@@ -417,6 +426,10 @@ fn pictures(job: &ExportJob, monitor: &Monitor) -> Result<Vec<(PathBuf, Vec<u8>)
             let picture = picture_of_dots(job, (moment, look, *columns), monitor)?;
             return Ok(vec![(job.path.clone(), picture)]);
         }
+        ExportContent::Balls { shown, delay: None } => {
+            let picture = balls::picture(job, shown, monitor)?;
+            return Ok(vec![(job.path.clone(), picture)]);
+        }
         ExportContent::Picture {
             shown,
             causes,
@@ -486,12 +499,28 @@ const fn what(job: &ExportJob) -> What {
         ExportContent::Animation { cursors, .. } => What::Animation {
             frames: cursors.len(),
         },
+        ExportContent::Balls { delay: Some(_), .. } => What::Animation {
+            frames: TURN_FRAMES,
+        },
+        ExportContent::Passage { .. } => What::Animation {
+            frames: PASSAGE_FRAMES,
+        },
         _ => What::Picture,
     }
 }
 
 /// Writes an animation to `out` frame by frame.
 fn animate(job: &ExportJob, out: &mut dyn Write, monitor: &Monitor) -> Result<(), WriteError> {
+    match &job.content {
+        ExportContent::Balls {
+            shown,
+            delay: Some(delay),
+        } => return balls::turn(job, (shown, *delay), out, monitor),
+        ExportContent::Passage { shown, delay } => {
+            return balls::passage(job, (shown, *delay), out, monitor);
+        }
+        _ => {}
+    }
     let ExportContent::Animation {
         cursors,
         view,

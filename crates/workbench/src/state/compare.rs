@@ -281,6 +281,7 @@ impl Runs {
             (self.first.camera, self.first.fitted) = (side.camera, side.fitted);
             // Only the first camera flies, and the second follows it in every frame.
             self.first.flight = side.flight.take();
+            self.first.follow_orbit(side);
         }
 
         if comparison.linked_playback && before != after {

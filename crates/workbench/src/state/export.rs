@@ -106,7 +106,7 @@ impl Exports {
             }
             ExportCommand::WholeRun(whole) => {
                 if let Some(form) = &mut self.sheet {
-                    form.whole_run = whole;
+                    (form.whole_run, form.passage) = (whole, false);
                     self.propose_every(source);
                 }
             }
@@ -173,6 +173,8 @@ impl Exports {
         }
 
         match form.kind {
+            kind if source.shows_balls(kind) => source.balls_prospect(form),
+            ExportKind::Animation if source.shows_passage(form) => source.passage_prospect(form),
             ExportKind::Result | ExportKind::Samples if source.is_stipple() => {
                 // The sheet has fields for colours only if the format is SVG. A wrong colour does not refuse another format.
                 if form.draws_samples() {
@@ -269,6 +271,16 @@ impl Exports {
         };
 
         let content = match form.kind {
+            kind if source.shows_balls(kind) => ExportContent::Balls {
+                shown: source.balls(form)?,
+                delay: (kind == ExportKind::Animation)
+                    .then(|| form.delay())
+                    .transpose()?,
+            },
+            ExportKind::Animation if source.shows_passage(form) => ExportContent::Passage {
+                shown: source.passage(form)?,
+                delay: form.delay()?,
+            },
             // The result of the run is exported without a moment.
             ExportKind::Result | ExportKind::Samples => ExportContent::Samples {
                 moment: (source.run.moment()).filter(|_| form.kind == ExportKind::Samples),
@@ -358,9 +370,8 @@ impl ExportSource<'_> {
         };
         // An animation shows events. The sets that never have any come first, as their refusals say why.
         match kind {
-            ExportKind::Animation if session.solid.is_some() && session.recording().is_none() => {
-                Some(ExportRefusal::SolidTime)
-            }
+            // A set in space has its plane or its balls to move.
+            ExportKind::Animation if session.solid.is_some() => None,
             ExportKind::Animation if session.combination.is_some() => {
                 Some(ExportRefusal::Combination)
             }
@@ -582,6 +593,7 @@ fn fill_in(form: &mut ExportForm, command: ExportCommand) {
         ExportCommand::Ink(command) => form.ink.apply(command),
         ExportCommand::Type(NumberField::Columns, text) => form.columns = text,
         ExportCommand::Legend(legend) => form.legend = legend,
+        ExportCommand::Passage(passage) => form.passage = passage,
         ExportCommand::Analysis(analysis) => form.analysis = analysis,
         ExportCommand::Type(NumberField::Scale, text) => form.scale = text,
         ExportCommand::Type(NumberField::Every, text) => form.every = text,
@@ -591,5 +603,6 @@ fn fill_in(form: &mut ExportForm, command: ExportCommand) {
     }
 }
 
+mod balls;
 mod outcome;
 pub use outcome::{ExportTask, Outcome};

@@ -16,12 +16,13 @@ use tilescope_sets::{BallSize, SolidRecipe};
 use tilescope_workbench::command::{FormCommand, TimeCommand, ViewCommand, Which};
 use tilescope_workbench::compare::{CompareCommand, ComparePreset};
 use tilescope_workbench::draft::{Choice, FormPart};
-use tilescope_workbench::export::{ExportKind, ExportRefusal};
+use tilescope_workbench::export::{ExportCommand, ExportKind, ExportRefusal, NumberField};
 use tilescope_workbench::files::FileCommand;
+use tilescope_workbench::orbit::{OrbitCommand, RunOrbit};
 use tilescope_workbench::state::{ExportSource, RunView, session_to_keep};
 use tilescope_workbench::{Command, State, link};
 
-use crate::exporting::{fill_in, notice_text, write};
+use crate::exporting::{export, fill_in, notice_text, write};
 
 /// The sides and the radius of the set: 12 x 11 x 10 r, some 970 balls.
 const BOX: [(Parameter, &str); 3] = [
@@ -417,6 +418,148 @@ fn the_picture_is_of_the_plane() {
         pictures.push(picture);
     }
     assert_ne!(pictures[0], pictures[1]);
+}
+
+fn orbit(state: &mut State, command: OrbitCommand) {
+    view(state, ViewCommand::Orbit(command));
+}
+
+/// Shows balls in a canvas of this size.
+fn with_balls(state: &mut State, size: [f32; 2]) {
+    let canvas = emath::Rect::from_min_size(emath::pos2(0.0, 0.0), size.into());
+    view(state, ViewCommand::Viewport(canvas));
+    orbit(state, OrbitCommand::Size(size.map(|side| side as u32)));
+    orbit(state, OrbitCommand::Show(true));
+    state.settle();
+}
+
+#[test]
+fn balls_are_drawn_in_the_background_and_again_for_another_view() {
+    let mut state = made();
+    with_balls(&mut state, [160.0, 120.0]);
+    let image = |state: &State| {
+        let orbit = state.runs().first.orbit().expect("balls");
+        Arc::clone(orbit.image().expect("a picture"))
+    };
+    let first = image(&state);
+    assert_eq!(first.size, [160, 120]);
+    let shown = state.runs().first.orbit().expect("balls");
+    let sentence = shown.sentence(session(&state)).expect("a sentence");
+    let count = solid(&state).positions(session(&state).run()).len();
+    let said = format!("{count} balls of half the radius in a box of 6 \u{d7} 5.5 \u{d7} 5");
+    assert!(sentence.starts_with(&said), "{sentence}");
+    assert!(
+        sentence.ends_with("seen from 30 degrees above."),
+        "{sentence}"
+    );
+
+    // The same view is not drawn again.
+    state.settle();
+    assert!(Arc::ptr_eq(&first, &image(&state)));
+    for change in [
+        OrbitCommand::Turn([20.0, 0.0]),
+        OrbitCommand::Zoom(2.0),
+        OrbitCommand::Cut(false),
+    ] {
+        let before = image(&state);
+        orbit(&mut state, change);
+        state.settle();
+        assert_ne!(before.rgba, image(&state).rgba, "{change:?}");
+    }
+    orbit(&mut state, OrbitCommand::Reset);
+    state.settle();
+    assert_eq!(first, image(&state));
+
+    orbit(&mut state, OrbitCommand::Show(false));
+    assert!(state.runs().first.orbit().is_none());
+
+    // A planar set has no balls.
+    form(&mut state, FormCommand::Depth(String::new()));
+    state.apply(Command::Run);
+    state.settle();
+    orbit(&mut state, OrbitCommand::Show(true));
+    assert!(state.runs().first.orbit().is_none());
+    assert!(notice_text(&state).contains("This set is planar"));
+}
+
+#[test]
+fn the_view_of_balls_is_linked_and_saved() {
+    let mut state = made();
+    with_balls(&mut state, [160.0, 120.0]);
+    orbit(&mut state, OrbitCommand::Turn([12.0, -50.0]));
+    orbit(&mut state, OrbitCommand::Cut(false));
+    let wanted = state.runs().first.orbit().expect("balls").view();
+    let fragment = state.link().fragment;
+    assert!(fragment.contains("&orbit=312,-20,1,whole"), "{fragment}");
+
+    let mut other = State::new(Arc::new(|| {}));
+    other.settle();
+    other.open_link(&fragment);
+    other.settle();
+    let seen = other.runs().first.orbit().map(RunOrbit::view);
+    assert_eq!(seen, Some(wanted));
+
+    // A saved session with a plane shows the plane again.
+    let saved = session_to_keep(&state).expect("a session");
+    let open = |state: &mut State, text: &str| {
+        let files = vec![NamedBytes::new("balls.json", text.as_bytes())];
+        state.apply(Command::File(FileCommand::DroppedBytes(files, Vec::new())));
+        state.settle();
+        state.runs().first.orbit().map(RunOrbit::view)
+    };
+    orbit(&mut state, OrbitCommand::Show(false));
+    let planar = session_to_keep(&state).expect("a session");
+    assert_eq!(open(&mut other, &planar), None);
+    assert_eq!(open(&mut other, &saved), Some(wanted));
+}
+
+#[test]
+fn balls_are_exported_and_turn_and_the_plane_passes() {
+    let mut state = made();
+    with_balls(&mut state, [64.0, 48.0]);
+    let folder = tempfile::tempdir().expect("a folder");
+    let path = |name: &str| folder.path().join(name);
+    let written = |name: &str| std::fs::read(path(name)).expect("a file");
+
+    write(&mut state, ExportKind::Picture, &path("balls.svg"), &[]);
+    let svg = String::from_utf8(written("balls.svg")).expect("text");
+    assert!(svg.contains("balls of half the radius"), "{svg}");
+    assert!(!svg.contains("by arrival"));
+    fill_in(&mut state, ExportKind::Picture, &path("legend.svg"), &[]);
+    export(&mut state, ExportCommand::Legend(true));
+    export(&mut state, ExportCommand::Write);
+    state.settle();
+    let svg = String::from_utf8(written("legend.svg")).expect("text");
+    assert!(svg.contains("by arrival"), "{svg}");
+    write(&mut state, ExportKind::Animation, &path("turn.png"), &[]);
+    // The chunk that makes a PNG an animation begins with the number of frames.
+    let frames = |name: &str| {
+        let bytes = written(name);
+        let at = bytes
+            .windows(4)
+            .position(|four| four == b"acTL")
+            .expect("an animation");
+        u32::from_be_bytes(bytes[at + 4..at + 8].try_into().expect("four bytes"))
+    };
+    assert_eq!(frames("turn.png"), 72);
+
+    orbit(&mut state, OrbitCommand::Show(false));
+    fill_in(&mut state, ExportKind::Animation, &path("plane.png"), &[]);
+    export(&mut state, ExportCommand::Passage(true));
+    export(&mut state, ExportCommand::Write);
+    state.settle();
+    assert_eq!(frames("plane.png"), 120);
+
+    // Wider than a picture of balls can be.
+    with_balls(&mut state, [4000.0, 48.0]);
+    let scale = [(NumberField::Scale, "2")];
+    fill_in(&mut state, ExportKind::Picture, &path("wide.png"), &scale);
+    let source = ExportSource::of(&state);
+    let refusal = state.files().exports.prospect(source);
+    assert!(
+        matches!(refusal, Err(ExportRefusal::TooLarge { width: 8000, .. })),
+        "{refusal:?}"
+    );
 }
 
 #[test]
