@@ -14,6 +14,10 @@
 //! same unless a new earlier sample covers it. Both happen near seams alone: of 1.5 million samples none changed
 //! farther than 4.7 r from one. [`PatternHistory`] has the first blockers, and [`exact_sample`] follows the
 //! differences.
+//!
+//! *In a shape* ([`exact_in_shape`]) darts outside do not exist. A sample of the pattern outside of the shape is missing in its
+//! block as one that is lost: the darts that it refused are decided again. So the shape's border is one more seam, and the set
+//! is distributed as the reference sampler's in the shape.
 
 mod agenda;
 mod agreement;
@@ -37,11 +41,11 @@ use crate::parameters::PatternSpec;
 
 pub use arrivals::PatternArrivals;
 pub use darts::{Arrival, PatternDarts, PlacedDart};
-pub use engine::exact_sample;
 pub use engine::recorded::exact_recorded;
+pub use engine::{exact_in_shape, exact_sample};
 pub use history::PatternHistory;
 pub use laid::{ExactPiece, exact_pieces};
-pub use plane::{ExactPlane, exact_points, exact_sample_parallel};
+pub use plane::{ExactPlane, exact_in_shape_parallel, exact_points, exact_sample_parallel};
 
 /// The most samples of a set that takes a pattern of 200 r, which has as many itself. Larger sets take one of 400 r.
 const SMALL_SET: f64 = 28_000.0;

@@ -8,6 +8,7 @@ use crate::pattern::Pattern;
 use crate::progress::Observer;
 use crate::record::{Recorder, Unrecorded};
 use crate::run::Run;
+use crate::varying::Shape;
 
 /// Returns the finished run of `parameters`, by their method, with the pattern that they describe.
 ///
@@ -46,7 +47,13 @@ pub fn sample_recorded<T: Recorder>(
         }
         TilingMethod::Exact => {
             let history = PatternHistory::of_spec(&parameters.pattern, observer)?;
-            exact_recorded(parameters, &history, observer, recorder)
+            exact_recorded(
+                parameters,
+                &history,
+                &Shape::rectangle(),
+                observer,
+                recorder,
+            )
         }
     }
 }

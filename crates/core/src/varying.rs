@@ -27,6 +27,7 @@ use crate::progress::Observer;
 
 pub use field::{FieldError, MAX_FIELD_RADIUS, MAX_PITCH_BITS, RadiusField};
 pub use locality::Locality;
+pub(crate) use shape::Class;
 pub use shape::{Shape, ShapeError};
 
 /// Returns the samples of the field's domain inside `shape`, in the order of their arrival.

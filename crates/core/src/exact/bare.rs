@@ -9,6 +9,7 @@ use std::ops::Range;
 use crate::exact::pieces::SourcePiece;
 use crate::exact::present::SamplesBefore;
 use crate::lattice::{Point, R, Rect};
+use crate::varying::{Class, Shape};
 
 /// The side of the cells that are marked: most of what a lost sample leaves bare is smaller than r.
 pub(crate) const MARK_SIDE: i32 = R / 2;
@@ -173,13 +174,14 @@ impl MarkedCells {
         }
     }
 
-    /// Appends to `out` the cells of side `to` within a cell of `side` that no sample of `decided` covers alone. In a
-    /// cell that one sample covers every dart is refused.
+    /// Appends to `out` the cells of side `to` within a cell of `side` that no sample of `decided` covers alone, and that have
+    /// places of the shape. In a cell that one sample covers every dart is refused.
     pub(crate) fn cut(
         &self,
         cell: PieceCell,
         side: i32,
         to: i32,
+        shape: &Shape,
         decided: &mut SamplesBefore<'_, '_>,
         out: &mut Vec<PieceCell>,
     ) {
@@ -188,7 +190,7 @@ impl MarkedCells {
         };
         let tile = self.pieces[cell.piece as usize].tile;
         // Most marked cells are covered by one sample.
-        if decided.covers_rect(tile, &placed) {
+        if decided.covers_rect(tile, &placed) || shape.class_of(&placed) == Class::Outside {
             return;
         }
         if side == to {
@@ -199,7 +201,7 @@ impl MarkedCells {
         let half = side / 2;
         for (right, up) in [(0, 0), (half, 0), (0, half), (half, half)] {
             let min = Point::new(cell.min.x + right, cell.min.y + up);
-            self.cut(PieceCell { min, ..cell }, half, to, decided, out);
+            self.cut(PieceCell { min, ..cell }, half, to, shape, decided, out);
         }
     }
 

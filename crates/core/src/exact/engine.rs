@@ -38,6 +38,7 @@ use crate::record::{Recorder, RunEvent, Unrecorded};
 use crate::run::Run;
 use crate::stage::Stage;
 use crate::stages::darts::LAST_LEVEL;
+use crate::varying::Shape;
 
 /// Returns the exact tiling of a domain with the pattern of `history`.
 ///
@@ -60,12 +61,26 @@ pub fn exact_sample(
     history: &PatternHistory,
     observer: &mut dyn Observer,
 ) -> Result<Run, SampleError> {
+    exact_in_shape(parameters, history, &Shape::rectangle(), observer)
+}
+
+/// Returns the exact tiling of a shape in a domain: darts outside of the shape do not exist.
+///
+/// The result is conflict-free and inside the shape, and no lattice point of the shape is uncovered. A sample of the pattern
+/// outside of the shape is missing as one that is lost, and counts as neither tiled nor eliminated. The rest is as
+/// [`exact_sample`] has it, whose result this is for the shape of all places.
+pub fn exact_in_shape(
+    parameters: &Parameters,
+    history: &PatternHistory,
+    shape: &Shape,
+    observer: &mut dyn Observer,
+) -> Result<Run, SampleError> {
     let domain = parameters.validate_sequential()?;
     let mut run_clipper = clipper(parameters, history.pattern())?;
     // Sources name blocks by their indices, which blocks have only once they are counted.
     run_clipper.count_blocks();
 
-    let mut tiling = ExactTiling::new(history);
+    let mut tiling = ExactTiling::new(history, shape);
     let ground = Ground::whole(&domain);
     tiling.run(&run_clipper, ground, observer, &mut Unrecorded)?;
 
@@ -116,6 +131,8 @@ struct ExactTile {
 /// An exact tiling in progress. Its buffers can be used again.
 pub(crate) struct ExactTiling<'a> {
     history: &'a PatternHistory,
+    /// The places that darts can lie at.
+    shape: &'a Shape,
     blocks: Vec<PlacedBlock>,
     tiles: Vec<ExactTile>,
     present: PresentSamples<'a>,
@@ -131,10 +148,11 @@ pub(crate) struct ExactTiling<'a> {
 }
 
 impl<'a> ExactTiling<'a> {
-    /// Returns buffers for tilings with a pattern.
-    pub(crate) fn new(history: &'a PatternHistory) -> Self {
+    /// Returns buffers for tilings of a shape with a pattern.
+    pub(crate) fn new(history: &'a PatternHistory, shape: &'a Shape) -> Self {
         Self {
             history,
+            shape,
             blocks: Vec::new(),
             tiles: Vec::new(),
             present: PresentSamples::new(history),
@@ -269,6 +287,13 @@ impl<'a> ExactTiling<'a> {
                 return;
             }
 
+            // Outside of the shape there are no darts: the sample is missing, as one that is lost.
+            if !self.shape.inside(self.present.in_domain(tile, place)) {
+                let no_id = u32::MAX;
+                self.release(tile, place, pattern, no_id, recorder);
+                return;
+            }
+
             let id = self.present.add(place, tile, pattern);
             recorder.record(RunEvent::Tiled {
                 sample: id,
@@ -302,6 +327,9 @@ impl<'a> ExactTiling<'a> {
         // second blocker, too, which is not needed: whether another sample covers the dart is decided in its turn.
         history.each_waiting_in(&rect, pattern, place, symmetry, |mut dart, _| {
             dart.place = self.present.in_domain(tile, dart.place);
+            if !self.shape.inside(dart.place) {
+                return;
+            }
             self.agenda.add(dart, What::Dart(tile));
             recorder.record(RunEvent::Wake {
                 point: dart.place,
@@ -359,19 +387,7 @@ impl<'a> ExactTiling<'a> {
             recorder.record(RunEvent::Eliminate { sample: id, by });
         }
         self.present.lose(id);
-
-        self.tiles[sample.tile as usize].missing.add(pattern);
-        // The darts that it refused are decided again, and its disk may be bare. Cells are marked in its own block alone: in
-        // other blocks its disk reaches only cells within r of the border, and all of those are marked.
-        self.wake(sample.tile, sample.place, pattern, id, recorder);
-        let tile = &self.tiles[sample.tile as usize];
-        let pieces = tile.first_piece..tile.end_piece;
-        for piece in pieces {
-            // No cell is left out here: those that a sample covers are dropped when they are cut.
-            let is_closed = |_, _| false;
-            self.cells
-                .mark_disk(piece, dart.place, is_closed, &mut self.fresh);
-        }
+        self.release(sample.tile, sample.place, pattern, id, recorder);
 
         let level = dart.arrival.level();
         if level >= LATE_LEVEL {
@@ -379,6 +395,31 @@ impl<'a> ExactTiling<'a> {
             let first = self.open.len();
             self.cut_fresh(level, recorder);
             self.throw(first, level, Some(dart), recorder);
+        }
+    }
+
+    /// Has the darts decided again that a missing sample refused: the one with the index `pattern` in the pattern, at `place` of
+    /// the ground. It is lost, or lies outside of the shape, where no sample is laid down and `id` is the largest number.
+    fn release<T: Recorder>(
+        &mut self,
+        tile: u32,
+        place: Point,
+        pattern: u32,
+        id: u32,
+        recorder: &mut T,
+    ) {
+        self.tiles[tile as usize].missing.add(pattern);
+        self.wake(tile, place, pattern, id, recorder);
+
+        // Its disk may be bare. Cells are marked in its own block alone: in other blocks its disk reaches only cells within r of
+        // the border, and all of those are marked.
+        let in_domain = self.present.in_domain(tile, place);
+        let held = &self.tiles[tile as usize];
+        for piece in held.first_piece..held.end_piece {
+            // No cell is left out here: those that a sample covers are dropped when they are cut.
+            let is_closed = |_, _| false;
+            self.cells
+                .mark_disk(piece, in_domain, is_closed, &mut self.fresh);
         }
     }
 
@@ -463,7 +504,8 @@ impl<'a> ExactTiling<'a> {
         let first_of_level = Arrival::new(level, 0, 0);
         let mut decided = self.present.before(first_of_level);
         let open = &mut self.open;
-        self.cells.cut(cell, side, R >> level, &mut decided, open);
+        self.cells
+            .cut(cell, side, R >> level, self.shape, &mut decided, open);
 
         if T::ENABLED {
             let square = self.square(cell, side);
@@ -514,6 +556,9 @@ impl<'a> ExactTiling<'a> {
                 source,
                 place: piece.place(source),
             };
+            if !self.shape.inside(dart.place) {
+                continue;
+            }
             // `after` is the dart of a lost sample, which refused later darts alone: other samples cover the earlier ones.
             if after.is_some_and(|after| dart <= *after) {
                 continue;

@@ -18,6 +18,7 @@ use crate::pool::Pool;
 use crate::progress::Observer;
 use crate::run::{Run, Summary};
 use crate::samples::Sampled;
+use crate::varying::Shape;
 
 /// The first width of the halo in cells. Along 460,800 r of border nothing farther than 7 r was in doubt, and 23 samples and zones
 /// farther than 6.5 r (`what_is_unknown_reaches_less_far_than_a_halo`).
@@ -47,6 +48,7 @@ const MAX_HALO: i32 = HALO << 7;
 pub struct ExactPlane<'a> {
     domain: Domain,
     history: &'a PatternHistory,
+    shape: &'a Shape,
     clipper: Clipper,
     idle: Pool<SeamTiling<'a>>,
     /// How windows of a whole run are made without following doubt; nothing for single windows.
@@ -65,6 +67,9 @@ struct Alone {
 /// none farther; half a radius more leaves about a fifth, so that fewer than one in a million windows would be wrong 7 r away.
 const ALONE_HALO: i32 = 8;
 
+/// The shape of tilings that have none of their own.
+static ALL_PLACES: Shape = Shape::rectangle();
+
 impl<'a> ExactPlane<'a> {
     /// Returns the plane of `parameters` with the pattern of `history`.
     ///
@@ -75,10 +80,22 @@ impl<'a> ExactPlane<'a> {
         Ok(Self {
             domain: parameters.validate()?,
             history,
+            shape: &ALL_PLACES,
             clipper: run_clipper,
             idle: Pool::default(),
             alone: None,
         })
+    }
+
+    /// Returns the plane of the same tiling of a shape, outside of which there are no darts ([`crate::exact_in_shape`]).
+    #[must_use]
+    pub fn in_shape(self, shape: &'a Shape) -> Self {
+        Self {
+            shape,
+            // Buffers are those of the shape before.
+            idle: Pool::default(),
+            ..self
+        }
     }
 
     /// Returns the whole run at its beginning, to be computed in bands of windows on all threads. With `sources` each sample
@@ -107,7 +124,9 @@ impl WindowMaker for ExactPlane<'_> {
         with_tags: bool,
         out: &mut WindowSamples,
     ) -> Result<(), SampleError> {
-        let mut tiling = self.idle.take_or(|| SeamTiling::new(self.history));
+        let mut tiling = self
+            .idle
+            .take_or(|| SeamTiling::new(self.history, self.shape));
         if let Some(Alone { halo, agreement }) = &self.alone {
             let ground = Ground::alone(&self.domain, window, *halo);
             // In a domain hardly larger than the window, the window would meet itself. It is then made as a single
@@ -152,8 +171,18 @@ pub fn exact_sample_parallel(
     history: &PatternHistory,
     observer: &mut dyn Observer,
 ) -> Result<Run, SampleError> {
+    exact_in_shape_parallel(parameters, history, &ALL_PLACES, observer)
+}
+
+/// Returns the same run as [`crate::exact_in_shape`], made on all threads of the current pool.
+pub fn exact_in_shape_parallel(
+    parameters: &Parameters,
+    history: &PatternHistory,
+    shape: &Shape,
+    observer: &mut dyn Observer,
+) -> Result<Run, SampleError> {
     let sources = true;
-    let (sampled, summary) = finished(parameters, history, sources, observer)?;
+    let (sampled, summary) = finished(parameters, history, shape, sources, observer)?;
     Run::of_result(&parameters.as_exact(), history.pattern(), sampled, summary)
 }
 
@@ -165,7 +194,7 @@ pub fn exact_points(
     observer: &mut dyn Observer,
 ) -> Result<Vec<Point>, SampleError> {
     let sources = false;
-    let (sampled, _) = finished(parameters, history, sources, observer)?;
+    let (sampled, _) = finished(parameters, history, &ALL_PLACES, sources, observer)?;
     Ok(sampled.points)
 }
 
@@ -174,21 +203,21 @@ pub fn exact_points(
 fn finished(
     parameters: &Parameters,
     history: &PatternHistory,
+    shape: &Shape,
     sources: bool,
     observer: &mut dyn Observer,
 ) -> Result<(Sampled, Summary), SampleError> {
-    if let Some(made) = made_alone(parameters, history, sources, ALONE_HALO, observer)? {
+    let plane = || ExactPlane::new(parameters, history).map(|plane| plane.in_shape(shape));
+    if let Some(made) = made_alone(plane()?, sources, ALONE_HALO, observer)? {
         return Ok(made);
     }
-    let plane = ExactPlane::new(parameters, history)?;
-    plane.sweep(sources).finish(observer)
+    plane()?.sweep(sources).finish(observer)
 }
 
-/// Returns all samples, made by windows that have halos of `halo` cells and do not follow doubt; `None` if the samples
+/// Returns all samples of a plane, made by windows that have halos of `halo` cells and do not follow doubt; `None` if the samples
 /// around a window are not those that its neighbours made.
 fn made_alone(
-    parameters: &Parameters,
-    history: &PatternHistory,
+    plane: ExactPlane<'_>,
     sources: bool,
     halo: i32,
     observer: &mut dyn Observer,
@@ -198,10 +227,7 @@ fn made_alone(
         halo,
         agreement: Arc::clone(&agreement),
     });
-    let plane = ExactPlane {
-        alone,
-        ..ExactPlane::new(parameters, history)?
-    };
+    let plane = ExactPlane { alone, ..plane };
     let domain = plane.domain;
 
     let (sampled, summary) = plane.sweep(sources).finish(observer)?;
@@ -220,7 +246,7 @@ mod tests {
 
     /// Returns the samples of a window by a halo of so many cells, and whether some are in doubt.
     fn computed(plane: &ExactPlane<'_>, window: &Rect, halo: i32) -> (Vec<Point>, bool) {
-        let mut tiling = SeamTiling::new(plane.history);
+        let mut tiling = SeamTiling::new(plane.history, plane.shape);
         let ground = Ground::around(&plane.domain, window, halo);
         tiling.run(&plane.clipper, ground).unwrap();
         let mut samples = WindowSamples::default();
@@ -250,7 +276,8 @@ mod tests {
             let history = PatternHistory::of_spec(&parameters.pattern, &mut Unobserved).unwrap();
             let expected = exact_sample(&parameters, &history, &mut Unobserved).unwrap();
             for halo in [1, 2, ALONE_HALO] {
-                let made = made_alone(&parameters, &history, false, halo, &mut Unobserved);
+                let plane = ExactPlane::new(&parameters, &history).unwrap();
+                let made = made_alone(plane, false, halo, &mut Unobserved);
                 if let Some((sampled, summary)) = made.unwrap() {
                     assert_eq!(sampled.points, expected.points(), "{halo} cells, {seed}");
                     assert_eq!(summary, expected.summary());
@@ -327,7 +354,7 @@ mod tests {
             let points = exact_points(&parameters, &history, &mut Unobserved).unwrap();
             let all: std::collections::HashSet<Point> = points.iter().copied().collect();
             let plane = ExactPlane::new(&parameters, &history).unwrap();
-            let mut tiling = SeamTiling::new(&history);
+            let mut tiling = SeamTiling::new(&history, &ALL_PLACES);
 
             for window in pieces(&plane.domain.rect(), 24 * R) {
                 border += 4 * 24;

@@ -39,6 +39,7 @@ use crate::instructions::InstructionSet;
 use crate::lattice::{Point, Rect};
 use crate::pattern::Symmetry;
 use crate::stages::darts::LAST_LEVEL;
+use crate::varying::{Class, Shape};
 
 use disks::DiskLists;
 use doubt::Zone;
@@ -62,7 +63,9 @@ struct SeamTile {
     /// The first of its pieces, and the first of the next tile.
     first_piece: u32,
     end_piece: u32,
-    /// The pattern's samples that are lost here.
+    /// Whether places of the tile may lie outside of the shape. All samples of such a tile are listed at once.
+    is_cut: bool,
+    /// The pattern's samples that are lost here, or lie outside of the shape.
     missing: SampleFilter,
 }
 
@@ -105,6 +108,8 @@ struct PatternFate {
 /// Windows of an exact tiling. Its buffers are used again from window to window.
 pub(super) struct SeamTiling<'a> {
     history: &'a PatternHistory,
+    /// The places of the domain that darts can lie at.
+    shape: &'a Shape,
     ground: Ground,
     blocks: Vec<PlacedBlock>,
     tiles: Vec<SeamTile>,
@@ -138,10 +143,11 @@ pub(super) struct SeamTiling<'a> {
 }
 
 impl<'a> SeamTiling<'a> {
-    /// Returns buffers for windows of tilings with a pattern.
-    pub(super) fn new(history: &'a PatternHistory) -> Self {
+    /// Returns buffers for windows of tilings of a shape with a pattern.
+    pub(super) fn new(history: &'a PatternHistory, shape: &'a Shape) -> Self {
         Self {
             history,
+            shape,
             ground: Ground::default(),
             blocks: Vec::new(),
             tiles: Vec::new(),
@@ -183,8 +189,14 @@ impl<'a> SeamTiling<'a> {
         for index in 0..self.blocks.len() {
             let block = self.blocks[index];
             // Some blocks reach into the frame with their margins alone.
-            if let Some(rect) = block.rect.within(&self.ground.rect()) {
-                self.add_tile(&block, index as u32, rect);
+            let Some(rect) = block.rect.within(&self.ground.rect()) else {
+                continue;
+            };
+            // Outside of the shape there are no darts.
+            let class = self.class(self.ground.moved(&block), &rect);
+            if class != Class::Outside {
+                let is_cut = class == Class::Mixed;
+                self.add_tile(&block, index as u32, rect, is_cut);
                 self.clip(clipper, &block);
             }
         }
@@ -241,6 +253,28 @@ impl<'a> SeamTiling<'a> {
             }
             None => self.inserted[(sample.number - FIRST_INSERTED) as usize],
         }
+    }
+
+    /// Returns which places of a rectangle of the frame, moved so far from where the domain has it, are in the shape.
+    fn class(&self, moved: IVec2, rect: &Rect) -> Class {
+        self.shape.class_of(&Rect {
+            min: in_domain(moved, rect.min),
+            max: in_domain(moved, rect.max),
+        })
+    }
+
+    /// Returns whether all places of a rectangle of the frame, in a tile, lie outside of the shape: no dart is thrown there.
+    #[inline(always)]
+    fn is_all_outside(&self, tile: u32, rect: &Rect) -> bool {
+        let SeamTile { is_cut, moved, .. } = self.tiles[tile as usize];
+        is_cut && self.class(moved, rect) == Class::Outside
+    }
+
+    /// Returns whether a place of the frame in a tile lies outside of the shape.
+    #[inline(always)]
+    fn is_outside(&self, tile: u32, place: Point) -> bool {
+        let SeamTile { is_cut, moved, .. } = self.tiles[tile as usize];
+        is_cut && !self.shape.inside(in_domain(moved, place))
     }
 
     /// Returns where the frame has a place that the domain has in a tile.

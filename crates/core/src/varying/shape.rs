@@ -4,7 +4,7 @@
 use thiserror::Error;
 
 use super::field::MAX_PITCH_BITS;
-use crate::lattice::Point;
+use crate::lattice::{Point, Rect};
 use crate::stages::disks::Cell;
 
 /// A ring with fewer corners has no inside.
@@ -52,9 +52,9 @@ enum Kind {
     Mask(Mask),
 }
 
-/// Which places of a cell belong to a shape.
+/// Which places of a cell or a rectangle belong to a shape.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, serde::Serialize, serde::Deserialize)]
-pub(super) enum Class {
+pub(crate) enum Class {
     Outside,
     /// Perhaps some, perhaps not all.
     Mixed,
@@ -124,6 +124,19 @@ impl Shape {
             Kind::Rectangle => Class::Inside,
             Kind::Polygon(polygon) => polygon.class(cell),
             Kind::Mask(mask) => mask.class(cell),
+        }
+    }
+
+    /// Returns which places of a rectangle belong to the shape. The rectangle has a place and no negative coordinate, and lies
+    /// anywhere: [`Self::class`] is for cells of a grid.
+    pub(crate) fn class_of(&self, rect: &Rect) -> Class {
+        match &self.0 {
+            Kind::Rectangle => Class::Inside,
+            Kind::Polygon(polygon) => {
+                let last = [rect.max.x - 1, rect.max.y - 1].map(i64::from);
+                polygon.class_between([rect.min.x, rect.min.y].map(i64::from), last)
+            }
+            Kind::Mask(mask) => mask.class_of(rect),
         }
     }
 }
@@ -237,10 +250,14 @@ impl Polygon {
     /// Returns whether a cell is inside the polygon, outside of it, or may be both.
     fn class(&self, Cell { min, side }: Cell) -> Class {
         let min = [i64::from(min.x), i64::from(min.y)];
-        let max = min.map(|value| value + i64::from(side) - 1);
+        self.class_between(min, min.map(|value| value + i64::from(side) - 1))
+    }
+
+    /// Returns whether the places from `min` to `max`, on both axes, are inside the polygon, outside of it, or may be both.
+    fn class_between(&self, min: [i64; 2], max: [i64; 2]) -> Class {
         let meets = |edge: &Edge| {
             let corners = [[min[0], min[1]], [max[0], min[1]], [min[0], max[1]], max];
-            // Corners on both sides of an edge's line, or one on it: the edge may cross the cell.
+            // Corners on both sides of an edge's line, or one on it: the edge may cross between the places.
             let sides = corners.map(|[x, y]| edge.area(x, y).signum());
             sides[0] == 0 || sides.iter().any(|&side| side != sides[0])
         };
@@ -248,7 +265,7 @@ impl Polygon {
         if edges.any(|edge| edge.is_beside(min, max) && meets(edge)) {
             return Class::Mixed;
         }
-        // No edge crosses the cell, so that all of it is where its corner is.
+        // No edge crosses the places, so that all of them are where their corner is.
         Class::of(self.inside(min[0], min[1]))
     }
 }
@@ -324,6 +341,29 @@ impl Mask {
             None if (row, column) == (0, 0) => Class::Mixed,
             None => Class::Outside,
         }
+    }
+
+    /// Returns the class of the places of a rectangle: that of the at most four blocks that it touches, if all have one.
+    fn class_of(&self, rect: &Rect) -> Class {
+        // Blocks are powers of two wide. As wide as the rectangle or wider, at most two of them lie side by side under it.
+        let longer = rect.width().max(rect.height()) as u32;
+        let bits = longer.next_power_of_two().ilog2();
+        if bits >= i32::BITS - 1 {
+            // The side of such a block is beyond the integers.
+            return Class::Mixed;
+        }
+
+        let class = |x: i32, y: i32| {
+            let min = Point::new(x >> bits << bits, y >> bits << bits);
+            let side = 1 << bits;
+            self.class(Cell { min, side })
+        };
+        let (xs, ys) = ([rect.min.x, rect.max.x - 1], [rect.min.y, rect.max.y - 1]);
+        let first = class(xs[0], ys[0]);
+        let is_alike = ys
+            .into_iter()
+            .all(|y| xs.into_iter().all(|x| class(x, y) == first));
+        if is_alike { first } else { Class::Mixed }
     }
 }
 

@@ -2,6 +2,7 @@
 //! looked at.
 
 mod oracle;
+mod shapes;
 
 use std::ops::ControlFlow;
 
@@ -9,7 +10,7 @@ use tilescope_analysis::{Region, VerifyOptions, verify};
 use tilescope_core::stages::disks::DiskGrid;
 use tilescope_core::{
     Boundary, Domain, ExactPlane, Key, Parameters, Pattern, PatternHistory, PatternSpec, Point, R,
-    Recorder, Run, RunEvent, Source, Stream, Unobserved, Window, WindowMaker, below,
+    Recorder, Run, RunEvent, Shape, Source, Stream, Unobserved, Window, WindowMaker, below,
     exact_recorded, exact_sample, exact_sample_parallel,
 };
 
@@ -103,6 +104,7 @@ fn check_recorded(parameters: &Parameters, expected: &Run) {
     let recorded = exact_recorded(
         parameters,
         &history(parameters),
+        &Shape::rectangle(),
         &mut Unobserved,
         &mut events,
     )

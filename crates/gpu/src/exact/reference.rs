@@ -24,7 +24,13 @@ impl ExactReference {
         history: &PatternHistory,
         observer: &mut dyn Observer,
     ) -> Result<Self, SampleError> {
-        let run = exact_recorded(parameters, history, observer, &mut Unrecorded)?;
+        let run = exact_recorded(
+            parameters,
+            history,
+            &Shape::rectangle(),
+            observer,
+            &mut Unrecorded,
+        )?;
         let iteration = |origin: &Origin| match *origin {
             // Levels 0 and 1 are decided in iteration 1.
             Origin::Tiled { pattern, .. } => history.arrival(pattern).level().max(1),

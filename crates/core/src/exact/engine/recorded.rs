@@ -20,8 +20,9 @@ use crate::stage::Stage;
 use crate::stages::blocks::split_recorded;
 use crate::stages::disks::Cell;
 use crate::stages::tile::Tile;
+use crate::varying::Shape;
 
-/// Like [`exact_sample`](crate::exact_sample), and reports events to `recorder`. The result is the same. The run also has the
+/// Like [`exact_in_shape`](crate::exact_in_shape), and reports events to `recorder`. The result is the same. The run also has the
 /// samples that were lost, each with the first sample that covers it.
 ///
 /// All that a block has of the pattern's samples is laid down first, then everything arrives in its order: a sample is kept
@@ -29,12 +30,13 @@ use crate::stages::tile::Tile;
 pub fn exact_recorded<T: Recorder>(
     parameters: &Parameters,
     history: &PatternHistory,
+    shape: &Shape,
     observer: &mut dyn Observer,
     recorder: &mut T,
 ) -> Result<Run, SampleError> {
     if !T::ENABLED {
         // The run has lost samples too, which only an enabled recorder makes the engine keep.
-        return exact_recorded(parameters, history, observer, &mut NoEvents);
+        return exact_recorded(parameters, history, shape, observer, &mut NoEvents);
     }
 
     // The run keeps the origin and the fate of every sample, and has the limit of such runs.
@@ -51,7 +53,7 @@ pub fn exact_recorded<T: Recorder>(
     let (leaf, key) = (parameters.leaf_units()?, Key::from_seed(parameters.seed));
     run.blocks = split_recorded(&domain, leaf, key, recorder);
 
-    let mut tiling = ExactTiling::new(history);
+    let mut tiling = ExactTiling::new(history, shape);
     tiling.run(&run_clipper, Ground::whole(&domain), observer, recorder)?;
 
     recorder.record(RunEvent::Begin(Stage::Finish));

@@ -29,6 +29,7 @@ impl SeamTiling<'_> {
             rect,
             symmetry,
             moved,
+            is_cut,
             ref missing,
             ..
         } = self.tiles[tile as usize];
@@ -40,6 +41,10 @@ impl SeamTiling<'_> {
         history.each_waiting_in(&rect, number, place, symmetry, |mut dart, second| {
             let IVec2 { x, y } = symmetry.turn(second.offset());
             let blocker = Point::new(dart.place.x + x, dart.place.y + y);
+            let is_outside = is_cut && !self.shape.inside(in_domain(moved, dart.place));
+            if is_outside {
+                return;
+            }
             dart.place = in_domain(moved, dart.place);
             // While its second blocker is present, it stays refused. In doubt the dart goes on the agenda, and is
             // decided again in its turn.
@@ -111,18 +116,13 @@ impl SeamTiling<'_> {
         self.lost.push(MissingSample { place, is_deep });
         let is_lost = true;
         self.fates.add(tile, number, PatternFate { place, is_lost });
-        self.release(id);
+        self.release(tile, place, number);
         true
     }
 
-    /// Has darts that a lost or doubtful sample refused decided again, and marks the cells that may be bare without it.
-    pub(super) fn release(&mut self, id: u32) {
-        let ListedSample {
-            place,
-            tile,
-            number,
-            ..
-        } = self.samples[id as usize];
+    /// Has the darts decided again that the sample `number` of the pattern refused, at `place` of a tile, and marks the cells
+    /// that may be bare without it. It is lost or doubtful, or lies outside of the shape.
+    pub(super) fn release(&mut self, tile: u32, place: Point, number: u32) {
         self.tiles[tile as usize].missing.add(number);
         // It may be the second blocker of darts whose first one is missing.
         for dart in self.deferred.of(tile, number) {

@@ -67,10 +67,10 @@ impl SeamTiling<'_> {
     pub(super) fn doubt(&mut self, id: u32) -> bool {
         self.doubt_inserted(id);
         let sample = &self.samples[id as usize];
-        let (place, is_lost) = (sample.place, false);
-        self.fates
-            .add(sample.tile, sample.number, PatternFate { place, is_lost });
-        self.release(id);
+        let (place, tile, number) = (sample.place, sample.tile, sample.number);
+        let is_lost = false;
+        self.fates.add(tile, number, PatternFate { place, is_lost });
+        self.release(tile, place, number);
         true
     }
 

@@ -68,9 +68,9 @@ impl SeamTiling<'_> {
         region: &mut Region<TAGS>,
     ) {
         let ground = self.ground.rect();
-        for tile in &self.tiles {
+        for (index, tile) in (0..).zip(&self.tiles) {
             let block = &self.blocks[tile.placed as usize];
-            let interior = self.interior(&tile.whole);
+            let interior = self.interior(index);
             // Samples without tags are computed eight at a time. With tags they are inserted one by one, since the tag is kept
             // beside the slot.
             if TAGS {

@@ -25,8 +25,8 @@ const FAR: i64 = 1 << 28;
 
 impl SeamTiling<'_> {
     /// Adds the tile `rect` of a block: the part of it that lies in the frame. `placed` is the block's index among
-    /// those of the frame.
-    pub(super) fn add_tile(&mut self, block: &PlacedBlock, placed: u32, rect: Rect) {
+    /// those of the frame. `is_cut` says whether places of the tile may lie outside of the shape.
+    pub(super) fn add_tile(&mut self, block: &PlacedBlock, placed: u32, rect: Rect, is_cut: bool) {
         let (tile, first_piece) = (self.tiles.len() as u32, self.bounds.len() as u32);
         let symmetry = Symmetry(block.symmetry);
         // Late darts at places that something unknown may cover are not thrown.
@@ -61,6 +61,7 @@ impl SeamTiling<'_> {
             moved: self.ground.moved(block),
             first_piece,
             end_piece: self.bounds.len() as u32,
+            is_cut,
             missing: SampleFilter::default(),
         });
     }
@@ -73,9 +74,14 @@ impl SeamTiling<'_> {
         let SeamTile { whole, .. } = self.tiles[tile as usize];
         let target = self.ground.rect();
 
-        for part in Rect64::from(whole).without(&self.interior(&whole)) {
+        let interior = self.interior(tile);
+        for part in Rect64::from(whole).without(&interior) {
             clipper.clip(block, &part, &target, |x, y, pattern| {
                 let place = Point::new(x, y);
+                if self.is_outside(tile, place) {
+                    self.release(tile, place, pattern);
+                    return;
+                }
                 let id = self.list_near(place, tile, pattern);
                 // A sample deeper than r stays, since samples of other blocks cover only places within r of the border.
                 // But late darts that are not thrown, near what is unknown, may cover it, too.
@@ -137,7 +143,7 @@ impl SeamTiling<'_> {
     /// Adds to a cell's list the samples deep in a block whose disks touch the cell. Returns whether there are any.
     #[inline(never)]
     fn complete(&mut self, clipper: &Clipper, cell: usize, place: Point, tile: u32) -> bool {
-        let SeamTile { placed, whole, .. } = self.tiles[tile as usize];
+        let placed = self.tiles[tile as usize].placed;
         let min = Point::new(place.x & -R, place.y & -R);
         // Samples beyond the frame are in no list.
         let ground = self.ground.rect().max;
@@ -146,7 +152,7 @@ impl SeamTiling<'_> {
             max: Point::new((min.x + 2 * R).min(ground.x), (min.y + 2 * R).min(ground.y)),
         };
         // Most cells that are asked about lie near the border.
-        let interior = self.interior(&whole);
+        let interior = self.interior(tile);
         if interior.within(&around).is_none() {
             return false;
         }
@@ -185,11 +191,12 @@ impl SeamTiling<'_> {
         self.samples.len() > before
     }
 
-    /// Returns the places so deep in `whole`, the field of a tile, that samples there are listed only where they are
-    /// asked about. A small one has none: the rectangle is then empty, but still lies in it, since callers ask for the
-    /// rest of `whole` around it.
+    /// Returns the places so deep in the `whole` of a tile that samples there are listed only where they are asked about. A small
+    /// one has none, and one that the shape cuts has none either, as its samples may lie at the shape's border. The rectangle is
+    /// then empty, but still lies in `whole`, since callers ask for the rest of it around the rectangle.
     #[inline(always)]
-    pub(super) fn interior(&self, whole: &Rect) -> Rect64 {
+    pub(super) fn interior(&self, tile: u32) -> Rect64 {
+        let SeamTile { whole, is_cut, .. } = &self.tiles[tile as usize];
         // Rectangles are half open, so that the lowest place is 0 deep, and the highest one is 1 deep.
         let deeper = |rect: &Rect, deep: i64| Rect64::from(*rect).grown(-deep - 1, -deep);
         let Rect64 { mut min, mut max } = deeper(whole, DEEP);
@@ -199,7 +206,7 @@ impl SeamTiling<'_> {
             (min, max) = (min.max(known.min), max.min(known.max));
         }
 
-        if min.cmplt(max).all() {
+        if !is_cut && min.cmplt(max).all() {
             Rect64 { min, max }
         } else {
             let min = I64Vec2::from(whole.min);

@@ -135,9 +135,13 @@ impl SeamTiling<'_> {
         let [covered, doubtful] = quarters;
         each_quarter(ALL_QUARTERS & !covered, |quarter, right, up| {
             let min = Point::new(min.x + half * right, min.y + half * up);
+            let max = Point::new(min.x + half, min.y + half);
+            let rect = Rect { min, max };
+            if self.is_all_outside(tile, &rect) {
+                return;
+            }
             if doubtful >> quarter & 1 == 1 {
-                let max = Point::new(min.x + half, min.y + half);
-                self.add_zone(clipper, tile, Rect { min, max }, from);
+                self.add_zone(clipper, tile, rect, from);
             } else {
                 self.open.push(OpenCell { min, piece, tile });
             }
@@ -183,11 +187,14 @@ impl SeamTiling<'_> {
             if left > right_end || bottom > top {
                 return;
             }
+            let rect = Rect {
+                min: Point::new(left, bottom),
+                max: Point::new(right_end + 1, top + 1),
+            };
+            if self.is_all_outside(tile, &rect) {
+                return;
+            }
             if doubtful >> quarter & 1 == 1 {
-                let rect = Rect {
-                    min: Point::new(left, bottom),
-                    max: Point::new(right_end + 1, top + 1),
-                };
                 self.add_zone(clipper, tile, rect, from);
                 return;
             }
@@ -230,9 +237,11 @@ impl SeamTiling<'_> {
                 } = self.drawn[index];
                 let cell = self.open[begin + cell as usize];
                 let piece = self.marked.pieces()[cell.piece as usize];
-                // A cell at the border of a piece reaches beyond it, to darts that the piece does not have.
+                // A cell at the border of a piece, or of the shape, reaches beyond it, to darts that are not there.
                 let place = piece.place(source);
-                if !self.bounds[cell.piece as usize].contains(place) {
+                if !self.bounds[cell.piece as usize].contains(place)
+                    || self.is_outside(piece.tile, place)
+                {
                     continue;
                 }
 

@@ -3,7 +3,9 @@
 
 use tilescope_core::stages::blocks::split;
 use tilescope_core::stages::darts::{LAST_LEVEL, POISSON, throw_key, throws};
-use tilescope_core::{Key, Parameters, Point, R, Rect, SampleGrid, Stream, below, covers_offset};
+use tilescope_core::{
+    Key, Parameters, Point, R, Rect, SampleGrid, Shape, Stream, below, covers_offset,
+};
 
 /// How copies of one dart follow each other.
 #[derive(Clone, Copy, PartialEq, Eq)]
@@ -83,8 +85,47 @@ impl Copies<'_> {
     }
 }
 
+/// A shape by its rings, for the definition alone.
+pub struct Rings<'a> {
+    /// The corners of each ring.
+    pub rings: &'a [Vec<Point>],
+    /// The shape that is tested, of which single places are asked alone.
+    pub shape: &'a Shape,
+}
+
+impl Rings<'_> {
+    /// Returns whether some place of a rectangle may lie inside: a corner does, or an edge comes near.
+    fn may_hold(&self, rect: &Rect) -> bool {
+        let [low, high] = [rect.min, rect.max].map(|p| [f64::from(p.x), f64::from(p.y)]);
+        let middle = [0, 1].map(|axis| f64::midpoint(low[axis], high[axis]));
+        let reach = (high[0] - low[0]).hypot(high[1] - low[1]) / 2.0 + 1.0;
+
+        let mut edges = self.rings.iter().flat_map(|ring| {
+            let nexts = ring.iter().cycle().skip(1);
+            ring.iter().zip(nexts)
+        });
+        let is_near = |(from, to): (&Point, &Point)| {
+            let [a, b] = [from, to].map(|p| [f64::from(p.x), f64::from(p.y)]);
+            let along = [b[0] - a[0], b[1] - a[1]];
+            let across = along[0] * (middle[1] - a[1]) - along[1] * (middle[0] - a[0]);
+            let length = along[0].hypot(along[1]).max(1.0);
+            let is_beside = |k: usize| {
+                a[k].min(b[k]) <= middle[k] + reach && a[k].max(b[k]) >= middle[k] - reach
+            };
+            across.abs() <= reach * length && is_beside(0) && is_beside(1)
+        };
+        self.shape.inside(rect.min) || edges.any(is_near)
+    }
+}
+
 /// Returns the samples of an exact tiling in canonical order.
 pub fn defined(parameters: &Parameters, ties: Ties) -> Vec<Point> {
+    defined_in(parameters, ties, None)
+}
+
+/// Returns the samples of an exact tiling of a shape, if there is one, in canonical order.
+pub fn defined_in(parameters: &Parameters, ties: Ties, rings: Option<&Rings<'_>>) -> Vec<Point> {
+    let is_inside = |at: Point| rings.is_none_or(|rings| rings.shape.inside(at));
     let domain = parameters.validate().unwrap();
     let spec = &parameters.pattern;
     let period = i64::from(spec.side_units().unwrap());
@@ -111,7 +152,7 @@ pub fn defined(parameters: &Parameters, ties: Ties) -> Vec<Point> {
                     let [x, y] = copies.placed(cell, place);
                     let at = Point::new(x as i32, y as i32);
                     let is_held = place.iter().all(|&v| v < points);
-                    if is_held && clips[cell.clip].rect.contains(at) {
+                    if is_held && clips[cell.clip].rect.contains(at) && is_inside(at) {
                         let copy = match ties {
                             Ties::Domain => [y, x],
                             Ties::Clip => copies.turned(cell, place),
@@ -130,6 +171,10 @@ pub fn defined(parameters: &Parameters, ties: Ties) -> Vec<Point> {
             }
         }
         active = quarters(&copies, &grid, &active, side / 2);
+        active.retain(|cell| {
+            let held = copies.held(cell, side / 2);
+            rings.is_none_or(|rings| held.is_some_and(|held| rings.may_hold(&held)))
+        });
     }
     samples.sort_by_key(|p| (p.y >> 15, p.x >> 15, p.y, p.x));
     samples
