@@ -91,6 +91,13 @@ pub enum Shape {
         /// Whether each pixel is inside, row by row.
         pixels: Vec<bool>,
     },
+    /// Those in chosen pixels that fill the region: a place x lies in the column x * columns / width, rounded down.
+    Filling {
+        /// Pixels of a row.
+        columns: usize,
+        /// Whether each pixel is inside, row by row.
+        pixels: Vec<bool>,
+    },
 }
 
 /// A lattice point of the domain that no sample is near.

@@ -72,6 +72,12 @@ impl GroundArguments {
             .map(|(name, _)| name)
     }
 
+    /// Returns the first option that is given by which the radius varies.
+    pub fn field_option(&self) -> Option<&'static str> {
+        self.option()
+            .filter(|option| !matches!(*option, "--shape" | "--mask"))
+    }
+
     /// Refuses the first option that is given, as `whose` has no use for it.
     pub fn refuse(&self, whose: &str) -> Result<()> {
         match self.option() {
@@ -194,6 +200,7 @@ impl GroundArguments {
             // A seed and a count are for making a set; to judge one, only the field and the shape are taken.
             seed: 0,
             count: None,
+            exact: None,
         })
     }
 }

@@ -250,6 +250,13 @@ impl RunArguments {
 
     /// Returns the pattern of exact tiling, and refuses by their names the options that it has no use for.
     pub fn exact_pattern(&self, parameters: &Parameters) -> Result<PatternSpec> {
+        let samples = self.expected(parameters)?;
+        self.exact_pattern_for(samples)
+    }
+
+    /// Returns the pattern of exact tiling for about so many samples, and refuses by their names the options that it has no use
+    /// for.
+    pub fn exact_pattern_for(&self, samples: f64) -> Result<PatternSpec> {
         let unused = |parameter: &&Parameter| NOT_OF_EXACT.contains(parameter);
         if let Some(parameter) = self.typed.iter().find(unused) {
             bail!(
@@ -263,8 +270,7 @@ impl RunArguments {
             );
         }
 
-        let samples = self.expected(parameters)?;
-        Ok(exact_pattern(parameters, &self.typed, samples))
+        Ok(exact_pattern(&self.asked, &self.typed, samples))
     }
 
     /// Returns the expected number of samples.

@@ -30,8 +30,8 @@ pub fn run(arguments: &SampleArguments) -> Result<u8> {
         return solid::make::sample(arguments);
     }
 
-    // The reference sampler alone makes sets of a field or a shape, so that no method is chosen for them. The remarks of
-    // `outcome` are on patterns and exact tiling, which neither these sets nor nested levels have.
+    // Sets of a field or a shape are made by the reference sampler unless exact tiling of a shape is asked for. The remarks of
+    // `outcome` are on sets that fill their domain.
     if arguments.ground.is_given() {
         let outcome = finish(arguments, varying::make(arguments)?)?;
         output::report(arguments.json, || outcome.json(), || outcome.text())?;

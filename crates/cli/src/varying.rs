@@ -1,8 +1,8 @@
 //! Sets whose radius varies, or that cover a shape, for `tilescope sample`.
 
 use anyhow::{Context, Result, bail, ensure};
-use tilescope_core::{Boundary, Parameter};
-use tilescope_sets::{RadiusSource, VaryingRecipe};
+use tilescope_core::{Boundary, NOT_OF_EXACT, Parameter};
+use tilescope_sets::{ExactBlocks, RadiusSource, VaryingRecipe};
 
 use crate::ground::{formula, image};
 use crate::make::Worked;
@@ -11,7 +11,7 @@ use crate::output::Work;
 use crate::progress::Stopwatch;
 use crate::sample_arguments::{SampleArguments, SamplingMethod};
 
-/// The parameters that a set has whose radius varies, or that covers a shape.
+/// The parameters of a set that the reference sampler makes.
 const USED: [Parameter; 5] = [
     Parameter::Width,
     Parameter::Height,
@@ -20,7 +20,16 @@ const USED: [Parameter; 5] = [
     Parameter::Seed,
 ];
 
-/// Makes a set whose radius varies, or that covers a shape.
+/// The parameters that exact tiling of a shape has besides.
+const USED_BY_EXACT: [Parameter; 5] = [
+    Parameter::Leaf,
+    Parameter::PatternSide,
+    Parameter::PatternSeed,
+    Parameter::PatternBoundary,
+    Parameter::Dihedral,
+];
+
+/// Makes a set whose radius varies, or that covers a shape: by the reference sampler, or on request a shape by exact tiling.
 pub fn make(arguments: &SampleArguments) -> Result<Worked> {
     refuse_tiling(arguments)?;
     let recipe = recipe(arguments)?;
@@ -39,10 +48,18 @@ fn refuse_tiling(arguments: &SampleArguments) -> Result<()> {
     // One option of the ground is always given: without one, other code makes the set.
     let option = arguments.ground.option().unwrap_or_default();
     let why = format!("{option} needs the reference sampler, whose darts need no pattern");
+    let is_exact = matches!(arguments.method, Some(SamplingMethod::Exact));
     match arguments.method {
         None | Some(SamplingMethod::Reference) => {}
         Some(SamplingMethod::Kdrt) => bail!("--method kdrt: {why}; leave it out"),
-        Some(SamplingMethod::Exact) => bail!("--method exact: {why}; leave it out"),
+        // A pattern has one radius, so that exact tiling covers shapes alone.
+        Some(SamplingMethod::Exact) => {
+            if let Some(field) = arguments.ground.field_option() {
+                bail!(
+                    "--method exact: {field} needs the reference sampler, since a pattern has one radius; leave it out"
+                );
+            }
+        }
     }
 
     ensure!(
@@ -61,14 +78,19 @@ fn refuse_tiling(arguments: &SampleArguments) -> Result<()> {
         arguments.run.pattern.is_none(),
         "--pattern: {why}; leave it out"
     );
-    arguments.engine.check_on_cpu("the reference sampler")?;
+    let method = if is_exact {
+        "exact tiling of a shape"
+    } else {
+        "the reference sampler"
+    };
+    arguments.engine.check_on_cpu(method)?;
+    // `exact` refuses by name what exact tiling has no use for.
+    let is_used = |typed: &Parameter| {
+        USED.contains(typed)
+            || is_exact && (USED_BY_EXACT.contains(typed) || NOT_OF_EXACT.contains(typed))
+    };
     // Only a typed option is refused: one that is not typed may have a value all the same, its default.
-    match arguments
-        .run
-        .typed
-        .iter()
-        .find(|typed| !USED.contains(typed))
-    {
+    match arguments.run.typed.iter().find(|typed| !is_used(typed)) {
         Some(typed) => bail!("--{}: {why}; leave it out", typed.key()),
         None => Ok(()),
     }
@@ -103,7 +125,7 @@ fn recipe(arguments: &SampleArguments) -> Result<VaryingRecipe> {
     let given = |parameter: Parameter, value: f64| is_typed(parameter).then_some(value);
     // A field seldom goes around, and a shape never: a periodic domain has to be asked for.
     let is_bounded = !is_typed(Parameter::Boundary) || asked.boundary == Boundary::Bounded;
-    Ok(VaryingRecipe {
+    let mut recipe = VaryingRecipe {
         radius,
         shape: ground.shape(arguments.coordinates.planar)?,
         size: [
@@ -114,5 +136,19 @@ fn recipe(arguments: &SampleArguments) -> Result<VaryingRecipe> {
         boundary: Boundary::of(!is_bounded),
         seed: asked.seed,
         count: run.count,
-    })
+        exact: None,
+    };
+
+    if matches!(arguments.method, Some(SamplingMethod::Exact)) {
+        // The area of the domain is more than that of the shape, which the pattern's size may be chosen by all the same.
+        let samples = match run.count {
+            Some(count) => count as f64,
+            None => recipe.expected_samples()?,
+        };
+        recipe.exact = Some(ExactBlocks {
+            pattern: run.exact_pattern_for(samples)?,
+            ..ExactBlocks::from(asked)
+        });
+    }
+    Ok(recipe)
 }

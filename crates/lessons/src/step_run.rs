@@ -95,6 +95,7 @@ impl StepRun {
             boundary,
             seed,
             count: None,
+            exact: None,
         })
     }
 

@@ -199,6 +199,7 @@ pub fn bare(size: [Option<f64>; 2], origin: Option<[f64; 2]>, boundary: Boundary
         boundary,
         seed: 0,
         count: None,
+        exact: None,
     }
 }
 

@@ -45,6 +45,7 @@ impl GroundRequest {
             boundary: parameters.boundary,
             seed: parameters.seed,
             count: None,
+            exact: None,
         }
     }
 

@@ -48,8 +48,8 @@ pub use recipe::{EXACT_PAYS_FROM, GivenPattern, Recipe, Settled, exact_pattern, 
 pub use solid::{BallSize, SolidMade, SolidRecipe};
 pub use solid_window::SolidSurroundings;
 pub use varying::{
-    Brush, BrushStroke, DEFAULT_WHITE, Expression, GivenGround, GivenRadius, GrayImage, Ground,
-    MAX_CORNERS, MAX_EXPRESSION, MAX_PIXELS, PAINTED, PaintedRadii, PlanarPolygon, RadiusGrid,
-    RadiusSource, ShapeSource, Stipple, StippleLook, StippleRecipe, Tone, VaryingError,
-    VaryingRecipe, check_pixels, check_white, color_of,
+    Brush, BrushStroke, DEFAULT_WHITE, ExactBlocks, Expression, GivenGround, GivenRadius,
+    GrayImage, Ground, MAX_CORNERS, MAX_EXPRESSION, MAX_PIXELS, PAINTED, PaintedRadii,
+    PlanarPolygon, RadiusGrid, RadiusSource, ShapeSource, Stipple, StippleLook, StippleRecipe,
+    Tone, VaryingError, VaryingRecipe, check_pixels, check_white, color_of,
 };

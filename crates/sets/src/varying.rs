@@ -16,14 +16,20 @@ mod stipple;
 #[cfg(test)]
 pub(crate) mod tests;
 
+use std::sync::Arc;
+
 use serde::{Deserialize, Serialize};
 use serde_json::{Value, json};
 use tilescope_core::memory::{Making, ask_for};
-use tilescope_core::{Boundary, MAXIMAL_DENSITY, Observer, SampleError, varying_sample};
+use tilescope_core::{
+    Boundary, MAXIMAL_DENSITY, Observer, Parameters, PatternHistory, PatternSpec, SampleError,
+    exact_in_shape_parallel, varying_sample,
+};
 use tilescope_formats::{Certificate, CertifiedShape, PointSet};
 
 use crate::facts::{Facts, Stated};
 use crate::made::Made;
+use crate::recipe::facts_of_exact;
 
 pub use error::VaryingError;
 pub use expression::{Expression, MAX_EXPRESSION};
@@ -59,6 +65,31 @@ pub struct VaryingRecipe {
     pub seed: u64,
     /// How many samples there are to be, to within a hundredth.
     pub count: Option<u64>,
+    /// The blocks of exact tiling, which then makes the set and needs a radius that is the same everywhere; without them the
+    /// reference sampler makes it.
+    #[serde(default)]
+    pub exact: Option<ExactBlocks>,
+}
+
+/// The blocks of an exact tiling of a shape: parameters that the reference sampler does not have.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+pub struct ExactBlocks {
+    /// The shortest edge of a block, in radii.
+    pub leaf: f64,
+    /// The pattern whose darts blocks clip.
+    pub pattern: PatternSpec,
+    /// Whether blocks clip from all rotations and mirror images of the pattern.
+    pub dihedral: bool,
+}
+
+impl From<&Parameters> for ExactBlocks {
+    fn from(parameters: &Parameters) -> Self {
+        Self {
+            leaf: parameters.leaf,
+            pattern: parameters.pattern,
+            dihedral: parameters.dihedral,
+        }
+    }
 }
 
 impl VaryingRecipe {
@@ -97,6 +128,8 @@ impl VaryingRecipe {
             // Nothing is made by this recipe, so that neither seed nor count has a meaning.
             seed: 0,
             count: None,
+            // Exact tiling has a lattice of its own, in which masks are judged.
+            exact: (stated.method == "exact").then(|| ExactBlocks::from(&Parameters::default())),
         })
     }
 
@@ -122,8 +155,13 @@ impl VaryingRecipe {
             count: None,
             ..*self
         };
+        // The pattern's lengths are in radii, so that every try has the same pattern.
+        let pattern = |blocks: ExactBlocks| PatternHistory::of_spec(&blocks.pattern, observer);
+        let history = self.exact.map(pattern).transpose()?;
+        let history = history.as_ref();
+
         let Some(count) = self.count else {
-            let made = self.attempt(&self.radius, observer)?;
+            let made = self.attempt(&self.radius, history, observer)?;
             return Ok((made, settled(self.radius.clone())));
         };
 
@@ -139,7 +177,7 @@ impl VaryingRecipe {
         // No set is made yet: any number of samples is nearer to the wanted one than this.
         let mut nearest = u64::MAX;
         for _ in 0..MAX_TRIES {
-            let made = self.attempt(&radius, observer)?;
+            let made = self.attempt(&radius, history, observer)?;
             let found = made.set.len() as u64;
             // Of few samples a hundredth is less than one: then one more or fewer is near enough.
             if found.abs_diff(count) <= (count / TOLERANCE).max(1) {
@@ -154,16 +192,27 @@ impl VaryingRecipe {
         Err(VaryingError::Count { count, nearest })
     }
 
-    /// Makes the set with these radii.
+    /// Makes the set with these radii: by exact tiling, if its pattern's `history` is given, and otherwise by the reference
+    /// sampler.
     fn attempt(
         &self,
         radius: &RadiusSource,
+        history: Option<&PatternHistory>,
         observer: &mut dyn Observer,
     ) -> Result<Made, VaryingError> {
         let ground = self.ground_of(radius)?;
         // Memory is asked for before it is needed: a program ends at once when an allocation fails.
-        let bytes = Making::Varying.bytes_a_sample();
+        let making = if history.is_some() {
+            Making::Exact
+        } else {
+            Making::Varying
+        };
+        let bytes = making.bytes_a_sample();
         ask_for(self.expected(radius)?, bytes).map_err(SampleError::from)?;
+        if let Some((blocks, history)) = self.exact.zip(history) {
+            return self.tiled(radius, &ground, blocks, history, observer);
+        }
+
         let points = varying_sample(&ground.field, &ground.shape, self.seed, observer)?;
         // Every place of the shape is covered, so that only an empty shape has no sample.
         if points.is_empty() {
@@ -182,6 +231,50 @@ impl VaryingRecipe {
                 ..Facts::new("reference", parameters, &domain)
             },
         })
+    }
+
+    /// Makes the set by exact tiling.
+    fn tiled(
+        &self,
+        radius: &RadiusSource,
+        ground: &Ground,
+        blocks: ExactBlocks,
+        history: &PatternHistory,
+        observer: &mut dyn Observer,
+    ) -> Result<Made, VaryingError> {
+        let RadiusSource::Constant(radius) = *radius else {
+            return Err(VaryingError::ExactRadius);
+        };
+        let [width, height] = ground.field.domain().size();
+        let parameters = Parameters {
+            width,
+            height,
+            radius,
+            boundary: self.boundary,
+            seed: self.seed,
+            leaf: blocks.leaf,
+            pattern: blocks.pattern,
+            dihedral: blocks.dihedral,
+            ..Parameters::default()
+        };
+
+        let run = exact_in_shape_parallel(&parameters, history, &ground.shape, observer)?;
+        // Every place of the shape is covered, so that only an empty shape has no sample.
+        if run.result.is_empty() {
+            return Err(VaryingError::Nothing);
+        }
+
+        let samples = run.result.len() as f64;
+        let of_rectangle = facts_of_exact(&run.parameters, &run.domain, history.pattern(), samples);
+        let mut facts = Facts {
+            origin: ground.origin,
+            varying: Some(Arc::clone(&ground.varying)),
+            ..of_rectangle
+        };
+        if let Some((name, value)) = self.shape.as_ref().and_then(ShapeSource::stated) {
+            facts.parameters.insert(name.to_owned(), value);
+        }
+        Ok(Made::of_run(&run, facts))
     }
 
     /// Returns field and shape in lattice units.

@@ -24,6 +24,7 @@ pub(super) enum ShapeIndex {
     Rectangle,
     Polygon(EdgeRows),
     Mask(Pixels),
+    Filling(FillingPixels),
 }
 
 impl ShapeIndex {
@@ -49,13 +50,13 @@ impl ShapeIndex {
                     return Err(SquaresError::Pitch { bits: *pitch_bits });
                 }
 
-                // Pixels are whole rows, one at least.
-                if *columns == 0 || pixels.is_empty() || pixels.len() % columns != 0 {
-                    let (pixels, columns) = (pixels.len(), *columns);
-                    return Err(SquaresError::Mask { pixels, columns });
-                }
-
+                check_rows(*columns, pixels)?;
                 Ok(Self::Mask(Pixels::new(*pitch_bits, *columns, pixels)))
+            }
+            Shape::Filling { columns, pixels } => {
+                check_rows(*columns, pixels)?;
+                let sides = [region.width, region.height].map(i64::from);
+                Ok(Self::Filling(FillingPixels::new(sides, *columns, pixels)))
             }
         }
     }
@@ -67,6 +68,7 @@ impl ShapeIndex {
             Self::Rectangle => true,
             Self::Polygon(edges) => edges.inside(x, y),
             Self::Mask(pixels) => pixels.inside(x, y),
+            Self::Filling(pixels) => pixels.inside(x, y),
         }
     }
 
@@ -77,8 +79,18 @@ impl ShapeIndex {
             Self::Rectangle => Share::Everything,
             Self::Polygon(edges) => edges.share(span),
             Self::Mask(pixels) => pixels.share(span, bits),
+            Self::Filling(pixels) => pixels.share(span),
         }
     }
+}
+
+/// Fails unless pixels are whole rows, one at least.
+fn check_rows(columns: usize, pixels: &[bool]) -> Result<(), SquaresError> {
+    if columns == 0 || pixels.is_empty() || !pixels.len().is_multiple_of(columns) {
+        let pixels = pixels.len();
+        return Err(SquaresError::Mask { pixels, columns });
+    }
+    Ok(())
 }
 
 /// Returns `Everything` or `Nothing`.
@@ -303,6 +315,71 @@ impl Pixels {
     }
 }
 
+/// Pixels that fill a region, with the number of inside ones from the region's corner to each: how many a rectangle of pixels has
+/// follows from four of these numbers.
+#[derive(Clone, Debug)]
+pub(super) struct FillingPixels {
+    sides: [i64; 2],
+    counts: [usize; 2],
+    /// One more row and column than there are pixels.
+    sums: Vec<u32>,
+}
+
+impl FillingPixels {
+    fn new(sides: [i64; 2], columns: usize, pixels: &[bool]) -> Self {
+        let counts = [columns, pixels.len() / columns];
+        let mut sums = vec![0; (counts[0] + 1) * (counts[1] + 1)];
+        for row in 0..counts[1] {
+            let mut in_row = 0;
+            for column in 0..columns {
+                in_row += u32::from(pixels[row * columns + column]);
+                let index = (row + 1) * (columns + 1) + column + 1;
+                sums[index] = sums[index - columns - 1] + in_row;
+            }
+        }
+        Self {
+            sides,
+            counts,
+            sums,
+        }
+    }
+
+    /// Returns the column or the row of a coordinate.
+    fn pixel(&self, axis: usize, value: i64) -> usize {
+        (value * self.counts[axis] as i64 / self.sides[axis]) as usize
+    }
+
+    fn inside(&self, x: i64, y: i64) -> bool {
+        let place = PointSpan {
+            min: [x, y],
+            max: [x, y],
+        };
+        self.share(place) == Share::Everything
+    }
+
+    /// Returns how much of a span is inside.
+    fn share(&self, span: PointSpan) -> Share {
+        let first = [0, 1].map(|axis| self.pixel(axis, span.min[axis]));
+        let end = [0, 1].map(|axis| self.pixel(axis, span.max[axis]) + 1);
+        // Places at the far border of a bounded region lie beyond the last pixel, where nothing is inside.
+        let cut = |ends: [usize; 2]| [0, 1].map(|axis| ends[axis].min(self.counts[axis]));
+        let (low, high) = (cut(first), cut(end));
+        let sum = |column: usize, row: usize| self.sums[row * (self.counts[0] + 1) + column];
+        let held = sum(high[0], high[1]) + sum(low[0], low[1])
+            - sum(low[0], high[1])
+            - sum(high[0], low[1]);
+
+        let asked = (end[0] - first[0]) * (end[1] - first[1]);
+        if held == 0 {
+            Share::Nothing
+        } else if held as usize == asked {
+            Share::Everything
+        } else {
+            Share::Some
+        }
+    }
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -367,6 +444,14 @@ mod tests {
             pixels,
         };
         assert_eq!(check_shares(&mask), 6 * 64);
+    }
+
+    #[test]
+    fn pixels_fill_a_region_whatever_their_width() {
+        // Of 40 places, columns of 14, 13 and 13; of 30, two rows of 15. The last place of each axis is beyond.
+        let pixels = [1, 0, 1, 0, 1, 1].map(|pixel| pixel == 1).to_vec();
+        let filling = Shape::Filling { columns: 3, pixels };
+        assert_eq!(check_shares(&filling), (14 + 13) * 15 + (13 + 13) * 15);
     }
 
     #[test]

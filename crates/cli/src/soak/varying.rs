@@ -215,5 +215,6 @@ fn recipe(seed: u64, dice: &Dice) -> Result<VaryingRecipe> {
         boundary: Boundary::of(is_periodic),
         seed,
         count: None,
+        exact: None,
     })
 }

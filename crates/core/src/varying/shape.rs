@@ -4,7 +4,7 @@
 use thiserror::Error;
 
 use super::field::MAX_PITCH_BITS;
-use crate::lattice::{Point, Rect};
+use crate::lattice::{Domain, Point, Rect};
 use crate::stages::disks::Cell;
 
 /// A ring with fewer corners has no inside.
@@ -39,6 +39,15 @@ pub enum ShapeError {
         /// The binary logarithm of their width.
         bits: u32,
     },
+}
+
+/// Fails unless pixels are whole rows, of which there is one at least.
+const fn check_rows(columns: usize, pixels: &[bool]) -> Result<(), ShapeError> {
+    if pixels.is_empty() || columns == 0 || !pixels.len().is_multiple_of(columns) {
+        let pixels = pixels.len();
+        return Err(ShapeError::Pixels { pixels, columns });
+    }
+    Ok(())
 }
 
 /// Which lattice points of a domain belong to it.
@@ -95,11 +104,23 @@ impl Shape {
         if pitch_bits > MAX_PITCH_BITS {
             return Err(ShapeError::Pitch { bits: pitch_bits });
         }
-        if pixels.is_empty() || columns == 0 || !pixels.len().is_multiple_of(columns) {
-            let pixels = pixels.len();
-            return Err(ShapeError::Pixels { pixels, columns });
-        }
-        Ok(Self(Kind::Mask(Mask::new(pitch_bits, columns, pixels))))
+        check_rows(columns, pixels)?;
+        let scale = PixelScale::Pitch(pitch_bits);
+        Ok(Self(Kind::Mask(Mask::new(scale, columns, pixels))))
+    }
+
+    /// Returns the places in chosen pixels that fill a domain, and are given row by row: a place x lies in the column
+    /// `x * columns / width`, rounded down. So pixels may differ by a unit in their width, and none has to be whole. The last
+    /// places of a bounded domain lie beyond the last pixel, and are outside.
+    ///
+    /// Fails when the pixels are no whole rows of `columns`.
+    pub fn filling(domain: &Domain, columns: usize, pixels: &[bool]) -> Result<Self, ShapeError> {
+        check_rows(columns, pixels)?;
+        let scale = PixelScale::Filling {
+            sides: [domain.width(), domain.height()].map(i64::from),
+            counts: [columns, pixels.len() / columns].map(|count| count as i64),
+        };
+        Ok(Self(Kind::Mask(Mask::new(scale, columns, pixels))))
     }
 
     /// Returns whether it has all places of a domain, whatever that is.
@@ -114,29 +135,28 @@ impl Shape {
         match &self.0 {
             Kind::Rectangle => true,
             Kind::Polygon(polygon) => polygon.inside(place.x.into(), place.y.into()),
-            Kind::Mask(mask) => mask.inside(place),
+            Kind::Mask(mask) => mask.inside(place.x.into(), place.y.into()),
         }
     }
 
     /// Returns which places of a cell belong to the shape. Cells begin at multiples of their sides.
     pub(super) fn class(&self, cell: Cell) -> Class {
-        match &self.0 {
-            Kind::Rectangle => Class::Inside,
-            Kind::Polygon(polygon) => polygon.class(cell),
-            Kind::Mask(mask) => mask.class(cell),
-        }
+        let min = [cell.min.x, cell.min.y].map(i64::from);
+        self.class_between(min, min.map(|value| value + i64::from(cell.side) - 1))
     }
 
-    /// Returns which places of a rectangle belong to the shape. The rectangle has a place and no negative coordinate, and lies
-    /// anywhere: [`Self::class`] is for cells of a grid.
+    /// Returns which places of a rectangle belong to the shape. It has a place, and none with a negative coordinate.
     pub(crate) fn class_of(&self, rect: &Rect) -> Class {
+        let [min, end] = [rect.min, rect.max].map(|at| [at.x, at.y].map(i64::from));
+        self.class_between(min, end.map(|value| value - 1))
+    }
+
+    /// Returns which of the places from `min` to `max`, on both axes, belong to the shape.
+    fn class_between(&self, min: [i64; 2], max: [i64; 2]) -> Class {
         match &self.0 {
             Kind::Rectangle => Class::Inside,
-            Kind::Polygon(polygon) => {
-                let last = [rect.max.x - 1, rect.max.y - 1].map(i64::from);
-                polygon.class_between([rect.min.x, rect.min.y].map(i64::from), last)
-            }
-            Kind::Mask(mask) => mask.class_of(rect),
+            Kind::Polygon(polygon) => polygon.class_between(min, max),
+            Kind::Mask(mask) => mask.class_between(min, max),
         }
     }
 }
@@ -247,12 +267,6 @@ impl Polygon {
         odd
     }
 
-    /// Returns whether a cell is inside the polygon, outside of it, or may be both.
-    fn class(&self, Cell { min, side }: Cell) -> Class {
-        let min = [i64::from(min.x), i64::from(min.y)];
-        self.class_between(min, min.map(|value| value + i64::from(side) - 1))
-    }
-
     /// Returns whether the places from `min` to `max`, on both axes, are inside the polygon, outside of it, or may be both.
     fn class_between(&self, min: [i64; 2], max: [i64; 2]) -> Class {
         let meets = |edge: &Edge| {
@@ -273,9 +287,29 @@ impl Polygon {
 /// The pixels of a mask, and blocks of 2 x 2 of them, of 4 x 4, and so on up to one of all.
 #[derive(Clone, Debug, serde::Serialize, serde::Deserialize)]
 struct Mask {
-    /// A pixel is 2^`bits` units wide.
-    bits: u32,
+    scale: PixelScale,
     levels: Vec<ClassBlocks>,
+}
+
+/// Which places a pixel has.
+#[derive(Clone, Copy, Debug, serde::Serialize, serde::Deserialize)]
+enum PixelScale {
+    /// Pixels are two to this power units wide.
+    Pitch(u32),
+    /// As many pixels as `counts` says fill the sides, on both axes.
+    Filling { sides: [i64; 2], counts: [i64; 2] },
+}
+
+impl PixelScale {
+    /// Returns the column and the row of the pixel of a place without negative coordinates.
+    fn pixel(&self, place: [i64; 2]) -> [usize; 2] {
+        let along = |axis: usize| match self {
+            Self::Pitch(bits) => place[axis] >> bits,
+            // Sides have at most 31 bits, and counts fewer.
+            Self::Filling { sides, counts } => place[axis] * counts[axis] / sides[axis],
+        };
+        [along(0) as usize, along(1) as usize]
+    }
 }
 
 /// The classes of the blocks of one size.
@@ -313,7 +347,7 @@ impl ClassBlocks {
 }
 
 impl Mask {
-    fn new(bits: u32, columns: usize, pixels: &[bool]) -> Self {
+    fn new(scale: PixelScale, columns: usize, pixels: &[bool]) -> Self {
         let classes = pixels.iter().map(|&inside| Class::of(inside)).collect();
         let mut blocks = ClassBlocks { columns, classes };
         let mut levels = Vec::new();
@@ -322,47 +356,35 @@ impl Mask {
             levels.push(std::mem::replace(&mut blocks, joined));
         }
         levels.push(blocks);
-        Self { bits, levels }
+        Self { scale, levels }
     }
 
-    fn inside(&self, place: Point) -> bool {
-        let (row, column) = (place.y >> self.bits, place.x >> self.bits);
-        self.levels[0].class(row as usize, column as usize) == Class::Inside
+    fn inside(&self, x: i64, y: i64) -> bool {
+        let [column, row] = self.scale.pixel([x, y]);
+        self.levels[0].class(row, column) == Class::Inside
     }
 
-    /// Returns the class of the places of a cell. Of a cell wider than all pixels, some may be inside.
-    fn class(&self, Cell { min, side }: Cell) -> Class {
-        let size = side.ilog2().saturating_sub(self.bits);
-        let shift = self.bits + size;
-        let (row, column) = ((min.y >> shift) as usize, (min.x >> shift) as usize);
-        match self.levels.get(size as usize) {
+    /// Returns the class of the places from `min` to `max`: that of the at most four blocks that they touch, if all have one.
+    fn class_between(&self, min: [i64; 2], max: [i64; 2]) -> Class {
+        let (low, high) = (self.scale.pixel(min), self.scale.pixel(max));
+        // As wide as the pixels that the places touch, or wider, at most two blocks lie side by side. An aligned cell has one.
+        let count = (high[0] - low[0]).max(high[1] - low[1]) + 1;
+        let size = count.next_power_of_two().ilog2();
+        let (low, high) = (low.map(|at| at >> size), high.map(|at| at >> size));
+
+        let class = |row: usize, column: usize| match self.levels.get(size as usize) {
             Some(level) => level.class(row, column),
-            // The cell at the corner is wider than all pixels.
+            // The block at the corner is wider than all pixels.
             None if (row, column) == (0, 0) => Class::Mixed,
             None => Class::Outside,
-        }
-    }
-
-    /// Returns the class of the places of a rectangle: that of the at most four blocks that it touches, if all have one.
-    fn class_of(&self, rect: &Rect) -> Class {
-        // Blocks are powers of two wide. As wide as the rectangle or wider, at most two of them lie side by side under it.
-        let longer = rect.width().max(rect.height()) as u32;
-        let bits = longer.next_power_of_two().ilog2();
-        if bits >= i32::BITS - 1 {
-            // The side of such a block is beyond the integers.
-            return Class::Mixed;
-        }
-
-        let class = |x: i32, y: i32| {
-            let min = Point::new(x >> bits << bits, y >> bits << bits);
-            let side = 1 << bits;
-            self.class(Cell { min, side })
         };
-        let (xs, ys) = ([rect.min.x, rect.max.x - 1], [rect.min.y, rect.max.y - 1]);
-        let first = class(xs[0], ys[0]);
-        let is_alike = ys
-            .into_iter()
-            .all(|y| xs.into_iter().all(|x| class(x, y) == first));
+        let first = class(low[1], low[0]);
+        let is_alike = low == high
+            || [low[1], high[1]].into_iter().all(|row| {
+                [low[0], high[0]]
+                    .into_iter()
+                    .all(|column| class(row, column) == first)
+            });
         if is_alike { first } else { Class::Mixed }
     }
 }
@@ -370,6 +392,7 @@ impl Mask {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::lattice::Boundary;
 
     /// Compares the classes of all cells of a domain of 41 x 31 places with the places in them, and returns how many places
     /// are inside.
@@ -433,6 +456,17 @@ mod tests {
         let pixels = [1, 0, 1, 1, 1, 1, 0, 0, 1].map(|pixel| pixel == 1);
         assert_eq!(check_classes(&Shape::mask(3, 3, &pixels).unwrap()), 6 * 64);
         assert_eq!(check_classes(&Shape::mask(0, 1, &[true]).unwrap()), 1);
+    }
+
+    #[test]
+    fn pixels_fill_a_domain_whatever_their_width() {
+        // Columns of 14, 14 and 13 places, rows of 16 and 15.
+        let domain = Domain::from_units(41, 31, Boundary::Periodic);
+        let pixels = [1, 0, 1, 0, 1, 1].map(|pixel| pixel == 1);
+        let shape = Shape::filling(&domain, 3, &pixels).unwrap();
+        assert_eq!(check_classes(&shape), (14 + 13) * 16 + (14 + 13) * 15);
+        let odd = Shape::filling(&domain, 4, &pixels).unwrap_err();
+        assert_eq!(odd.to_string(), "6 pixels are no rows of 4");
     }
 
     #[test]

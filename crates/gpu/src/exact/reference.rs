@@ -2,8 +2,8 @@
 //! Differences are reported, never repaired.
 
 use tilescope_core::{
-    Fate, Observer, Origin, Parameters, PatternHistory, Point, Run, SampleError, Stage, Unrecorded,
-    exact_recorded,
+    Fate, Observer, Origin, Parameters, PatternHistory, Point, Run, SampleError, Shape, Stage,
+    Unrecorded, exact_recorded,
 };
 
 use crate::cpu_reference::{RunDifference, in_list};

@@ -367,6 +367,7 @@ fn of_field(
         // No set is made, so that the seed and the count have no meaning.
         seed: 0,
         count: None,
+        exact: None,
     };
     let varying = recipe.ground()?.varying;
 

@@ -45,6 +45,9 @@ pub enum VaryingError {
         /// The largest possible quotient.
         limit: f64,
     },
+    /// Exact tiling is asked for with a radius that varies.
+    #[error("exact tiling has one radius everywhere; leave out what makes it vary, or the method")]
+    ExactRadius,
     /// Two radii are in the wrong order.
     #[error("the radii are {} to {}; the first must be above 0 and no more than the second", Number(.radii[0]), Number(.radii[1]))]
     Reversed {

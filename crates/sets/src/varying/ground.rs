@@ -93,6 +93,10 @@ impl VaryingRecipe {
         // A constant radius without pixels is one node.
         let nodes = match (frame.squares, radius) {
             (None, RadiusSource::Constant(radius)) => self.single(&frame, *radius)?,
+            // Exact tiling has R units in its radius, whatever the pixels of a mask.
+            (Some(_), RadiusSource::Constant(radius)) if self.exact.is_some() => {
+                self.single(&frame, *radius)?
+            }
             _ => self.nodes(&frame, radius)?,
         };
         let Nodes { domain, bits, .. } = nodes;
@@ -446,37 +450,55 @@ impl VaryingRecipe {
                     stated: Some(stated),
                 })
             }
-            Some(ShapeSource::Mask(image)) => masked(frame, bits, image.columns, image.inside()),
-            Some(ShapeSource::Dark { image, white }) => {
-                masked(frame, bits, image.columns, image.darker_than(*white))
+            Some(ShapeSource::Mask(image)) => {
+                self.masked(frame, domain, bits, image.columns, image.inside())
             }
+            Some(ShapeSource::Dark { image, white }) => self.masked(
+                frame,
+                domain,
+                bits,
+                image.columns,
+                image.darker_than(*white),
+            ),
         }
     }
-}
 
-/// Returns the shape of chosen pixels, which are the squares of the field, 2^bits units wide.
-fn masked(
-    frame: &Frame,
-    bits: u32,
-    columns: usize,
-    pixels: Vec<bool>,
-) -> Result<Shapes, VaryingError> {
-    let sampled = Shape::mask(bits, columns, &pixels)?;
-    // A certificate holds no pixels: their digest shows whether an image that is given has the same ones. With a mask
-    // there are always squares, so that the 1 is never used.
-    let stated = CertifiedShape::Mask {
-        digest: mask_digest(columns, &pixels),
-        pitch: frame.squares.map_or(1.0, |squares| squares.pitch),
-    };
-    Ok(Shapes {
-        sampled,
-        judged: JudgedShape::Mask {
-            pitch_bits: bits,
-            columns,
-            pixels,
-        },
-        stated: Some(stated),
-    })
+    /// Returns the shape of chosen pixels, which are the squares of the field: 2^`bits` units wide, but for exact tiling, whose
+    /// lattice has a fixed number of units in the radius, so that pixels need not be whole.
+    fn masked(
+        &self,
+        frame: &Frame,
+        domain: &Domain,
+        bits: u32,
+        columns: usize,
+        pixels: Vec<bool>,
+    ) -> Result<Shapes, VaryingError> {
+        let sampled = if self.exact.is_some() {
+            Shape::filling(domain, columns, &pixels)?
+        } else {
+            Shape::mask(bits, columns, &pixels)?
+        };
+        // A certificate holds no pixels: their digest shows whether an image that is given has the same ones. With a mask
+        // there are always squares, so that the 1 is never used.
+        let stated = CertifiedShape::Mask {
+            digest: mask_digest(columns, &pixels),
+            pitch: frame.squares.map_or(1.0, |squares| squares.pitch),
+        };
+        let judged = if self.exact.is_some() {
+            JudgedShape::Filling { columns, pixels }
+        } else {
+            JudgedShape::Mask {
+                pitch_bits: bits,
+                columns,
+                pixels,
+            }
+        };
+        Ok(Shapes {
+            sampled,
+            judged,
+            stated: Some(stated),
+        })
+    }
 }
 
 /// Checks that so many columns and rows of pixels are squares in a domain of this width and height.

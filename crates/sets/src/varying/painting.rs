@@ -336,6 +336,7 @@ mod tests {
             boundary: Boundary::Bounded,
             seed: 1,
             count: None,
+            exact: None,
         }
     }
 

@@ -208,6 +208,7 @@ impl StippleRecipe {
             boundary: Boundary::Bounded,
             seed: self.seed,
             count: None,
+            exact: None,
         }
     }
 

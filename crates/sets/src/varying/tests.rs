@@ -27,6 +27,7 @@ fn recipe(radius: RadiusSource) -> VaryingRecipe {
         boundary: Boundary::Bounded,
         seed: 3,
         count: None,
+        exact: None,
     }
 }
 
@@ -512,4 +513,63 @@ fn rings_are_checked_as_those_of_a_file() {
     let crossed = vec![square[0], square[2], square[1], square[3]];
     let refusal = PlanarPolygon::from_rings("a ring", vec![crossed]).unwrap_err();
     assert!(refusal.to_string().contains("cross"), "{refusal}");
+}
+
+/// Blocks of exact tiling with a small pattern.
+fn blocks() -> ExactBlocks {
+    ExactBlocks {
+        leaf: 10.0,
+        dihedral: true,
+        pattern: PatternSpec {
+            side: 40.0,
+            ..PatternSpec::default()
+        },
+    }
+}
+
+#[test]
+fn shapes_are_tiled_exactly_and_judged_as_others() {
+    for (shape, radius, unexact) in [(park(), 0.6, "trees"), (disk(0.4), 0.013, "mask")] {
+        let is_mask = unexact == "mask";
+        let given = || GivenGround {
+            radius: GivenRadius::Nothing,
+            shape: is_mask.then(|| disk(0.4)),
+        };
+        let by_darts = VaryingRecipe {
+            shape: Some(shape),
+            ..recipe(RadiusSource::Constant(radius))
+        };
+        let tiled = VaryingRecipe {
+            exact: Some(blocks()),
+            ..by_darts.clone()
+        };
+        let made_exactly = made(&tiled);
+        assert_eq!(made_exactly.facts.method, "exact");
+        assert!(made_exactly.set.len() > 1_000, "{unexact}");
+        assert!(made_exactly.set.points != made(&by_darts).set.points);
+        assert!(judged(&made_exactly, JudgeChoice::Automatic).valid());
+        let check = checked(&made_exactly, given(), |data| data).expect("a check");
+        assert!(check.passed(), "{unexact}: {:?}", check.differences);
+
+        // Control: one sample less.
+        let fewer = |data: String| {
+            let mut lines: Vec<&str> = data.lines().collect();
+            lines.remove(500);
+            lines.join("\n") + "\n"
+        };
+        let check = checked(&made_exactly, given(), fewer).expect("a check");
+        assert!(!check.passed() && check.report.gaps > 0);
+
+        let counted = VaryingRecipe {
+            count: Some(2_000),
+            ..tiled
+        };
+        assert!(made(&counted).set.len().abs_diff(2_000) <= 20);
+    }
+
+    let ramp = VaryingRecipe {
+        exact: Some(blocks()),
+        ..recipe(expression("0.01 + 0.04*x"))
+    };
+    assert!(message(&ramp).contains("one radius everywhere"));
 }

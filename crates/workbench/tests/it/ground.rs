@@ -519,6 +519,7 @@ fn of_command(image: &[u8], radius: f64, seed: u64) -> VaryingRecipe {
         boundary: Boundary::Bounded,
         seed,
         count: None,
+        exact: None,
     }
 }
 

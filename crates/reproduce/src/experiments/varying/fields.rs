@@ -69,6 +69,7 @@ impl Written {
             // The field depends on no seed.
             seed: 0,
             count: None,
+            exact: None,
         };
         Ok(recipe.ground()?)
     }
