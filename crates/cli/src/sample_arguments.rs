@@ -45,7 +45,7 @@ pub struct SampleArguments {
     pub window: Option<Vec<f64>>,
     /// KDRT; exact tiling, which has no bias at seams; or the reference sampler, which makes a maximal set from scratch and,
     /// of the arguments above, uses only radius or count, sides, boundary and seed. If not given KDRT, and the reference sampler
-    /// for a radius that varies, for shapes and for sets in space
+    /// for a radius that varies, for sets in space and for shapes, which are also tiled exactly
     #[arg(long, value_enum)]
     pub method: Option<SamplingMethod>,
     /// Save the set, validated, with a certificate beside it; the extension gives the format.

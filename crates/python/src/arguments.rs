@@ -10,10 +10,12 @@ use serde_json::{Value, json};
 use tilescope_analysis::{JudgeChoice, PrefixClaim, Region, VerifyOptions};
 use tilescope_core::{
     MAXIMAL_DENSITY, NOT_OF_EXACT, NestedRequest, Parameter, ParameterError, ParameterKind,
-    Parameters, Pattern, Search, WithinLevel, radius_estimate,
+    Parameters, Pattern, PatternSpec, Search, WithinLevel, radius_estimate,
 };
 use tilescope_formats::{Format, Overrides, VaryingDomain, positions_digest};
-use tilescope_sets::{GivenPattern, KnownDomain, Recipe, Stated, exact_pattern, stated};
+use tilescope_sets::{
+    ExactBlocks, GivenPattern, KnownDomain, Recipe, Stated, exact_pattern, stated,
+};
 
 use crate::arrays::rows;
 use crate::failure::Failure;
@@ -430,6 +432,25 @@ impl RunRequest {
 impl RunRequest {
     /// Returns the recipe for exact tiling, and refuses by their names the arguments that it has no use for.
     pub fn exact_recipe(&self) -> PyResult<Recipe> {
+        // With a count the radius is an estimate, which is near enough to choose the pattern by.
+        let domain = (self.recipe.parameters.validate()).map_err(Failure::from)?;
+        let samples = domain.area_radii() * MAXIMAL_DENSITY;
+        let mut recipe = self.recipe.clone();
+        recipe.parameters.pattern = self.exact_pattern(samples)?;
+        Ok(recipe)
+    }
+
+    /// Returns the blocks of an exact tiling of about so many samples, and refuses by their names the arguments that it has no use
+    /// for.
+    pub fn exact_blocks(&self, samples: f64) -> PyResult<ExactBlocks> {
+        Ok(ExactBlocks {
+            pattern: self.exact_pattern(samples)?,
+            ..ExactBlocks::from(&self.recipe.parameters)
+        })
+    }
+
+    /// Returns the pattern of exact tiling for about so many samples. Refuses arguments that exact tiling has no use for.
+    fn exact_pattern(&self, samples: f64) -> PyResult<PatternSpec> {
         let asked = &self.recipe.parameters;
         if self.recipe.pattern.is_some() {
             let text = "pattern is given with method 'exact': a set does not say in which order its samples arrived";
@@ -446,12 +467,7 @@ impl RunRequest {
             )));
         }
 
-        // With a count the radius is an estimate, which is near enough to choose the pattern by.
-        let domain = asked.validate().map_err(Failure::from)?;
-        let samples = domain.area_radii() * MAXIMAL_DENSITY;
-        let mut recipe = self.recipe.clone();
-        recipe.parameters.pattern = exact_pattern(asked, &self.given, samples);
-        Ok(recipe)
+        Ok(exact_pattern(asked, &self.given, samples))
     }
 
     /// Returns every parameter by its name, with the radius of the run, those of levels among the others.

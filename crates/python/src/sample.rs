@@ -179,7 +179,8 @@ fn kdrt(request: &RunRequest, engine: RunEngine, watch: &TaskWatch) -> Result<Ma
     })
 }
 
-/// Makes a set whose radius varies, or that covers a shape. Returns also what it is judged in.
+/// Makes a set whose radius varies, or that covers a shape. Returns also what it is judged in. With `blocks`, of which the leaf, the
+/// pattern and the variation are taken, exact tiling makes it, and otherwise the reference sampler.
 #[pyfunction]
 pub fn sample_field<'py>(
     py: Python<'py>,
@@ -187,6 +188,7 @@ pub fn sample_field<'py>(
     field: FieldArgument<'py>,
     count: Option<&Bound<'py, PyAny>>,
     seed: &Bound<'py, PyAny>,
+    blocks: Option<PyRef<'py, RunRequest>>,
     progress: Option<Py<PyAny>>,
 ) -> PyResult<(PythonSet<'py>, Ground)> {
     // The domain, count and seed alone: `field` adds radius and shape.
@@ -200,7 +202,15 @@ pub fn sample_field<'py>(
         return Err(PyValueError::new_err(text));
     }
 
-    let recipe = field.recipe(like)?;
+    let mut recipe = field.recipe(like)?;
+    if let Some(blocks) = blocks {
+        // The pattern's size follows from the number of samples, about which the area of the whole domain says enough.
+        let samples = match recipe.count {
+            Some(count) => count as f64,
+            None => recipe.expected_samples().map_err(Failure::from)?,
+        };
+        recipe.exact = Some(blocks.exact_blocks(samples)?);
+    }
     // The recipe itself asks for memory, since it finds the radius.
     let (made, recipe) = run(py, progress, |watch| {
         Ok(recipe.make_settled(&mut watch.observer())?)

@@ -256,6 +256,10 @@ REFUSED = [
     ({"count": 9, "density": [[1, -2]]}, "the density is -2 in column 1 of row 0"),
     ({"radius": ramp, "method": "kdrt"}, "method is given with radius, which needs the reference sampler"),
     ({"radius": ramp, "leaf": 20}, "leaf is given with radius"),
+    ({"radius": ramp, "method": "exact"}, "method is given with radius"),
+    ({"radius": 0.1, "shape": PARK, "leaf": 20}, "leaf is given with shape"),
+    ({"radius": 0.1, "shape": PARK, "method": "exact", "order": "random"}, "order is given with shape"),
+    ({"radius": 0.1, "shape": PARK, "method": "exact", "leaf": 2}, "the leaf is 2"),
     ({"radius": 0.1, "mask": island(), "levels": 2}, "levels is given with mask"),
     ({"radius": 0.1, "shape": PARK, "engine": "parallel"}, "engine is given with shape"),
     ({"radius": 0.1, "extent": (0, 0, 1, 1), "width": 2}, "extent is given with width, height or origin"),
@@ -264,6 +268,20 @@ REFUSED = [
     ({"radius": 0.01, "shape": {"type": "Point", "coordinates": [1, 2]}}, "shape: GeoJSON Point has no area"),
     ({"radius": 0.01, "shape": '{"type": "Polygon", "coordinates": [[[8, 47], [9, 47], [8, 48]]]}'}, "planar=True takes them"),
 ]  # fmt: skip
+
+
+@pytest.mark.parametrize("shape", [{"shape": PARK}, {"mask": island()}], ids=["polygon", "mask"])
+def test_shapes_are_tiled_exactly(shape):
+    radius = 0.02 if "mask" in shape else 1
+    blocks = {"method": "exact", "leaf": 8, "pattern_side": 40}
+    tiled = tilescope.sample(radius=radius, **shape, **blocks)
+    assert tiled.verify().valid and tiled.method == "exact"
+    assert tiled.parameters["leaf"] == 8 and tiled.parameters["pattern"]["side"] == 40
+    thrown = tilescope.sample(radius=radius, **shape)
+    assert thrown.method == "reference" and not np.array_equal(tiled.points, thrown.points)
+    # Control: one sample less. Positions in an array are at the shape's coordinates.
+    corner = (X0, Y0) if "shape" in shape else (0, 0)
+    assert not tilescope.verify(tiled.points[1:] + corner, radius, **shape).valid
 
 
 @pytest.mark.parametrize(("arguments", "text"), REFUSED, ids=[text for _, text in REFUSED])

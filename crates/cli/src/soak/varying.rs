@@ -1,20 +1,21 @@
-//! Rounds of sets in random fields and shapes: the set, the same set recorded, and the verdict by subdivision. Ranges are
-//! chosen, not measured, where no reason stands beside them.
+//! Rounds of sets in random fields and shapes: the set, the same set recorded, and the verdict by subdivision. A shape of one
+//! radius is tiled exactly, too, by both engines. Ranges are chosen, not measured, where no reason stands beside them.
 
 use std::f64::consts::TAU;
 use std::sync::Arc;
 
 use anyhow::Result;
-use tilescope_analysis::VerifyOptions;
+use tilescope_analysis::{Report, VerifyOptions};
 use tilescope_core::{
-    Boundary, Locality, MIN_SIDE_RADII_PERIODIC, Parameters, Unobserved, Unrecorded,
-    varying_recorded,
+    Boundary, Locality, MIN_SIDE_RADII_PERIODIC, Parameters, PatternHistory, Unobserved,
+    Unrecorded, exact_in_shape, varying_recorded,
 };
 use tilescope_sets::{
-    Expression, GrayImage, PlanarPolygon, RadiusSource, ShapeSource, VaryingError, VaryingRecipe,
+    ExactBlocks, Expression, GrayImage, PlanarPolygon, RadiusSource, ShapeSource, VaryingError,
+    VaryingRecipe,
 };
 
-use super::{Dice, Feature, Tally, faults_of};
+use super::{Dice, Feature, Tally, faults_of, pattern};
 use crate::interrupt;
 
 /// The smallest and the largest area of a round in squares of the largest radius; where radii differ there are up to hundreds of
@@ -44,6 +45,12 @@ const CORNERS: [f64; 2] = [3.0, 40.0];
 const OF_FIELD: u32 = 100_000;
 const OF_MASK: u32 = 200_000;
 const OF_CORNERS: u32 = 300_000;
+
+/// The index of the draw of a leaf.
+const OF_BLOCKS: u32 = 400_000;
+
+/// The shortest edge of the blocks of exact tilings.
+const LEAVES: [f64; 2] = [6.0, 30.0];
 
 /// Makes a round of the seed that was drawn. The set depends on no other of the `parameters`: size, radius and boundary
 /// are drawn here. Faults are reported with `command`.
@@ -77,10 +84,24 @@ pub fn round(
     let run = varying_recorded(&locality, parameters, &mut Unobserved, &mut Unrecorded)?;
     let recorded_agrees = domain.users_from_lattice(&run.points()) == made.set.points;
 
-    let report = made.judge(options, &|_| interrupt::flow())?;
+    let mut report = made.judge(options, &|_| interrupt::flow())?;
+    let mut engines_agree = true;
+    if drawn.shape.is_some() && matches!(drawn.radius, RadiusSource::Constant(_)) {
+        let tiled = tiled_exactly(&drawn, dice, options)?;
+        engines_agree = tiled.engines_agree;
+        report.count += tiled.report.count;
+        report.conflicts += tiled.report.conflicts;
+        report.gaps += tiled.report.gaps;
+    }
+
+    let is_valid = report.conflicts == 0 && report.gaps == 0;
     let checks = [
         (recorded_agrees, "the recorded set differs: "),
-        (report.valid(), "not valid: "),
+        (
+            engines_agree,
+            "exact tiling of the shape on all threads differs: ",
+        ),
+        (is_valid, "not valid: "),
     ];
     let faults = faults_of(&checks);
     Ok(Tally {
@@ -88,12 +109,59 @@ pub fn round(
         samples: report.count as u64,
         conflicts: report.conflicts,
         gaps: report.gaps,
-        unequal: u64::from(!recorded_agrees),
+        unequal: u64::from(!(recorded_agrees && engines_agree)),
         commands: (!faults.is_empty())
             .then(|| faults + command)
             .into_iter()
             .collect(),
         ..Tally::default()
+    })
+}
+
+/// A shape that was tiled exactly.
+struct ExactShape {
+    /// Whether the engine of all threads made what the sequential one made.
+    engines_agree: bool,
+    report: Report,
+}
+
+/// Tiles the shape of a round exactly, by both engines. The radius is the same everywhere.
+fn tiled_exactly(
+    drawn: &VaryingRecipe,
+    dice: &Dice,
+    options: &VerifyOptions,
+) -> Result<ExactShape> {
+    let leaf = dice.scale(OF_BLOCKS, LEAVES);
+    let pattern = pattern(dice, leaf, drawn.seed);
+    let blocks = ExactBlocks {
+        leaf,
+        pattern,
+        dihedral: dice.has(Feature::Dihedral),
+    };
+    let recipe = VaryingRecipe {
+        exact: Some(blocks),
+        ..drawn.clone()
+    };
+    let made = recipe.make(&mut Unobserved)?;
+
+    let ground = recipe.ground()?;
+    let [width, height] = ground.field.domain().size();
+    let parameters = Parameters {
+        width,
+        height,
+        radius: made.facts.radius,
+        boundary: drawn.boundary,
+        seed: drawn.seed,
+        leaf,
+        pattern,
+        dihedral: blocks.dihedral,
+        ..Parameters::default()
+    };
+    let history = PatternHistory::of_spec(&pattern, &mut Unobserved)?;
+    let run = exact_in_shape(&parameters, &history, &ground.shape, &mut Unobserved)?;
+    Ok(ExactShape {
+        engines_agree: run.positions() == made.set.points,
+        report: made.judge(options, &|_| interrupt::flow())?,
     })
 }
 

@@ -243,8 +243,8 @@ def sample(
         Where files are to hold the lower corner of the domain, for sets at map coordinates. It does not change
         :attr:`PointSet.points`; :meth:`PointSet.save` adds it to what it writes. Shapes and functions are in these coordinates.
     method : {'kdrt', 'exact', 'reference'}, optional
-        If not given, tiling, and dart throwing for a radius that varies and for shapes, which allow nothing else.
-        Randomized tiling; exact tiling; or dart throwing (Ebeida et al. 2012), which uses only radius or
+        If not given, tiling, and dart throwing for a radius that varies, which allows nothing else, and for shapes, which
+        allow also exact tiling. Randomized tiling; exact tiling; or dart throwing (Ebeida et al. 2012), which uses only radius or
         count, sides, boundary and seed. Exact tiling clips all darts with their arrival order, so that seams
         have no bias: sets are distributed as those by dart throwing, but for the pattern that all blocks
         share. The mean of many sets is as good as the samples of all their patterns allow. So the
@@ -316,14 +316,27 @@ def sample(
     at = None if origin is None else place("origin", origin)
     field = field_of(radius, radius_expression, density, mask, shape, planar)
     if field is not None:
-        _refuse_tiling(
-            field.name, method=method, leaf=leaf, pattern_side=pattern_side, pattern_boundary=pattern_boundary,
-            pattern_seed=pattern_seed, pattern=pattern, dihedral=dihedral, order=order, insertion=insertion, search=search,
-            variant=variant, levels=levels, exactly=exactly, order_within=order_within, engine=engine,
-        )  # fmt: skip
+        blocks = {
+            "leaf": leaf, "pattern_side": pattern_side, "pattern_boundary": pattern_boundary, "pattern_seed": pattern_seed,
+            "dihedral": dihedral,
+        }  # fmt: skip
+        others = {
+            "pattern": pattern, "order": order, "insertion": insertion, "search": search, "variant": variant, "levels": levels,
+            "exactly": exactly, "order_within": order_within, "engine": engine,
+        }  # fmt: skip
+        request = None
+        # A pattern has one radius, so that exact tiling covers shapes alone.
+        if method == "exact" and field.has_one_radius:
+            _refuse_tiling(field.name, **others)
+            # Blocks and patterns have their lengths in radii, so that any radius serves to check them.
+            request = _request(
+                count=None, radius=0.01, seed=seed, **blocks, pattern=None, levels=None, exactly=None, order_within=order_within
+            )
+        else:
+            _refuse_tiling(field.name, method=method, **blocks, **others)
         given = _Given(None, width, height, boundary, at)
         with following(progress) as told:
-            return PointSet._made(*_tilescope.sample_field(given, field, count, seed, told))
+            return PointSet._made(*_tilescope.sample_field(given, field, count, seed, request, told))
     method = "kdrt" if method is None else method
     width, height = 1.0 if width is None else width, 1.0 if height is None else height
     boundary = "periodic" if boundary is None else boundary

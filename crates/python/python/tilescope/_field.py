@@ -78,6 +78,11 @@ class Field:
         """The first argument of a field or a shape that is given."""
         return self._names()[0]
 
+    @property
+    def has_one_radius(self) -> bool:
+        """Whether nothing makes the radius vary, so that there is a shape or a mask alone."""
+        return self.name in ("mask", "shape")
+
 
 def is_array(value: object) -> bool:
     """Returns whether a value is an array or a list, rather than one number."""

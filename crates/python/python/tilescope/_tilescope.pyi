@@ -127,7 +127,12 @@ def read_file_in_space(
 def recorded_numbers(set: PointSet, progress: ProgressFunction | None) -> npt.NDArray[np.uint32]: ...
 def sample(request: RunRequest, method: str, engine: str, progress: ProgressFunction | None) -> MadeSet: ...
 def sample_field(
-    given: _Given, field: Field, count: SupportsIndex | None, seed: SupportsIndex, progress: ProgressFunction | None
+    given: _Given,
+    field: Field,
+    count: SupportsIndex | None,
+    seed: SupportsIndex,
+    blocks: RunRequest | None,
+    progress: ProgressFunction | None,
 ) -> tuple[MadeSet, Ground]: ...
 def save(
     set: PointSet,
