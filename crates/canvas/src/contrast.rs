@@ -12,7 +12,8 @@ const MAX_INK: f32 = 0.25;
 const WIDTH: f32 = 1.5;
 
 /// Marks the samples that only one of the two runs has: by a whole square where only this run has one, by four corners where only the
-/// other run has one. `crowded` says that samples are drawn as points. Returns a remark if there are too many to mark.
+/// other run has one. Instead returns a remark if such samples are in view and are `crowded`, which means drawn as
+/// points, or too many to mark.
 pub fn paint(painter: &Painter, scene: &Scene<'_>, crowded: bool) -> Option<String> {
     let contrast = scene.subject.contrast?;
     // Before tiling neither run has samples.

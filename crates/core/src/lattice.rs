@@ -530,13 +530,13 @@ impl Domain {
         if axis == 0 { max.x } else { max.y }
     }
 
-    /// Returns the lattice point nearest to a finite position in user units, wrapped or clamped into the domain;
-    /// positions should lie in it, or at most a side outside. Positions made by [`Self::user_from_lattice`] return to
-    /// their own lattice point.
+    /// Returns the lattice point nearest to a finite position in user units, wrapped or clamped into the domain.
+    /// Positions should lie in it or at most three radii outside: those farther away are not wrapped rightly in the
+    /// longest periodic domains. Positions made by [`Self::user_from_lattice`] return to their own lattice point.
     #[must_use]
     pub fn lattice_from_user(&self, position: [f64; 2]) -> Point {
         let axis = |value: f64, side: f64, total: i32| {
-            // Positions that are no coordinates of 32 bits are cut off.
+            // Positions beyond coordinates of 32 bits are moved to the nearest such coordinate.
             let limit = f64::from(i32::MAX);
             let units = (value / side * f64::from(total))
                 .round()

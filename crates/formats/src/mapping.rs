@@ -201,6 +201,7 @@ pub(crate) fn check_origin(
         return Err(FormatError::OriginOfTorus { format });
     }
 
+    // Some formats have one precision only, whichever is asked for.
     let precision = format.precision(precision);
     let corners = [origin, (DVec2::from(origin) + extent(region)).into()];
     // `max` below would pass over NaN.

@@ -149,7 +149,7 @@ pub async fn on_gpu(
 
     let recipe = recipe.clone();
     let parameters = &recipe.parameters;
-    // The CPU's engine refuses an own pattern with exact tiling, and the GPU's has no use for it either.
+    // An own pattern with exact tiling is refused, as on the CPU: the GPU would make the pattern of the parameters.
     recipe.check().map_err(SampleError::from)?;
 
     // Patterns are made in tasks, which run in workers on a page, so that the window's thread stays free.

@@ -229,6 +229,7 @@ impl AsPrinted {
         for (k, m) in others.iter().enumerate() {
             for n in &others[k + 1..] {
                 if let Some(centre) = circumcentre(m.offset.as_i64vec2(), n.offset.as_i64vec2()) {
+                    // Each of the three may find the place as the pivot, and names it alike.
                     let mut ids = [pivot, m.id, n.id];
                     ids.sort_unstable();
                     let sites = Sites::Three(ids);

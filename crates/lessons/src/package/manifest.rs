@@ -22,7 +22,7 @@ pub struct Description {
     pub mastery: Option<f64>,
 }
 
-/// Returns the manifest of a package, by its name there. `files` are the paths of all other files.
+/// Returns the name that the manifest has in a package, and its bytes. `files` are the paths of all other files.
 ///
 /// # Errors
 ///

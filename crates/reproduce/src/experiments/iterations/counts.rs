@@ -129,7 +129,8 @@ pub fn inserted(found: &[IterationCounts], cases: &[InsertionCase]) -> Result<Pi
             .map(|one| inserted_in(&one.summary, k) as f64)
             .collect();
 
-        let mean = counts.iter().sum::<f64>() / counts.len().max(1) as f64;
+        // A case without sets has no mean and no extremes: the chart refuses such a bar.
+        let mean = counts.iter().sum::<f64>() / counts.len() as f64;
         let whisker = ends(counts.into_iter());
         let [least, most] = whisker.map(|count| drawn_count(count as usize));
 

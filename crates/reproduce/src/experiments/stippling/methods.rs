@@ -235,7 +235,8 @@ fn diffused(dark: &Darkness, dots: usize) -> Vec<[f64; 2]> {
         .collect()
 }
 
-/// Returns the cells that are black after error diffusion, with the weights of Floyd and Steinberg.
+/// Returns the cells that are black after error diffusion, with the weights of Floyd and Steinberg. Each tone is
+/// multiplied by `factor` before.
 fn black_cells(tones: &[f64], columns: usize, factor: f64) -> Vec<usize> {
     let mut left: Vec<f64> = tones.iter().map(|tone| tone * factor).collect();
     let mut black = Vec::new();
@@ -247,10 +248,11 @@ fn black_cells(tones: &[f64], columns: usize, factor: f64) -> Vec<usize> {
         }
 
         let (is_first, is_last) = (index % columns == 0, (index + 1) % columns == 0);
-        // What would go beyond a border is lost.
+        // The next cell of the row and three of the row below. Beyond the ends of a row, where no receiver exists, and
+        // below the last row, where no cell is found, the error is lost.
         let receivers = [
             (!is_last, 1, 7.0),
-            (!is_first, columns.saturating_sub(1), 3.0),
+            (!is_first, columns - 1, 3.0),
             (true, columns, 5.0),
             (!is_last, columns + 1, 1.0),
         ];
