@@ -518,13 +518,13 @@ fn common_command(p: &Parameters) -> String {
         pattern,
         ..
     } = p;
-    // Options take the names that JSON has.
+    // Options take the names that JSON has, which are texts.
     let names = json!([p.boundary, pattern.boundary]);
-    let [boundary, ends] = [0, 1].map(|k| names[k].as_str().unwrap_or(""));
+    let [boundary, of_pattern] = [0, 1].map(|k| names[k].as_str().unwrap_or_default());
     let dihedral = if p.dihedral { " --dihedral" } else { "" };
     format!(
         "tilescope sample --radius {radius} --width {width} --height {height} --boundary {boundary} \
-         --seed {seed} --leaf {leaf} --pattern-side {} --pattern-boundary {ends} --pattern-seed {}{dihedral}",
+         --seed {seed} --leaf {leaf} --pattern-side {} --pattern-boundary {of_pattern} --pattern-seed {}{dihedral}",
         pattern.side, pattern.seed
     )
 }

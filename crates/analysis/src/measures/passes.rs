@@ -152,7 +152,7 @@ impl TransformPlan {
         }
     }
 
-    /// Transforms along x at each row of the window and divides the kernel out.
+    /// Transforms the lines of [`Self::along_y`] along x at each row of the window, and divides the kernel out.
     pub(super) fn along_x(
         &self,
         half: &[ComplexParts],
@@ -167,6 +167,7 @@ impl TransformPlan {
             || Scratch::new(&fft, axis.size * TOGETHER),
             |scratch, (block, out)| {
                 self.block_along_x(half, block, &factors, scratch, &fft, out);
+                // Progress counts the values of the grid in the rows of this block.
                 monitor.advance((axis.size * out.len() / columns) as u64)
             },
         )?;

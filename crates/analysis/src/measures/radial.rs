@@ -171,7 +171,7 @@ struct AnnulusSums {
     /// The mean of their powers.
     mean: f64,
     /// The sum of the squared deviations from that mean.
-    squares: f64,
+    spread: f64,
 }
 
 impl AnnulusSums {
@@ -180,7 +180,7 @@ impl AnnulusSums {
         self.length += length;
         let before = power - self.mean;
         self.mean += before / self.count as f64;
-        self.squares += before * (power - self.mean);
+        self.spread += before * (power - self.mean);
     }
 
     /// Adds the sums of other frequencies, after Chan et al. 1979.
@@ -190,7 +190,7 @@ impl AnnulusSums {
             return;
         }
         let (between, share) = (other.mean - self.mean, other.count as f64 / count as f64);
-        self.squares += other.squares + between * between * share * self.count as f64;
+        self.spread += other.spread + between * between * share * self.count as f64;
         self.mean += between * share;
         self.length += other.length;
         self.count = count;
@@ -198,7 +198,7 @@ impl AnnulusSums {
 
     /// Returns the annulus; none without a frequency. Of a single one the anisotropy is NaN.
     fn annulus(&self) -> Option<Annulus> {
-        let variance = self.squares / (self.count.checked_sub(1)?) as f64;
+        let variance = self.spread / (self.count.checked_sub(1)?) as f64;
         let ratio = variance / (self.mean * self.mean);
         Some(Annulus {
             frequency: self.length / self.count as f64,
@@ -363,7 +363,7 @@ impl ProfileSums<'_> {
                 length,
                 mean,
                 // Of equal powers it is 0 but for rounding, which may be negative.
-                squares: (squares - sum * mean).max(0.0),
+                spread: (squares - sum * mean).max(0.0),
             };
             sums.annulus()
         };

@@ -299,8 +299,9 @@ impl Bands {
 
     /// Drops the rows that are no longer needed.
     fn drop_rows(&mut self, search: &StreamSearch) {
+        // No postponed tile wants rows below zero: `postpone` has refused it.
         let wanted = (self.postponed.iter())
-            .map(|visit| visit.wants.start.max(0) as usize)
+            .map(|visit| visit.wants.start as usize)
             .fold(self.closed.saturating_sub(BELOW), usize::min);
         // Rows below `keep` are dropped already, so that it never falls.
         self.keep = self.keep.max(wanted);

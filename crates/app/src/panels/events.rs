@@ -162,8 +162,8 @@ fn list(
 ) {
     // The cursor is the number of events that have happened. Events are counted from 0, so that the last one is one less.
     let last = debugger.state().cursor().checked_sub(1);
-    let rows = context.run.rows.as_ref();
-    let count = found.map_or_else(|| rows.map_or(0, OutlineRows::len), <[usize]>::len);
+    let tree = context.run.rows.as_ref();
+    let count = found.map_or_else(|| tree.map_or(0, OutlineRows::len), <[usize]>::len);
 
     let line = |row: usize| match found {
         Some(events) => Some(EventRow {
@@ -171,7 +171,7 @@ fn list(
             level: 0,
             expanded: None,
         }),
-        None => rows?.row(row).map(|row| EventRow {
+        None => tree?.row(row).map(|row| EventRow {
             event: row.event,
             level: row.level,
             expanded: row.has_children.then_some(row.expanded),

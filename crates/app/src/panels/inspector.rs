@@ -101,7 +101,7 @@ fn history(ui: &mut Ui, context: &PanelContext<'_>, commands: &mut Vec<Command>)
     why(ui, debugger, cursor, palette, commands);
 }
 
-/// Shows the chain of causes of the last event.
+/// Shows the last event and, below it, the chain of its causes. Shows nothing before the first event.
 fn why(
     ui: &mut Ui,
     debugger: &Debugger,

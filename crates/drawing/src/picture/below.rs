@@ -125,6 +125,7 @@ impl Below {
                 meaning,
                 at: place,
             } = entry;
+            // The place of an entry is at its left edge and in the middle of its line's height.
             let (left, symbol_width) = (start + *place, SYMBOL_WIDTH * legend_size * DVec2::X);
             let middle = left + 0.5 * symbol_width;
             // Symbols are made for the size of the window's letters.
