@@ -31,7 +31,7 @@ pub fn sample(
     let stipple = outcome.map_err(of_ground)?;
 
     let Stipple {
-        made: arrived,
+        made: set_made,
         black,
         ground: Ground { field, shape, .. },
         ..
@@ -39,10 +39,10 @@ pub fn sample(
     let became = MadeStipple {
         black,
         // A set that is not the beginning of a larger one has all dots that were asked for.
-        made: arrived.facts.made.unwrap_or(request.dots),
+        made: set_made.facts.made.unwrap_or(request.dots),
     };
     let domain = *field.domain();
-    let places = arrived.set.points.iter();
+    let places = set_made.set.points.iter();
     let dots = places.map(|&at| domain.lattice_from_user(at)).collect();
     // A run's own parameters have the radius that is r in its lattice.
     let own = Parameters {

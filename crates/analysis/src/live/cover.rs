@@ -418,14 +418,15 @@ impl LiveCover {
     }
 
     /// Finds the sample, or the copy of one, that is nearest to a vertex of the cell, if it is nearer than the cell's
-    /// own, which is at `place`. Returns the counted steps, and the offset of that sample from the cell's own with its slot.
+    /// own, which is at `place`. Returns the counted steps, and the offset of that sample from the cell's own with its
+    /// slot.
     fn nearer(&self, place: [i32; 2], index: usize) -> (u64, Option<([i64; 2], u32)>) {
         let at = self.cell.vertices[index].at;
         let size = self.plane.size.map(i64::from);
         let center = DVec2::from(place.map(f64::from)) + at;
         let mut found = None;
-        // The search goes beyond the circle by more than rounding takes from its square: whether a sample on the circle is
-        // within is decided exactly below.
+        // The search goes beyond the circle by more than its square is rounded: whether a sample on the circle is within is
+        // decided exactly below.
         let first_square = at.length_squared() * (1.0 + 1e-12);
 
         let steps = self

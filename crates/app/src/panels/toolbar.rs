@@ -53,6 +53,7 @@ pub fn show(ui: &mut Ui, state: &State, commands: &mut Vec<Command>) {
             .filter(|_| room >= ROOM_FOR_RUN)
         {
             let parameters = &session.run().parameters;
+            // In a combination the pieces take the place of blocks.
             let made = match (&session.combination, &session.nested) {
                 (Some(_), _) => counted(session.summary.blocks, "piece", "pieces"),
                 (None, Some(nested)) => counted(nested.claims.len(), "level", "levels"),

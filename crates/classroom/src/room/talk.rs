@@ -434,6 +434,7 @@ impl Classroom {
 
         self.talks.record = kept.record;
 
+        // A lesson that was changed meanwhile may lack the step, and then stays where it is.
         if let Some(index) = self.lessons.step_named(&kept.step) {
             let name = self
                 .lessons

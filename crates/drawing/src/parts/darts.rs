@@ -54,7 +54,7 @@ pub fn draw(scene: &Scene<'_>, surface: &mut impl Surface) {
     }
 }
 
-/// Draws the cells that throw darts at a level.
+/// Draws the cells that throw darts at a level. Levels are the iterations of exact tiling.
 fn cells(scene: &Scene<'_>, surface: &mut impl Surface, level: u32) {
     let Some(iteration) = scene.session.iteration(level) else {
         return;

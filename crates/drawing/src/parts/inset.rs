@@ -174,6 +174,7 @@ fn draw_copied(
         if scene.shown.standing(id) == Standing::Absent {
             continue;
         }
+        // Origins in a run without a pattern are placeholders.
         let Some(point) = positions.get(pattern as usize) else {
             continue;
         };

@@ -261,7 +261,8 @@ pub(crate) fn begin(throw: Throw, own: u32) -> Vec<Command> {
     commands
 }
 
-/// Records that the cells marked last are cut, and that all cells that have not thrown in this throw do so.
+/// Records that the cells marked last are cut, and that all cells that have not thrown in this throw do so. The last
+/// preparation gets `flags`, beside that for linked darts.
 fn thrown(throw: Throw, flags: u32) -> Vec<Command> {
     let Throw { side_bits, key, .. } = throw;
     // Only samples of earlier throws leave a cell out, since those of this one may still be lost.

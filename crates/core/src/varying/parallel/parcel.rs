@@ -251,6 +251,7 @@ impl Parcel {
             for dart in &drawn.darts {
                 let part = &parts[usize::from(dart.part)];
                 let family = &self.families[part.family as usize];
+                // A base cell may reach beyond the domain.
                 if !rect.contains(dart.at) {
                     continue;
                 }
