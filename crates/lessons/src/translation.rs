@@ -100,7 +100,8 @@ impl Translation {
         format!("({x} r{between} {y} r)")
     }
 
-    /// Adds a text and its translation; `line` is that of the quotation.
+    /// Adds a text and its translation; `line` is that of the quotation. Fails if the translation is empty or has other
+    /// expressions, and if the text has a translation already.
     fn put(
         &mut self,
         original: String,

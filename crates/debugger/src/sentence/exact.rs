@@ -18,6 +18,7 @@ impl Words<'_> {
                 let blocks = count(self.0.run().blocks.leaves.len() as u64, "block");
                 format!("{blocks} are about to be laid on the pattern")
             }
+            // `rest` says that the sample was never contested.
             RunEvent::Keep { sample, rest: true } => format!(
                 "{} arrives deep in its block, where it stays",
                 self.sample(sample)
@@ -45,7 +46,8 @@ impl Words<'_> {
                 self.sample(sample)
             ),
 
-            // Levels 0 and 1 arrive together, as iteration 1; from 2 on an iteration is a level.
+            // Levels 0 and 1 arrive together, as iteration 1; from 2 on an iteration is a level. Its event counts the active
+            // cells where that of other runs counts detectors.
             RunEvent::Iteration { number: 1, .. } => {
                 "levels 0 and 1 begin: samples and woken darts arrive in their order".to_owned()
             }
