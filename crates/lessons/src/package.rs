@@ -180,8 +180,8 @@ impl Package {
             source.text = part.into();
         }
 
-        // The lesson itself is in English. German is the only other language of packages; a lesson without a German text
-        // stays as it is.
+        // The lesson itself is in English. German is the only other language of packages; a lesson without a German
+        // text stays as it is.
         let translation = match (&*source.german, &*order.language) {
             ("", _) | (_, "en") => Translation::default(),
             (german, _) => Translation::read(german).map_err(PackageError::Translation)?,

@@ -425,8 +425,8 @@ impl LiveCover {
         let size = self.plane.size.map(i64::from);
         let center = DVec2::from(place.map(f64::from)) + at;
         let mut found = None;
-        // The search goes beyond the circle by more than its square is rounded: whether a sample on the circle is within is
-        // decided exactly below.
+        // The search goes beyond the circle by more than its square is rounded: whether a sample on the circle is
+        // within is decided exactly below.
         let first_square = at.length_squared() * (1.0 + 1e-12);
 
         let steps = self

@@ -192,8 +192,8 @@ fn wave(phase: f64, scale: f64) -> impl Iterator<Item = WavePair> {
     let turn = Complex::new(cos, sin);
 
     // Powers of one phase: after 1,024 of them, the most that are kept along an axis, they are off by less than 1e-12,
-    // where 32 bits leave 3e-8. Lanes go on side by side: one power after the other would take as long as a third of the
-    // change's products.
+    // where 32 bits leave 3e-8. Lanes go on side by side: one power after the other would take as long as a third of
+    // the change's products.
     let mut power = Complex::new(scale, 0.0);
     let mut first = [[0.0; LANES]; 2];
     let [cos, sin] = &mut first;

@@ -20,8 +20,8 @@ pub(super) fn most_reach(a: i32, b: i32) -> i32 {
 #[inline]
 pub(super) const fn is_near(squared: i64, a: i32, b: i32) -> bool {
     let (a, b) = (a as i64, b as i64);
-    // The reach is not below the smaller radius, and not above the arithmetic mean, rounded up. Few pairs are in between
-    // and need the division.
+    // The reach is not below the smaller radius, and not above the arithmetic mean, rounded up. Few pairs are in
+    // between and need the division.
     let smaller = if a < b { a } else { b };
     if squared <= smaller * smaller {
         return true;

@@ -46,8 +46,8 @@ impl Words<'_> {
                 self.sample(sample)
             ),
 
-            // Levels 0 and 1 arrive together, as iteration 1; from 2 on an iteration is a level. Its event counts the active
-            // cells where that of other runs counts detectors.
+            // Levels 0 and 1 arrive together, as iteration 1; from 2 on an iteration is a level. Its event counts the
+            // active cells where that of other runs counts detectors.
             RunEvent::Iteration { number: 1, .. } => {
                 "levels 0 and 1 begin: samples and woken darts arrive in their order".to_owned()
             }

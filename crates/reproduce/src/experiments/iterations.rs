@@ -145,8 +145,8 @@ fn rare(how: &str, sets: &[Summary]) -> Claim {
     };
 
     let (late, inserted) = (after(PAPER), after(0));
-    // With a divisor of at least 1 the share is 0 where nothing was inserted. The interval then ends far above the limit,
-    // so that there is no verdict.
+    // With a divisor of at least 1 the share is 0 where nothing was inserted. The interval then ends far above the
+    // limit, so that there is no verdict.
     let share = |count: f64| count / inserted.max(1) as f64;
     let [low, high] = poisson_interval(late, MISSED).map(share);
     // There is a verdict only if the whole interval lies on one side of the limit.

@@ -79,8 +79,8 @@ pub fn of(
     monitor: &Monitor,
 ) -> Result<ReferenceFile, String> {
     let named = |text: &str| format!("{name}: {text}");
-    // A format that is defined on the unit torus says its domain. Any other file without a certificate is taken to be on a
-    // unit square that ends as the run's domain does.
+    // A format that is defined on the unit torus says its domain. Any other file without a certificate is taken to be
+    // on a unit square that ends as the run's domain does.
     let torus = read.detection.format.is_unit_torus();
     let unit = Region::new([1.0, 1.0], torus || run.is_periodic());
     let certificate = read.certificate.as_ref();

@@ -84,8 +84,8 @@ fn density(
     chart
 }
 
-/// Returns the chart of inserted samples by rank in their gap, relative to a uniform distribution. A rank is the share of
-/// uniformly drawn places of the gap that are nearer to other samples than the inserted sample is.
+/// Returns the chart of inserted samples by rank in their gap, relative to a uniform distribution. A rank is the share
+/// of uniformly drawn places of the gap that are nearer to other samples than the inserted sample is.
 fn ranks(subjects: &[Subject<'_>]) -> LineChart {
     let series = |&(number, subject): &Subject<'_>| {
         // Without inserted samples there are no ranks to draw.
