@@ -301,6 +301,7 @@ fn ask(html: &mut String, asked: &str, controls: &[Control], sign: char) {
                     list(html, lines.into_iter());
                 }
             }
+            // The name of the field is for screen readers: on paper there is room to write.
             Control::Field { unit, .. } => choices(html, &format!("_______ {}", escape(unit))),
             Control::Plot { curves } => {
                 let curves: Vec<&Curve> = curves.iter().collect();

@@ -65,6 +65,7 @@ pub async fn exact_with_reports(
     recorded(gpu, parameters, arrived, Recording::Passes, observer).await
 }
 
+/// Makes a run on a device. Each time a list turns out to be too short, it begins anew with more room.
 async fn recorded(
     gpu: &Arc<Gpu>,
     parameters: &Parameters,
@@ -77,7 +78,7 @@ async fn recorded(
     let memory = memory_of(gpu.report(), no_limit);
     let mut room = DartRoom::expected(parameters, arrived)?;
 
-    // Room is an estimate. With twice what a list turned out to need, few tries are needed.
+    // Room is an estimate. Another try has twice what a list turned out to need, so that few tries are needed.
     for _ in 0..MAX_TRIES {
         room.check(parameters, &limits)?;
         let plan = ExactPlan::new(parameters, arrived, room)?;

@@ -348,8 +348,8 @@ impl LevelRegion {
             }
         }
 
-        // The place of a sample that is not kept, and the places around it, may now be a gap. The centre to be found
-        // for such a place may lie a margin farther away (see `search`).
+        // The place of a sample that is not kept, and the places around it, may now be a gap. The circumcentre that is
+        // found for such a gap may lie a little farther away, as it is rounded to the lattice.
         self.waiting.push(*claimant);
         let mark = |cell| self.dirty.push(cell as u32);
         let reach = units + centre_margin(self.grid.radius());

@@ -247,7 +247,8 @@ impl<const TAGS: bool> Region<TAGS> {
             return true;
         }
 
-        // Cells have sides of r: a sample that covers (x, y) lies in its cell or in one of the eight around it.
+        // Samples are decided in their order, so that all that are listed as lost come before this one. Cells have
+        // sides of r: a sample that covers (x, y) lies in its cell or in one of the eight around it.
         let stride = self.frame.stride();
         let rows = [cell - stride, cell, cell + stride];
         rows.into_iter()
