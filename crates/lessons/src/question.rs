@@ -75,8 +75,9 @@ impl Question {
 
         for wrong in &gate.wrong {
             let answer = question.interaction.wrong(&wrong.answer, scene)?;
-            // In some run a known wrong answer may be right. To say that it is wrong would be a fault. The event is the
-            // only one, since a trace has no known wrong answers.
+            // In some run a known wrong answer may be right. To say that it is wrong would be a fault. `FULL_MARKS`
+            // lies just below the score of a right answer. The event is the only one, since a trace has no known wrong
+            // answers.
             let event = 0;
             if question.score(&answer, event, scene)? > FULL_MARKS {
                 let message = format!("the wrong answer {answer} is right here");

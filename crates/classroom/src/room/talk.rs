@@ -117,8 +117,8 @@ impl Classroom {
         let Some(open) = &self.lessons.open else {
             return context.tell("Open a lesson first.".to_owned());
         };
-        let as_the_lesson_says = None;
-        let part = TalkPart::of(open.learner.lesson(), as_the_lesson_says);
+        let minutes_of_lesson = None;
+        let part = TalkPart::of(open.learner.lesson(), minutes_of_lesson);
         self.begin_talk(vec![part], context);
         if from_start {
             self.enter_step(0, context);
@@ -164,8 +164,9 @@ impl Classroom {
                 if let Some(open) = &mut self.lessons.open {
                     open.is_of_scenes = true;
                 }
-                let as_the_lesson_says = None;
-                let part = TalkPart::of(&lesson, as_the_lesson_says);
+                // The part takes as long as the lesson plans.
+                let minutes_of_lesson = None;
+                let part = TalkPart::of(&lesson, minutes_of_lesson);
                 self.begin_talk(vec![part], context);
             }
             Err(why) => context.tell_error(format!("The scenes cannot be presented. {why}")),

@@ -279,7 +279,8 @@ impl FileState {
         form.chosen = files.into();
     }
 
-    /// Starts reading dropped files; `refused` has the reasons why others of them are not even read.
+    /// Starts reading dropped files, of which notices name the first; `refused` has the reasons why others of them are
+    /// not even read.
     fn take_dropped(
         &mut self,
         names: &[String],
