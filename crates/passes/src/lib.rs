@@ -133,6 +133,7 @@ impl Passes {
             wanted_stage: None,
             visit: None,
             shown: ShownBuffer::default(),
+            // Rows are drawn on the canvas until the user switches them off.
             is_on_canvas: true,
             moment: None,
             notice: None,

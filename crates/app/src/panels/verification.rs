@@ -380,15 +380,16 @@ fn properties(ui: &mut Ui, report: Option<&Report>, palette: &Palette) {
     );
 }
 
-/// Shows whether dots are conflict-free, and within which factor of the radius they cover: a stipple is a prefix, and not
-/// maximal. Dashes stand for a verdict that is not there yet.
+/// Shows whether dots are conflict-free and a prefix as promised, and within which factor of the radius they cover.
+/// Dashes stand for a verdict that is not there yet.
 fn dots(ui: &mut Ui, verdict: Option<&Verdict>, palette: &Palette) {
     let report = verdict.map(|verdict| &verdict.report);
     let free = report.map(|report| (report.conflict_free(), conflicts_in(report)));
     let name = ("Conflict-free", glossary::CONFLICT.meaning);
     property(ui, name, free.as_ref(), palette);
 
-    // A part of the dots promises no covering, so that only the whole set can have gaps.
+    // `maximal` asks of a stipple whether its dots cover within the factor. A part of the dots promises no covering, so
+    // that only all of them can have gaps.
     let prefix = verdict.map(|verdict| (verdict.maximal(), "gaps".to_owned()));
     property(
         ui,

@@ -306,6 +306,7 @@ fn keys(ui: &Ui, response: &Response, commands: &mut Vec<ViewCommand>) {
     }
     keep_arrows(ui, response);
 
+    // An arrow moves the view, so that the picture moves the other way.
     let moves = [
         (Key::ArrowLeft, vec2(PAN, 0.0)),
         (Key::ArrowRight, vec2(-PAN, 0.0)),

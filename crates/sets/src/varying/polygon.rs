@@ -114,6 +114,7 @@ impl PlanarPolygon {
             return Err(VaryingError::Degrees { name, corner });
         }
 
+        // The search for crossings takes longest, and comes after what is refused sooner.
         if let Some([a, b]) = self.crossing() {
             let shown = |edge: RingEdge| {
                 let ([x0, y0], [x1, y1]) = (edge.from, edge.to);

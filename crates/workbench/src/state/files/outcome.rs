@@ -91,7 +91,7 @@ impl FileState {
         };
         match outcome.and_then(|made| made) {
             Ok(file) => {
-                // Natively the notice with the path comes in its place.
+                // Natively the file is written below, and the notice with its path replaces this one.
                 context.tell(packaging.content);
                 let file = NewFile {
                     stem: packaging.stem,
