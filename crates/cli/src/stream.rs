@@ -84,8 +84,8 @@ pub fn pass(
 }
 
 /// Returns the outcome of a run that was interrupted when its file was whole already. Unless --no-verify is given, the
-/// file is judged once more, since the first verdict ended with the interrupted process. So did the digest of the
-/// positions and the warnings of the export, which are left out.
+/// file is judged once more: the first verdict was lost with the interrupted process. The digest of the positions and
+/// the warnings of the export were lost, too, and are left out.
 fn finished(arguments: &SampleArguments, path: &Path, facts: Facts, count: u64) -> Result<Outcome> {
     // The run itself was the work of the process that was interrupted.
     let outcome = |judged| Outcome::new(facts, Work::default(), count, judged);

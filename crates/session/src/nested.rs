@@ -131,6 +131,8 @@ impl NestedLevels {
             .get(..count)?
             .last()
             .expect("a prefix has a sample");
+        // Whether nothing that was asked for comes after: the set has its exact number of samples, or its last level
+        // whole.
         let ends_here = |&(_, request): &(Parameters, NestedRequest)| {
             request.exactly.is_some() || self.whole(count) == Some(request.levels as usize - 1)
         };
