@@ -98,7 +98,9 @@ struct Motion {
 pub struct InstancedCanvas {
     gpu: Gpu,
     limits: Limits,
+    /// The generation of the session whose samples are on the GPU.
     generation: Option<u64>,
+    /// The version of their looks.
     version: Option<u64>,
     order: CellOrder,
     size: DVec2,

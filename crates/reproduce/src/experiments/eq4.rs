@@ -125,6 +125,7 @@ fn claims(found: &[LeafShares]) -> Vec<Claim> {
         return Vec::new();
     };
 
+    // The formula is held against every leaf, the smaller ones included; the text has the numbers of `first`.
     let bounded = found
         .iter()
         .all(|one| one.inserted_share() < one.predicted());
