@@ -485,6 +485,7 @@ impl App {
         let listed = storage.get_string(RECENT_KEY).filter(|_| is_native);
         let paths = |listed: String| listed.lines().map(str::to_owned).take(MAX_RECENT).collect();
 
+        // The look is stored together with the choice of reduced motion.
         let (look, reduced_motion) = settings::get_value(storage, LOOK_KEY).unzip();
         self.state.restore(Settings {
             layout: settings::get_value(storage, LAYOUT_KEY),

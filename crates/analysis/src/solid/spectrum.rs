@@ -187,6 +187,7 @@ impl Shell {
             return self.drawn(draws);
         }
 
+        // Of two opposite frequencies the shell has one with z from 0 on.
         let [x, y, z] = size.map(|side| (end * side / shortest).floor() as i64);
         let rows = (0..=z).flat_map(|z| (-y..=y).map(move |y| [y, z]));
         let all = rows.flat_map(|[y, z]| (-x..=x).map(move |x| [x, y, z]));

@@ -11,8 +11,8 @@ use crate::samples::{Fate, Origin, Samples};
 use crate::stages::blocks::Blocks;
 use crate::stages::order::Ranking;
 
-/// Returns the ids of the samples that may be in conflict, by rank, then id. They lie inside the domain, and in a
-/// margin, the part of a clip beyond its block, or within 2r of their block's border.
+/// Returns the ids of the samples that may be in conflict, by rank, then id. They lie inside the domain, and either in
+/// a margin (the part of a clip beyond its block) or within 2r of their block's border.
 pub(crate) fn contested(
     samples: &Samples,
     blocks: &Blocks,
