@@ -108,7 +108,7 @@ impl Report {
             worst_gaps: gaps.into_iter().map(unscaled_gap).collect(),
             min_distance,
             covering_radius: found.covering_radius / scale,
-            // Only `VaryingRegion::verify_prefix` measures it.
+            // A set that is judged here is not claimed to be the beginning of a larger one.
             covering_factor: None,
             density: count as f64 * radius * radius / region.area(),
             relative_radius: min_distance / r_max,

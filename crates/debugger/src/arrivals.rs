@@ -20,7 +20,8 @@ impl Recording {
         points: Vec<Point>,
     ) -> Self {
         let domain = locality.field.domain();
-        // As `varying_recorded` states them: the radius is the r of the lattice, and the dart process is uniform insertion.
+        // As sets in a field that are recorded dart by dart: the radius is the r of the lattice, and the dart process
+        // is uniform insertion.
         let parameters = Parameters {
             radius: domain.radius(),
             insertion: Insertion::Uniform,

@@ -177,7 +177,7 @@ impl RowLocator {
             Name::List => in_list(counter::OPEN, self.cell(value(0))),
             Name::Unsure => in_list(counter::UNSURE, self.cell(value(0))),
             Name::Grid => {
-                // The cell comes first (`RowPlaces::of`).
+                // The cell comes first, and then its samples.
                 places.extend(self.cell(row as i64));
                 // A row has the count, the flags, and four values for each of three slots: the iteration, x, y, and the mark
                 // of a detector (`buffer_rows.rs`).

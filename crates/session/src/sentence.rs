@@ -112,6 +112,7 @@ fn stipple_sentence(session: &Session, stipple: &MadeStipple, count: usize) -> S
             grouped(all)
         );
     }
+    // On a page, whose numbers have 32 bits, no stipple has more dots than these hold.
     let made = grouped(usize::try_from(stipple.made).unwrap_or(usize::MAX));
     format!(
         "All {} dots: the first of {made} by their arrival, as dense as the image is dark.",

@@ -138,8 +138,8 @@ impl Survey {
             return Ok(());
         };
 
-        // Rounding may put a centre on a side beyond it: both tiles at the side claim it, and `places` merges the
-        // claims. Beyond the border of a bounded region no place counts, however close.
+        // Rounding may put a centre on a side beyond it: both tiles at the side claim it, and equal places are merged
+        // in the end. Beyond the border of a bounded region no place counts, however close.
         let (mut low, mut high) = (tile.low - task.same, tile.high + task.same);
         if !domain.periodic {
             low = low.max(DVec2::ZERO);

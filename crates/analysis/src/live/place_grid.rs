@@ -433,6 +433,7 @@ impl DiskSearch {
     /// Returns the parts of a block that the square around the disk meets, as bits.
     fn near(&self, block: [usize; 2], sides: DVec2) -> u64 {
         let radius = self.square.sqrt() + ROUNDING;
+        // A disk may be larger than any integer can say: its ends then stay at the limits, far beyond the block.
         let along = |axis: usize| {
             let first = (block[axis] * BLOCK) as i64;
             let part = |at: f64| whole_below(at / sides[axis]).saturating_sub(first);
@@ -440,7 +441,7 @@ impl DiskSearch {
             let high = part(self.center[axis] + radius).saturating_add(1);
             [low, high].map(|part| part.clamp(0, BLOCK as i64) as u32)
         };
-        // The bits of the first `count` lines of `width` bits each.
+        // The bits of the first `count` lines of `width` bits each. A shift by all 64 leaves none of the ones.
         let before = |count: u32, width: u32| !u64::MAX.checked_shl(count * width).unwrap_or(0);
 
         let [[left, right], [low, high]] = [along(0), along(1)];

@@ -79,6 +79,7 @@ impl CellGrid {
     ) -> Option<impl Iterator<Item = Range<usize>> + use<>> {
         let Rect { min, max } = self.rect;
         let cell = |at: i32, first: i32| ((at - first) >> self.bits) as usize;
+        // Ends beyond the integers stay at their limits, which lie outside of the rectangle.
         let (left, right) = (from.x.saturating_sub(reach), from.x.saturating_add(reach));
         let (bottom, top) = (from.y.saturating_sub(reach), from.y.saturating_add(reach));
         if left < min.x || bottom < min.y || right >= max.x || top >= max.y {

@@ -34,6 +34,7 @@ impl ExactRows {
         let counters = device
             .words(Name::Counters, 0..counter::COUNT.into())
             .await?;
+        // All counters were read, so that none is missing.
         let count = |counter: u32, most: u32| {
             let counted = counters.get(counter as usize).copied().unwrap_or(0);
             u64::from(counted.min(most))

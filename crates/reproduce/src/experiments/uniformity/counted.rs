@@ -94,8 +94,8 @@ impl SeedCounts {
         let gaps = Gaps::of(&survivors, region(&domain), domain.radius())?;
 
         Ok(Self {
-            // In the order of `NAMES` in `offsets`. The moved set is a control that need not be valid, and is only
-            // counted. Samples are ranked only in the sets of the two runs that leave these gaps.
+            // In the order in which results list the ways to make sets. The moved set is a control that need not be
+            // valid, and is only counted. Samples are ranked only in the sets of the two runs that leave these gaps.
             sets: [
                 counter.verified(&reference, "reference", control)?,
                 counter.count(&moved(&domain, &reference))?,

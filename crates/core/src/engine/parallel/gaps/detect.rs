@@ -34,8 +34,8 @@ impl<const TAGS: bool> Region<TAGS> {
         gaps.pixels.clear();
         gaps.farthest = 0.0;
         gaps.candidates.clear();
-        // Indices of earlier windows stay: only those of cells with a bit in `gaps.open` are read. `mark` has cleared
-        // these bits, and `keep_open` sets them.
+        // Indices of earlier windows stay: only those of cells with a bit in `gaps.open` are read. These bits were
+        // cleared when cells were marked, and `keep_open` sets them.
         gaps.open_index.resize(self.frame.cell_count(), 0);
 
         self.find_open(gaps);
