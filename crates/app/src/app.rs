@@ -193,9 +193,9 @@ impl App {
     /// Shows the panels as they are arranged in a window of this size and look.
     fn show_panels(&mut self, ui: &mut Ui) {
         if let Some(embedding) = self.embedding() {
-            // A lesson beside the canvas has issued commands already. Two kinds of them are kept: those that a window in
-            // the frame of a page may carry out (`in_frame`), as the others open what this part of the window does not
-            // show, and files that were dropped on a small window with a lesson.
+            // A lesson beside the canvas has issued commands already. Of them those are kept that a window in the frame
+            // of a page may carry out (`in_frame`): the others open what this part of the window does not show. Files
+            // that were dropped on a small window with a lesson are kept, too.
             let takes_files = self.state.window().embedding.is_none();
             let stays = |command: &Command| {
                 command.rules().in_frame || takes_files && matches!(command, Command::File(_))

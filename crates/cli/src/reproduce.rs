@@ -116,8 +116,8 @@ pub fn run(arguments: &ReproduceArguments) -> Result<u8> {
         kept: arguments.before.kept,
     };
 
-    // With --kept an experiment concludes from the units that it has. Only density can do so, whose units are batches
-    // of which there may be any number; other experiments conclude from all of their units.
+    // With --kept an experiment concludes from the units that it has. Only density can do so: its units are batches,
+    // and any number of them will do. Other experiments need all of their units.
     let of_density = experiments == [Experiment::Density];
     ensure!(of_density || !settings.kept, "--kept is for density alone");
 

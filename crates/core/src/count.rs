@@ -129,7 +129,7 @@ pub fn radius_for_count(
 
     let estimate = radius_estimate(parameters, count)?;
 
-    // The density of sets of these parameters, as a share of the estimate's. Small sets are searched without a probe,
+    // The density of sets of these parameters over the estimated one. Small sets are searched without a probe,
     // as are those of a domain that allows no set of the probe's size.
     let density = match radius_estimate(parameters, PROBE) {
         Ok(radius) if count > LARGE => Some(count_with(radius)? as f64 / PROBE as f64),

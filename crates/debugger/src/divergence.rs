@@ -160,7 +160,7 @@ fn with_points(recording: &Recording, run_event: RunEvent) -> (RunEvent, Points)
     });
 
     if let RunEvent::Candidate { sites, .. } = bare {
-        // The sites are in the order of their ids, which engines may give otherwise: they are sorted by points. The
+        // The sites are in the order of their ids, which differ between engines: their points are sorted. The
         // detector comes before the sites, the sample of the verdict after them.
         points[1..=sites.ids().len()].sort_unstable_by_key(|point| point.map(Point::row_major));
     }

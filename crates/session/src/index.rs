@@ -140,7 +140,7 @@ impl SampleIndex {
         };
 
         // A bounded domain has no images, but samples that it dropped lie up to one radius outside it. They are visited
-        // even if `reach` is less than that, where the rectangle with `reach` around it meets the domain.
+        // even if `reach` is less than a radius, where the rectangle with `reach` around it meets the domain.
         let beyond = if self.periodic {
             beyond
         } else {

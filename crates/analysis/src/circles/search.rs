@@ -311,7 +311,7 @@ impl<'a> Search<'a> {
     }
 
     /// Cuts out the Voronoi cells of exposed samples, each by the samples within `around` rows of the grid and twice as many
-    /// columns. Returns the samples whose Voronoi cells reach farther than that.
+    /// columns. Returns the samples whose Voronoi cells reach beyond these rows and columns.
     fn holes_within(
         &self,
         found: &mut Found,

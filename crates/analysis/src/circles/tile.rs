@@ -359,7 +359,7 @@ impl Tile {
             }
             unmarked.mark(table, masks);
 
-            // Later rows do not mark circles of this row: those that are not full now stay open.
+            // No later row marks circles of this row: circles that are not full by now stay open.
             if self.own[1].contains(&row) {
                 let own = self.cell(self.own[0].clone(), row);
                 let open = own.filter(|&index| masks[index] != FULL);

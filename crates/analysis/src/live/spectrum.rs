@@ -66,8 +66,8 @@ impl LiveSpectrum {
     pub const MAX_ERROR: f64 = 1e-4;
 
     /// Returns the spectrum of no sample. `samples` is the largest number that will be there: the frequencies that
-    /// [`Spectrum::window`] has for it are kept. More samples than that are measured, too, only not as far. Of the
-    /// frequencies along each axis every `stride`-th is kept.
+    /// [`Spectrum::window`] has for it are kept. More samples are measured, too, but not up to as high a frequency as
+    /// their number asks for. Of the frequencies along each axis every `stride`-th is kept.
     ///
     /// At most 1,024 frequencies along each axis are kept ([`Spectrum::MAX_CYCLES`] and 0), with 4 sums of 8 bytes for
     /// each two of opposite y. For half a million samples or more on a square at stride 1 these take 34 MB, and each

@@ -202,9 +202,9 @@ impl RingSums {
     }
 }
 
-/// Makes a plan's transform the `S` of the ring's frequencies, and zero elsewhere. Returns the sums over the ring, which count
-/// opposite frequencies apart. In the transform a pair of opposite ones that is held once stays single: the adjoint
-/// adds the other one.
+/// Makes a plan's transform the `S` of the ring's frequencies, and zero elsewhere. Returns the sums over the ring,
+/// which count opposite frequencies apart. Where the transform holds one of two opposite frequencies, it is not
+/// doubled: the adjoint adds the other one.
 fn restrict(
     values: &mut [Complex<f64>],
     plan: &TransformPlan,

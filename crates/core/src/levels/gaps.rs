@@ -439,7 +439,8 @@ impl LevelRegion {
         let mut inserted = Vec::new();
         for (_, _, at) in candidates {
             if !self.grid.covers(at) {
-                // An inserted sample is not one of a block's pattern, so that it may be in conflict with that.
+                // An inserted sample is not one of a block's pattern, and may be in conflict with samples of the
+                // pattern.
                 let foreign = true;
                 self.keep(at, foreign);
                 inserted.push(at);

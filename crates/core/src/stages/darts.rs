@@ -263,8 +263,8 @@ impl<G: DartGround> DartProcess<G> {
         recorder: &mut T,
     ) -> Result<Vec<Point>, SampleError> {
         let cells = self.active.len() as u64;
-        // The meter counts three times for a cell: for its throw, for its dart, of which it has about one, and for its cut, which
-        // follows the level's last throw.
+        // The meter counts each cell three times: for its throw, for its dart (there is about one), and for its cut,
+        // which follows the level's last throw.
         let mut meter = Meter::begin(observer, stage, 3 * cells)?;
         let darts = self.darts(&mut meter, recorder)?;
 

@@ -429,8 +429,8 @@ fn row_covers<S: Simd>(simd: S, slots: &[Slots], first: usize, x: i32, y: i32) -
     let packed = [a[0], a[1], a[2], a[3], b[0], b[1], b[2], b[3]].map(|slot| slot as i32);
     let first_two = i32x8::simd_from(simd, packed);
 
-    // Longer lengths count as R + 1, which is too far as well: the squares then fit 32 bits, as does their sum, of
-    // which R^2 is taken off in between.
+    // Longer lengths count as R + 1, which is too far as well, so that the squares fit 32 bits. R^2 is taken off before
+    // the second square is added, so that the sum fits, too.
     let most = i32x8::splat(simd, R + 1);
     let across = ((first_two & (R - 1)) + i32x8::simd_from(simd, left))
         .abs()
