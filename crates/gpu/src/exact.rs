@@ -144,6 +144,7 @@ fn all_throws(arrived: &PatternArrivals) -> impl Iterator<Item = Throw> + '_ {
 }
 
 impl ExactWork {
+    /// Makes the buffers of a tiling, but for those of the result, and writes what comes from the host.
     async fn new(
         gpu: &Arc<Gpu>,
         plan: ExactPlan,
@@ -154,7 +155,7 @@ impl ExactWork {
         // The result's buffers are made last, when it is known how long they are.
         device.hold(plan.lengths()).await?;
 
-        // All else is written by passes: `lay` clears what it counts or links.
+        // All else is written by passes: the laying down clears what is counted or linked.
         device.write(Name::Ground, bytemuck::bytes_of(&plan.ground))?;
         device.write(Name::LaidPieces, bytemuck::cast_slice(&plan.pieces))?;
         device.write(Name::Pattern, bytemuck::cast_slice(&plan.pattern))?;

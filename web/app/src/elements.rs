@@ -277,8 +277,8 @@ fn holds_others(role: &str) -> bool {
     )
 }
 
-/// Returns the role of a node within a list or menu, by the names that `tree.js` has for roles; empty for what groups
-/// others without a name, and for what nothing can be said of.
+/// Returns the role of a node within a list or menu, by the names that `tree.js` has for roles. It is empty for groups
+/// without a name, for labels without a text, and for nodes of all other kinds.
 fn role_of(node: &Node, list: &str) -> &'static str {
     let is_named = node.label().is_some() || !node.labelled_by().is_empty();
 

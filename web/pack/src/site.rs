@@ -193,6 +193,7 @@ pub fn add(sources: &mut BTreeMap<String, Source>, address: &str) -> Result<()> 
     Ok(())
 }
 
+/// Reads a lesson in both languages, and draws the pictures of its steps.
 fn entry(lesson: &Shipped) -> Result<Entry> {
     let sheet = |language: &Words, translation: Option<String>| {
         let task = HandoutTask {

@@ -218,6 +218,7 @@ pub(super) fn write_powers(sums: &[ProductSums], scale: f64, powers: &mut [f64])
     dispatch!(Level::new(), simd => write_in_vectors(simd, sums, scale, powers));
 }
 
+/// Does what [`write_powers`] does, with vectors as wide as the processor has them.
 #[expect(
     clippy::inline_always,
     reason = "it must become a part of what dispatch! compiles for the processor"

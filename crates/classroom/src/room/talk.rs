@@ -598,8 +598,8 @@ impl Classroom {
     }
 
     /// Returns the address that leads a phone to the step, or to the voting card for a step with a question; empty if no address is
-    /// known. `page` is that of the page, if the window is on one, and gives way to one that the lecturer has set; `fragment` is the
-    /// link to the moment that is shown.
+    /// known. `page` is the address of the page, if the window is on one; an address that the lecturer has set is taken
+    /// in its place. `fragment` is the link to the moment that is shown.
     #[must_use]
     pub fn talk_address(&self, page: Option<&str>, fragment: &str) -> String {
         let address = match (page, self.talks.address.as_str()) {

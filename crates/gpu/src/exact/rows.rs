@@ -14,10 +14,14 @@ use crate::row_places::{RowPlace, RowPlaces, Unplaced};
 #[derive(Clone, Debug)]
 pub struct ExactRows {
     counters: Vec<u32>,
+    /// The place of each dart.
     darts: Vec<Point>,
+    /// The index of the dart that each question is about.
     questions: Vec<u32>,
+    /// Two words for the place of each sample of the result.
     result: Vec<u32>,
     pieces: Vec<LaidPiece>,
+    /// How many cells of side R a row of the domain has.
     columns: u32,
     /// How many cells of side R the domain has.
     cells: u32,
@@ -26,6 +30,7 @@ pub struct ExactRows {
 }
 
 impl ExactRows {
+    /// Reads what places follow from, between two passes.
     pub(super) async fn read(
         device: &Device,
         plan: &ExactPlan,
@@ -40,7 +45,8 @@ impl ExactRows {
             u64::from(counted.min(most))
         };
         let room = plan.room();
-        // Beyond their counts lists hold what an earlier run left there.
+        // Lists are read up to their counts, as behind these they hold what an earlier run left there. A count may
+        // exceed the room of its list.
         let bytes = count(counter::DARTS, room.darts) * size_of::<Dart>() as u64;
         let darts: Vec<Dart> =
             bytemuck::pod_collect_to_vec(&device.bytes(Name::Darts, 0..bytes).await?);

@@ -9,8 +9,8 @@ const LOOKS: usize = 48;
 /// Chosen, not measured.
 const MAX_LOOKED_AT: usize = 500;
 
-/// Returns about how many samples there are in a polygon, from the radii at some places in it; `None` for other shapes,
-/// for polygons of many corners, without a size or an origin, and where the radius is neither a constant nor an
+/// Returns about how many samples there are in a polygon, from the radii at some places in it. `None` for rings without
+/// a corner or with many, for a recipe without a size or an origin, and where the radius is neither a constant nor an
 /// expression.
 pub(super) fn samples_in_polygon(recipe: &VaryingRecipe, rings: &[Vec<[f64; 2]>]) -> Option<f64> {
     let corners: usize = rings.iter().map(Vec::len).sum();
