@@ -49,12 +49,12 @@ pub fn check_target(path: &Path, format: Option<Format>, option: &str) -> Result
 pub fn check_inputs_stay<'a>(out: &Path, inputs: impl IntoIterator<Item = &'a Path>) -> Result<()> {
     // Through a link the file behind it is replaced.
     let file = destination(out)?;
-    let replaced = [certificate_path(&file), file];
+    let written = [certificate_path(&file), file];
     for input in inputs {
         // The certificate of an input is beside the file that its links lead to, or else beside the link.
         for kept in [input, &certificate_beside(input)] {
             ensure!(
-                !replaced.iter().any(|replaced| are_same(kept, replaced)),
+                !written.iter().any(|path| are_same(kept, path)),
                 "{}: {} would be written over this input; give it another name",
                 kept.display(),
                 out.display()

@@ -209,11 +209,13 @@ fn stated_stipple(
     Some((request, made))
 }
 
-/// Returns the session with the request that it was made from and the extremes of its radii.
+/// Returns the session with the request that it was made from and the extremes of its radii. For a stipple and for
+/// samples that are not those of the request, the caller changes the session's ground afterwards.
 #[must_use]
 pub fn with_ground(mut session: Session, recipe: &Recipe, request: &GroundRequest) -> Session {
     let run = session.run();
-    // Radii of the field are in units of the lattice, and are shown in the unit of the domain.
+    // Radii of the field are in units of the lattice, and are shown in the unit of the domain. A run without a field
+    // has the one radius of its parameters.
     let unit = run.domain.radius() / f64::from(tilescope_core::R);
     let extremes = run
         .locality

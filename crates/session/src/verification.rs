@@ -288,7 +288,8 @@ impl Task for VerifyTask {
             let all = points.len();
             points.truncate(self.prefix.unwrap_or(all));
             let verdict = Verdict::on_ground(&points, made, monitor)?;
-            // A file may have only the first dots of a stipple, which promise no covering.
+            // A file may have only the first dots of a stipple, which promise no covering: the whole has as many as
+            // were asked for. (If its certificate states fewer than the file has, the file counts as the whole.)
             let (_parameters, request) = &made.asked;
             let asked = request.stipple.as_ref().map(|stipple| stipple.dots);
             let asked = asked.and_then(|dots| usize::try_from(dots).ok());

@@ -106,6 +106,7 @@ pub fn course(folder: &Path) -> Result<Source> {
     Ok(Source::made(serde_json::to_vec(&texts)?))
 }
 
+/// Returns the name and the bytes of each file of a folder, in any order. Fails if it holds a folder.
 fn read_folder(folder: &Path) -> Result<Vec<(String, Vec<u8>)>> {
     let context = || format!("cannot read the folder {}", folder.display());
     let mut files = Vec::new();
@@ -116,7 +117,7 @@ fn read_folder(folder: &Path) -> Result<Vec<(String, Vec<u8>)>> {
             .and_then(|name| name.to_str())
             .with_context(|| format!("{} is not named in UTF-8", path.display()))?;
 
-        // Hidden files and backups of editors.
+        // Hidden files and backups of editors are no part of the page.
         if name.starts_with('.') || name.ends_with('~') {
             continue;
         }

@@ -40,7 +40,8 @@ impl Tile {
         }
     }
 
-    /// Returns the halves across the longer side; none for a single cell.
+    /// Returns the halves of the longer side, or of the other one if that is a single cell long; none for a single
+    /// cell.
     fn halves(&self, grid: &Grid) -> Option<[Self; 2]> {
         let sides = self.high - self.low;
         let (columns, rows) = (self.columns.clone(), self.rows.clone());

@@ -86,8 +86,9 @@ impl Spectrum {
         picture: CoarsePower,
         region: Region,
     ) -> Self {
-        // Half of the picture's frequencies lie on each side of zero. The length of a frequency, divided by the root of
-        // the number of samples, is its `nu`.
+        // The picture has `size` cells along x, with sides of `side` frequencies, and `rows` along y. Half of its
+        // frequencies lie on each side of zero. The length of a frequency, divided by the root of the number of
+        // samples, is its `nu`.
         let half = [picture.size * picture.side, picture.rows * picture.row_side]
             .map(|frequencies| 0.5 * frequencies as f64 / profile.samples.sqrt());
         let scale = unit_lengths(region);

@@ -87,7 +87,8 @@ impl StreamVerifier {
     ///
     /// # Errors
     ///
-    /// As [`Self::new`], and [`VerifyError::BadState`] for other bytes, or a state of another region, radius or options.
+    /// As [`Self::new`], and [`VerifyError::BadState`] for other bytes, or a state of another region, radius or
+    /// options. Of the options only `tile_samples` may differ: the verdict does not depend on it.
     pub fn restore(
         region: Region,
         radius: f64,

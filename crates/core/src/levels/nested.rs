@@ -160,8 +160,8 @@ impl Nested {
         let levels = self.ends.len() as u32;
         let level_of = |index: usize| self.ends.partition_point(|&end| end <= index);
 
-        // In the order by distance a sample's place depends on all of its level, which only a run has. A drawn place
-        // depends on no ends: what stands here for it is not read.
+        // In the order by distance a sample's place depends on all of its level, which only a run has. Where places
+        // are drawn the ends are not read, and any will do.
         let run_ends = match self.places {
             Places::Drawn(_) => &self.ends,
             Places::Counted => self.run_ends.as_ref()?,

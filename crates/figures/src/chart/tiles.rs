@@ -81,7 +81,7 @@ impl TileChart {
             TileContent::Pixels(bitmap) => {
                 let size = DVec2::from(bitmap.size().map(|cells| cells as f64));
                 // Each pixel of the bitmap is a whole number of pixels wide, so that none is wider than its neighbour.
-                // Pixels beyond the tile are cut off.
+                // With more pixels than the tile has they are as large as its own, and those beyond it are cut off.
                 let pixel = (side / size.x).floor().max(1.0);
                 let end = frame.min + size * pixel;
                 let (rect, bitmap) = (Rect::new(frame.min, end), bitmap.clone());
@@ -103,7 +103,8 @@ impl TileChart {
             TileContent::Empty => {}
         }
 
-        // A border shows where the unit square ends; pixels that come as a picture show it by themselves.
+        // A border shows where the tile ends, as cells and dots may be white there; a picture of pixels need not fill
+        // the tile.
         if matches!(self.content, TileContent::Cells(_) | TileContent::Dots(_)) {
             let style = Style::stroked(palette.muted, 2.0);
             group.shapes.push(Shape::Rect { rect: frame, style });

@@ -207,12 +207,12 @@ impl StreamExport {
     }
 
     /// The interrupted export of `path`, ready for the points after its last checkpoint, and that checkpoint's token.
-    /// `context` must be the one of the interrupted export.
+    /// `context` must be the one of the interrupted export. What was written after the checkpoint is cut off.
     ///
     /// # Errors
     ///
     /// [`ExportError::Resume`] when a file is missing, too short, damaged or of another context, and
-    /// [`FormatError::Busy`]. All files are left as they are.
+    /// [`FormatError::Busy`]. All files are then left as they are.
     pub fn resume(path: &Path, context: &ExportContext) -> Result<(Self, Value), ExportError> {
         let target = stream_target(path, context)?;
         let (place, lock) = locked(path)?;
@@ -224,6 +224,7 @@ impl StreamExport {
         let mut judges = (checkpoint.verify)
             .then(|| Judges::new(target, context))
             .transpose()?;
+        // A checkpoint names a state if there were judges, and only then.
         if let (Some(judges), Some(state)) = (&mut judges, &checkpoint.state) {
             state.restore(file, judges, context)?;
             judges.largest_shift = checkpoint.largest_shift;

@@ -228,11 +228,12 @@ fn noise(one: &MethodSpectra) -> Series {
     }
 }
 
-/// Returns the chart of rates, with a group of bars for each method and leaf.
+/// Returns the chart of rates, with a group of bars for each leaf size, and one for the engines that make sets from
+/// scratch.
 pub fn rates(rows: &[EngineRate], plan: TimingPlan) -> Result<Picture> {
     let heading = |row: &EngineRate| {
         let leaf = row.leaf.map(|leaf| format!("KDRT, leaf {leaf} r"));
-        // Only tiling has a leaf size.
+        // Only the engines that tile a pattern have a leaf size.
         leaf.unwrap_or_else(|| "From scratch".to_owned())
     };
 

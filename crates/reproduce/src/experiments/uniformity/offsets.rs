@@ -263,7 +263,8 @@ impl PairedBias {
     /// Returns the bias near the borders of blocks, as differences of sets that were made from the same seeds.
     pub fn of(seeds: &[SeedCounts]) -> Self {
         let sets = seeds.len() as f64;
-        // The classes within 1 r of a block's border.
+        // The number of samples in the classes within 1 r of a block's border, and the share of the area that these
+        // classes have. Each seed has blocks of its own, and so a share of its own.
         let near = |classes: &[u64]| classes[..BANDS[1]].iter().sum::<u64>() as f64;
         let share = |seed: &SeedCounts| seed.block_shares[..BANDS[1]].iter().sum::<f64>();
         // The first sets are those of the reference sampler: a bias is measured by their mean.
