@@ -145,6 +145,7 @@ fn equal(a: &Recording, x: &Event, b: &Recording, y: &Event) -> bool {
     }
 }
 
+/// The points of an event. A candidate has the most: of its detector, of three sites, and of the sample of its verdict.
 type Points = [Option<Point>; 5];
 
 /// Returns an event with its ids removed, and the points of these ids, or the points that describe its node or block.

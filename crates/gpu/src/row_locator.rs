@@ -71,8 +71,8 @@ impl RowLocator {
     pub fn locate(&self, name: Name, table: &BufferRows) -> RowPlaces {
         let mut places = RowPlaces {
             unplaced: self.unplaced(name),
-            // These buffers have a row for every cell or tile. The lists of some cells, which `row` places too, are not
-            // meant.
+            // These buffers have a row for every cell or tile. Lists of cells do not count: they have rows for some
+            // cells alone.
             are_cells: match name {
                 Name::Starts | Name::Grid | Name::TileImages => true,
                 Name::Heads => !self.heads_are_listed(),

@@ -42,6 +42,7 @@ fn without_numbers(text: &str) -> String {
     // Even an empty text has a first part.
     let mut kept = parts.next().unwrap_or_default().to_owned();
     for part in parts {
+        // The bracket that closes may be missing, as in a message that was cut off.
         let (number, rest) = part.split_once(')').unwrap_or((part, ""));
         let is_number = !number.is_empty() && number.bytes().all(|byte| byte.is_ascii_digit());
         if is_number {
