@@ -80,8 +80,8 @@ pub struct Elements {
 }
 
 impl Elements {
-    /// Returns those for the nodes below `root`. Each node has a number; `zoom` is how many pixels of the page a point of
-    /// the window has.
+    /// Returns the elements for the nodes below `root`. Each node has a number; `zoom` is how many pixels of the page a
+    /// point of the window has.
     pub fn of(
         nodes: &HashMap<NodeId, &Node>,
         root: NodeId,

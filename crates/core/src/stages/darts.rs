@@ -281,6 +281,7 @@ impl<G: DartGround> DartProcess<G> {
             let covered = self.ground.covers(dart.point, dart.place);
             recorder.record(RunEvent::Dart {
                 point: dart.point,
+                // Places of the plane have no third coordinate.
                 z: 0,
                 ranked: true,
                 verdict: verdict(covered),

@@ -60,7 +60,7 @@ impl DartGround for VaryingGround<'_> {
         at: Point,
         coin: impl FnOnce() -> u32,
     ) -> Landing<DartPlace> {
-        // Only a mixed cell has places of the shape and others.
+        // A cell may reach beyond the domain, and a mixed one has places inside and outside of the shape.
         let rect = self.field.domain().rect();
         if !rect.contains(at) || cell.class == Class::Mixed && !self.shape.inside(at) {
             return Landing::Outside;
