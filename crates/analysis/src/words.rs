@@ -38,7 +38,8 @@ fn is_obeyed(c: char) -> bool {
     c.is_control() || turns
 }
 
-/// Returns a text in which the characters that must be escaped are written as `\uXXXX`.
+/// Returns a text in which the characters that must be escaped, which have at most four hexadecimal digits, are written
+/// as `\uXXXX`.
 fn escaped(text: &str, must_be: impl Fn(char) -> bool) -> Cow<'_, str> {
     if !text.contains(&must_be) {
         return Cow::Borrowed(text);
@@ -47,7 +48,7 @@ fn escaped(text: &str, must_be: impl Fn(char) -> bool) -> Cow<'_, str> {
     let mut out = String::with_capacity(text.len() + 16);
     for c in text.chars() {
         if must_be(c) {
-            // All characters that terminals obey have at most four digits, and writing to a text does not fail.
+            // Writing to a text does not fail.
             let _ = write!(out, "\\u{:04x}", u32::from(c));
         } else {
             out.push(c);

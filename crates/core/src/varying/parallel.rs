@@ -182,8 +182,9 @@ impl Parcels {
     }
 }
 
-/// Returns a coordinate, and those of its images beyond the ends of a periodic axis that reach back into it. With each come the
-/// first and the last part of the axis, each two to the power `bits` long, that the places at most `reach` from it meet.
+/// Returns a coordinate, and those of its images beyond the ends of a periodic axis that reach back into it. The axis
+/// is cut into parts that are two to the power `bits` long: with each coordinate come the numbers of the first and the
+/// last part that hold a place at most `reach` from it.
 fn images(
     at: i32,
     reach: i64,

@@ -69,7 +69,8 @@ fn remark_on(rows: &Rows<'_>) -> (String, &'static str) {
         let _ = write!(text, ", {} changed", grouped(changed));
     }
 
-    // Of a buffer with a row for each cell only some rows are drawn; of others all that have a place.
+    // Of a buffer with a row for each cell only rows with a change are drawn, unless a filter chooses the rows; of
+    // others all that have a place.
     let tip = if rows.places.are_cells() && !rows.shown.is_filtered() {
         "This buffer has a row for every cell of the frame: cells are drawn where the pass changed something, or where a filter asks for them."
     } else {

@@ -346,11 +346,12 @@ impl Family {
 
 /// Returns the number of the family in each part of a square that is two to the power `bits` wide, row by row.
 fn map_of(families: &[Family], square: Cell, bits: u32) -> Vec<u32> {
-    let columns = (square.side >> bits) as usize;
+    // A parcel without families is finished from the start, and nothing is looked up in its map.
     if families.is_empty() {
         return Vec::new();
     }
 
+    let columns = (square.side >> bits) as usize;
     let mut map = vec![NO_FAMILY; columns * columns];
     for (number, family) in (0..).zip(families) {
         let corner = (family.min - square.min) >> bits as i32;

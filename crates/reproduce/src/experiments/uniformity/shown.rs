@@ -294,12 +294,8 @@ fn maps(found: &UniformityResults, cells: usize) -> Result<Picture> {
         let rows = one.cells.deviations.chunks(cells).rev().flatten();
         let colors: Vec<[u8; 3]> = rows.map(|cell| color(cell.relative)).collect();
         let content = TileContent::Cells(Bitmap::rgb(cells, &colors)?);
-        tiles.push(Panel::Tile(tile(
-            Some(SIDE),
-            one.name,
-            String::new(),
-            content,
-        )));
+        let no_note = String::new();
+        tiles.push(Panel::Tile(tile(Some(SIDE), one.name, no_note, content)));
     }
 
     let mut rows: Vec<Vec<Panel>> = tiles.chunks(MAPS).map(<[Panel]>::to_vec).collect();
