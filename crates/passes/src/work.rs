@@ -90,7 +90,7 @@ impl Passes {
         self.work = PassWork::Visit(Job::start_future(&self.wake, work));
     }
 
-    /// Takes the outcome of a visit. Returns true, as the work in the background has changed at least.
+    /// Takes the outcome of a visit. Always returns true: the work in the background has changed.
     pub(super) fn visited(&mut self, outcome: Result<Arrival, String>) -> bool {
         self.work = PassWork::Idle;
         let outcome = match outcome {

@@ -140,7 +140,7 @@ fn pack_candidate(detector: u32, sites: Sites, IVec2 { x, y }: IVec2, verdict: V
         Sites::Three(ids) => (0, ids),
         Sites::Border([a, b]) => (1, [a, b, NONE]),
         Sites::Corner(a) => (2, [a, NONE, NONE]),
-        // Events of candidates have sites by which they were found; these two are only those of inserted samples.
+        // No event of a candidate has these sites: only inserted samples have them.
         Sites::Dart | Sites::Unrecorded => (2, [detector, NONE, NONE]),
     };
 

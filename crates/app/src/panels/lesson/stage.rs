@@ -236,7 +236,7 @@ impl Slide<'_> {
         }
     }
 
-    /// Shows both votes side by side: bars for counts, otherwise words.
+    /// Shows both votes side by side: bars if both are counts, and words if one of them is a share.
     fn votes(&self, ui: &mut Ui, both: [&Vote; 2]) {
         let names = [self.labels.first_vote, self.labels.second_vote];
         let inks = [self.palette.border, self.palette.accent];
