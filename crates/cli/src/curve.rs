@@ -135,8 +135,8 @@ fn course(arguments: &CurveArguments) -> Result<Course> {
 
     let mut recipe = arguments.run.recipe()?;
     if let Some(nested) = arguments.nested.request()? {
-        // Nested levels are defined for randomized tiling alone. How many samples there may be is checked by `of_levels`,
-        // since `--exactly` replaces the radius.
+        // Nested levels are defined for randomized tiling alone. How many samples there may be is checked only where the
+        // course is made, since `--exactly` replaces the radius.
         ensure!(arguments.method == SamplingMethod::Kdrt, "{NEEDS_KDRT}");
         ask_for_levels(&nested, &recipe.parameters)?;
         return Ok(Course::of_levels(&recipe, &nested, &mut watch)?);

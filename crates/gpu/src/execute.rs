@@ -351,8 +351,8 @@ impl Device {
                         size: std::num::NonZeroU64::new(size_of::<Job>() as u64),
                     })
                 } else {
-                    // A missing buffer leaves its binding empty; the device then rejects the pass, which `check`
-                    // reports.
+                    // A missing buffer leaves its binding empty. The device then rejects the pass, and the next check
+                    // of the device fails.
                     self.buffers.get(&binding.name)?.0.as_entire_binding()
                 };
                 Some(wgpu::BindGroupEntry {

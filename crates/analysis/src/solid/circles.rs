@@ -161,7 +161,7 @@ struct Neighbours<'a> {
 const NOTHING: u32 = u32::MAX;
 
 impl<'a> Neighbours<'a> {
-    /// Returns `None` if there are over 64 more cells than samples.
+    /// Sorts samples into cells, none narrower than `reach`. `None` if there are over 64 more cells than samples.
     fn new(points: &'a [[f64; 3]], region: &'a SolidRegion, reach: f64) -> Option<Self> {
         // A hair wider, so that rounding moves no sample two cells away.
         let fitting = region

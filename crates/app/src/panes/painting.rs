@@ -125,8 +125,8 @@ impl CanvasBrush {
         }
     }
 
-    /// Draws a stroke, and the brush: at the pointer, or else in the middle of the canvas, where a command of the keyboard paints, while
-    /// the canvas has the focus.
+    /// Draws a stroke and the brush. The brush is at the pointer. Without a pointer it is in the middle of the canvas, where keys
+    /// paint, as long as the canvas has the focus.
     fn draw(&self, ui: &Ui, response: &Response, subject: &Subject<'_>, path: &[[f64; 2]]) {
         let session = subject.shown.session;
         let painter = ui.painter_at(response.rect);
@@ -143,7 +143,7 @@ impl CanvasBrush {
         let faint =
             egui::Color32::from_rgba_unmultiplied(accent.r(), accent.g(), accent.b(), OPACITY);
         let places: Vec<Pos2> = path.iter().map(on_screen).collect();
-        // A soft brush acts on half of its radius above all, which the line shows.
+        // A soft brush acts most within half of its radius, so that the line is as wide as its radius.
         match &places[..] {
             [] => {}
             [at] => {

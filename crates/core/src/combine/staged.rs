@@ -39,7 +39,7 @@ pub fn combine_in_stages(
 
     let meter = Meter::begin(observer, Stage::Finish, 1)?;
     let mut run = empty(domain, pieces, options);
-    // The counts follow from all samples and the iterations. `Combined::into_run` has the result alone, and states them.
+    // No counts are stated: they follow from the samples and the iterations, of which this run has all.
     run.result = glued.samples.kept();
     run.samples = glued.samples;
     run.tiles = glued.tiles;

@@ -177,7 +177,8 @@ impl Interaction for Cut {
                 }
             }
             DraftCommand::Place(_) | DraftCommand::Axis(_) => draft.set(change),
-            // `Question::change` clears the draft itself. The other changes are of other types of questions.
+            // Every question clears its draft in the same way, not here. The other changes are of other types of
+            // questions.
             DraftCommand::Clear
             | DraftCommand::Pick(_)
             | DraftCommand::Type(_)

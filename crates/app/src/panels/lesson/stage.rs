@@ -222,6 +222,7 @@ impl Slide<'_> {
         if is_revealed {
             // A question that is closed was given up or answered rightly.
             let verdict = match (learner.progress(), open.told_answer(language)) {
+                // A question without an answer to tell has the label alone.
                 (Progress::GivenUp, answer) => {
                     format!("{} {}", labels.the_answer, answer.unwrap_or_default())
                 }

@@ -83,7 +83,7 @@ fn by_level(all: &TorusSets) -> LineChart {
     let inserting = counts.filter(|(_, count)| **count > 0);
     let points = inserting.map(|(level, count)| [level as f64, (*count as f64 / area).log2()]);
 
-    // `halving` fits a line to the levels. Its first term is what level 0 would insert to a unit of area, were each
+    // The first term of the line fitted to the levels is what level 0 would insert to a unit of area, were each
     // level to insert half as much as the one before.
     let [first, _] = halving(all).terms;
     let halved = (0..all.by_level.len()).map(|level| [level as f64, first.log2() - level as f64]);
