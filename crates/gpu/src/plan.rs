@@ -297,7 +297,8 @@ fn uniform_of(setup: &Setup, frame: &CoreFrame) -> Frame {
     let tiles = [columns, rows].map(|n| ((n + 2 * PAD) as u32).div_ceil(TILE_SIDE));
     let sides = [domain.width(), domain.height()];
 
-    // In a periodic plane the sum of origin and point must fit 32 bits (frame.wgsl), so the origin is reduced first.
+    // In a periodic plane the sum of origin and point must fit 32 bits (frame.wgsl), so the origin is reduced first. A
+    // frame has no cells beyond a closed border, so that its origin is 0 or above in a bounded domain.
     let origin = |axis: usize| {
         if domain.is_periodic() {
             frame.origin[axis].rem_euclid(sides[axis].into()) as u32

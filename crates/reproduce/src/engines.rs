@@ -162,6 +162,7 @@ impl Engines {
                 let none = || failed("there are no tables for exact tiling");
                 // The tables were made before, so that they do not count in the time of a set.
                 let history = self.history.as_ref().ok_or_else(none)?;
+                // With an observer of its own `make` can stand in both places below.
                 let make = || exact_points(parameters, history, &mut |_| control.flow());
                 // Where the global pool has one thread itself, `open` has started no pool of one.
                 let one = self

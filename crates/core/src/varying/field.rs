@@ -193,8 +193,8 @@ impl RadiusField {
         Ok(sides.map(|side| ((side - 1) >> bits) as usize + 1 + closed))
     }
 
-    /// Returns the field of the nodes around `cells`, 2^`bits` units apart, with their blocks. All radii are in their range.
-    /// Refuses a periodic domain that is too small for the largest.
+    /// Returns the field of the nodes around `cells`, 2^`bits` units apart, with their blocks. The radii must have been
+    /// checked. Refuses a periodic domain that is too small for the largest.
     fn new(
         domain: Domain,
         bits: u32,

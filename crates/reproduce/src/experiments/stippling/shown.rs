@@ -53,9 +53,11 @@ fn bitmap(dark_at: impl Fn([f64; 2]) -> f64, dark: &Darkness) -> Result<Bitmap> 
     )?)
 }
 
-/// Returns the picture of dots that together have as much ink as the image.
+/// Returns the picture of dots that together have as much ink as the image, but for what overlaps or is cut off.
+/// Without dots it is white.
 fn dotted(dark: &Darkness, dots: &[[f64; 2]]) -> Result<Bitmap> {
     let scale = PICTURE as f64 / dark.side as f64;
+    // Without dots the radius is not used.
     let radius = scale * (dark.sum() / (dots.len().max(1) as f64 * std::f64::consts::PI)).sqrt();
     let mut shades = vec![255; PICTURE * PICTURE];
     for dot in dots {
@@ -64,7 +66,7 @@ fn dotted(dark: &Darkness, dots: &[[f64; 2]]) -> Result<Bitmap> {
             |at: f64| ((at - radius).max(0.0) as usize)..((at + radius) as usize + 1).min(PICTURE);
         for row in range(y) {
             for column in range(x) {
-                // A pixel is black if its middle lies in the dot.
+                // A pixel is black if its middle lies in the dot. The picture has its highest row first.
                 if (column as f64 + 0.5 - x).hypot(row as f64 + 0.5 - y) <= radius {
                     shades[(PICTURE - 1 - row) * PICTURE + column] = 0;
                 }

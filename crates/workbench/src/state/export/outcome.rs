@@ -174,6 +174,7 @@ impl Exports {
             self.sheet = None;
         }
         let (text, is_error) = notice_of(written, download);
+        // The notice offers the folder of a file that was written. The browser chooses that of a download.
         let path = std::path::absolute(&written.path).ok();
         let folder = path.as_deref().and_then(std::path::Path::parent);
         context.ask(Effect::Tell(Notice {
