@@ -43,6 +43,7 @@ struct Tiled {
     order: (u32, u32, u32),
     point: Point,
     origin: Origin,
+    /// Whether it lies in the window; beyond a closed border it is dropped.
     lies_inside: bool,
     /// Its word in the list, which has the fate in its highest bits.
     word: u32,

@@ -42,13 +42,19 @@ pub struct Tree {
     holds_focus: bool,
     /// The numbers under which the page has nodes. Those of egui do not fit into JavaScript's numbers.
     numbers: HashMap<NodeId, u32>,
+    /// The nodes by these numbers.
     nodes: HashMap<u32, NodeId>,
+    /// The greatest number that was given; none is given twice.
     last_number: u32,
+    /// The elements as the page has them.
     elements: HashMap<u32, Element>,
+    /// Those at the top, in reading order.
     top: Vec<u32>,
+    /// The element that the page was told has the focus; 0 for none.
     focus: u32,
     /// The node of egui's focus at the last look; the whole window if nothing has it.
     focused: Option<NodeId>,
+    /// When that look was, in seconds of the browser's clock.
     looked_secs: f64,
     /// Requests and keys of the page for the next frame.
     asked: Vec<Event>,
@@ -216,6 +222,7 @@ impl Tree {
                 gone,
                 focus,
             };
+            // Changes can always be written: their keys are texts.
             hooks::tree(&serde_json::to_string(&changes).unwrap_or_default());
         }
 

@@ -15,7 +15,8 @@ pub(super) fn write(points: &[[f64; 2]], columns: &Columns) -> Vec<u8> {
         return out;
     }
 
-    // Further columns are named before the end of the head's line, which is taken off and put behind them.
+    // Further columns are named before the end of the head's line, which is taken off and put behind them. Levels are
+    // only written, and so have no name that a reader shares.
     out.pop();
     let names = [
         ("level", columns.levels.len()),

@@ -139,6 +139,8 @@ impl AgainstReference {
     fn of(one: &MeanCurves, reference: &MeanCurves) -> Result<Self> {
         let level = Spectrum::LEVEL;
         let [mean, base] = [one.count[0], reference.count[0]];
+        // The two means are independent, so that the squares of their errors add up. Both counts are nearly alike: the
+        // error of their quotient is that of their difference, in parts of the reference's count.
         Ok(Self {
             way: one.way,
             sets: one.sets,
