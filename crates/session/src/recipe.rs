@@ -103,7 +103,7 @@ pub fn load(incoming: &Incoming) -> Result<OwnPattern, String> {
 
 /// Makes a pattern of the point set of a file called `name`.
 ///
-/// Fails when the set has no certificate or is not maximal.
+/// Fails when the set has no certificate or one that was refused, and when it has conflicts or is not maximal.
 pub fn pattern_of(read: &ReadSet, name: &str) -> Result<OwnPattern, String> {
     let certificate = read
         .certificate

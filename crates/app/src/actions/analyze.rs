@@ -56,9 +56,9 @@ pub(super) fn add(list: &mut List, state: &State) {
 
 /// Adds brushing by keyboard.
 fn brushes(list: &mut List, state: &State) {
-    // Without a pointer no range can be dragged on a chart, so that there are these. The panel has fields for others.
-    // Below the first peak the power of a maximal set is least, and just above r its pairs are most. The ends
-    // are chosen.
+    // Without a pointer no range can be dragged on a chart: these actions brush some ranges, and the panel has fields
+    // for others. Below the first peak the power of a maximal set is least, and distances just above r are the most
+    // frequent in it. The ends are chosen.
     for (name, axis, [from, to]) in [
         (
             "Brush frequencies about the first peak",
