@@ -95,7 +95,8 @@ impl RankedSet<'_> {
         let (mut first, mut begin, mut misplaced) = (0, 0.0, 0);
         for level in self.levels {
             let end = self.threshold(level);
-            // The set may end within a level: the ranks that it has of that level are judged all the same.
+            // The set may end within a level: the ranks that it has of that level are judged all the same. A level stated
+            // with fewer samples than the level before has no ranks.
             let last = level.count.min(found);
             let ranks = self.ranks.get(first..last).unwrap_or_default();
             // A rank that is no number lies in no part.

@@ -106,8 +106,8 @@ fn gap_reach(nearest_square: i64, radius: Radius) -> i32 {
     square.max(0.0).sqrt() as i32 + 3
 }
 
-/// Returns the circumcentre of three places, rounded half up to the lattice, or `None` if they are collinear or it is
-/// far from the place (0, 0).
+/// Returns the circumcentre of three places, rounded half up to the lattice, or `None` if they are collinear or so
+/// nearly that it has no coordinates of 64 bits.
 #[inline]
 fn circumcentre(sites: [IVec2; 3]) -> Option<I64Vec2> {
     let [a, b, c] = sites.map(IVec2::as_i64vec2);

@@ -238,7 +238,8 @@ impl CellSearch {
         nearest: &[f32],
         reach: i32,
     ) {
-        // The rows and columns of the open pixels. `open` is not 0.
+        // The first and the last row of the open pixels, of which there is one at least, and the first and the last
+        // column: for these all rows are laid over each other.
         let (bottom, top) = (open.trailing_zeros() / 8, open.ilog2() / 8);
         let mut columns = open | open >> 32;
         columns |= columns >> 16;

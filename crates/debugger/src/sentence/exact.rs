@@ -90,8 +90,8 @@ impl Words<'_> {
         }
     }
 
-    /// Returns the sentence of a dart; none where it is that of other runs. A dart is examined where it falls, and
-    /// again, as a `ranked` one, when its turn in the order of arrival comes.
+    /// Returns the sentence of a dart; `None` for a verdict that exact tilings lack. A dart is examined where it falls,
+    /// and again, as a `ranked` one, when its turn in the order of arrival comes.
     fn arrival(&self, point: Point, ranked: bool, verdict: Verdict) -> Option<String> {
         let at = coordinates(point);
         match (ranked, verdict) {

@@ -26,7 +26,8 @@ pub struct Quality {
 impl Quality {
     /// Returns the quality of dots in pixels of the image.
     pub fn of(dark: &Darkness, dots: &[[f64; 2]]) -> Self {
-        // All dots together have as much ink as the image.
+        // All dots together have as much ink as the image. An image without dots is taken to have one, so that nothing is
+        // divided by 0.
         let ink = dark.sum() / dots.len().max(1) as f64;
         let distance = dark.side as f64 / (dots.len().max(1) as f64).sqrt();
         // Only pixels so far from the border are compared that no blur of theirs reaches beyond it.
