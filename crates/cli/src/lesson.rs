@@ -214,8 +214,8 @@ pub fn played(command: &LessonCommand) -> Option<Result<Played>> {
         Ok(Played::File { file, is_presented })
     } else {
         let names: Vec<_> = shipped::all().into_iter().map(|one| one.name).collect();
-        let (no_lesson, names) = (no_lesson(lesson), names.join(", "));
-        Err(anyhow!("{no_lesson}: lecture, {names}"))
+        let (refusal, names) = (no_lesson(lesson), names.join(", "));
+        Err(anyhow!("{refusal}: lecture, {names}"))
     })
 }
 

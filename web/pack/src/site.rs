@@ -352,8 +352,8 @@ fn without_placeholders(html: &str) -> String {
 
 /// Returns what the head of the first page has about its address and its lessons.
 fn first_page_head(entries: &[Entry], address: &str) -> String {
-    // Without a public address these are relative, which readers resolve against the page. (The data of one lesson,
-    // which catalogues copy, has no address then.)
+    // Without a public address the lessons' addresses are relative, which readers resolve against the page. (The data
+    // of one lesson, which catalogues copy, has no address then.)
     let lessons = entries.iter().map(|entry| {
         json!({
             "@type": "LearningResource",

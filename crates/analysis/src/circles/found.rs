@@ -52,7 +52,8 @@ impl Found {
         }
     }
 
-    /// Returns the result for the report, with at most `witnesses` of the largest gaps.
+    /// Returns the result for the report, with at most `witnesses` of the largest gaps. By then no sample is exposed
+    /// any more: each was looked at again in wider surroundings.
     pub fn findings(self, witnesses: usize) -> Findings {
         let mut worst_gaps = Worst::new(witnesses);
         let gaps = self.gaps.len() as u64;

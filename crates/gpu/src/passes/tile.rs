@@ -82,7 +82,8 @@ pub(crate) fn tile(plan: &WindowPlan) -> Vec<Command> {
     commands
 }
 
-/// Records the prefix sum of a list of `length` elements, each sum at most `limit`. The total goes to a counter.
+/// Records the prefix sum of a list of `length` elements. Sums above `limit` become `limit`, the end of the list that
+/// they are indices of; the total, as it is, goes to a counter.
 pub(super) fn sum(
     scan: &'static Pass,
     add: &'static Pass,

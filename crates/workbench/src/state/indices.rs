@@ -50,6 +50,7 @@ impl RunView {
                 (what, at, count)
             }
             Numbered::Stage(index) => {
+                // Of nested levels a command names the end of a level in the place of a stage.
                 let count = match &session?.nested {
                     Some(nested) => nested.ends().count(),
                     None => session?.stages.len(),

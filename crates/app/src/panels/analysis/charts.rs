@@ -134,8 +134,8 @@ fn cells_of(spectrum: &Spectrum) -> String {
     if least < Spectrum::MAX_NU - cell {
         // The frequencies along a side lie on both sides of zero.
         let most_cycles = (picture.size * picture.side).max(picture.rows * picture.row_side) / 2;
-        // A reach near the limit of cycles is final. A smaller one still grows. The share of 0.9 was chosen, not
-        // measured.
+        // The reach ends where the axis with more cycles has the most that are measured: it is then final. Before, it
+        // still grows. The share of 0.9 was chosen, not measured.
         let so_far = if most_cycles as f64 > 0.9 * Spectrum::MAX_CYCLES {
             let cycles = tilescope_session::words::grouped(Spectrum::MAX_CYCLES as usize);
             format!("({cycles} cycles)")
