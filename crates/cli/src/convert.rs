@@ -140,7 +140,8 @@ fn read(arguments: &ConvertArguments) -> Result<(PointSet, ExportContext)> {
     }
 
     let (set, mut context) = match checked {
-        // Without a certificate the smallest distance may have to serve as the radius.
+        // Neither a certificate nor an option states the radius or the region: the smallest distance and the unit
+        // square take their places.
         Err(CheckError::NoRadius | CheckError::NoRegion(_)) => uncertified(arguments)?,
         outcome => {
             let (set, found) = outcome.map_err(hinted).in_file(path)?;

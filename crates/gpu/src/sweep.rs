@@ -342,6 +342,7 @@ fn join(mut windows: Vec<WindowSamples>, with_sources: bool) -> Sampled {
         sources: with_sources.then(Vec::new),
     };
 
+    // The samples of a window are sorted by rows of cells.
     let row_of = |p: &Point| p.y / R;
     let highest_row = windows
         .iter()
@@ -358,7 +359,6 @@ fn join(mut windows: Vec<WindowSamples>, with_sources: bool) -> Sampled {
     let mut taken = vec![0; windows.len()];
     for row in lowest_row.unwrap_or(0)..=highest_row.unwrap_or(-1) {
         for (window, taken) in windows.iter().zip(&mut taken) {
-            // The samples of a window are sorted by rows of cells.
             let rest = &window.points[*taken..];
             let count = rest.partition_point(|p| row_of(p) <= row);
             joined.points.extend_from_slice(&rest[..count]);

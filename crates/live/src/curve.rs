@@ -167,7 +167,7 @@ impl CurveMaker {
         Ok(true)
     }
 
-    /// Adds the numbers of the moment at `cursor`, and returns the steps that it took.
+    /// Adds the numbers of the moment, which must be at `cursor` already, and returns the steps that it took.
     fn read(&mut self, cursor: usize) -> u64 {
         let set = self.moment.measured();
         let Curve {

@@ -85,7 +85,7 @@ fn folder(out: &Path, experiment: Experiment) -> PathBuf {
 ///
 /// The same settings give the same numbers, except times; units that are kept in `parts/` are not computed again, if
 /// settings, program, machine and threads are the same. An experiment that fails does not keep the others from being
-/// carried out; cancelling does.
+/// carried out. Cancelling does, and so does a file of the result that cannot be read or written.
 pub fn reproduce(
     experiments: &[Experiment],
     options: &Options,

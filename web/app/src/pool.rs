@@ -475,18 +475,17 @@ impl Inner {
 impl TaskPool for Pool {
     fn run(&self, task: PendingTask) {
         let has_no_worker = {
-            let mut inner = self.0.borrow_mut();
-            inner.waiting.push_back(task);
+            let inner = self.0.borrow();
             inner.slots.is_empty() && inner.program.workers == 0
         };
-        // The task that was just added comes back: no worker will ever take it.
+        // No worker would ever take the task. The browser's error, which said why there is none, is not kept.
         if has_no_worker {
-            let task = self.0.borrow_mut().waiting.pop_back();
-            if let Some(task) = task {
-                (task.answer)(TaskEnd::Failed(no_worker(&JsValue::NULL)));
-            }
+            let no_error = JsValue::NULL;
+            (task.answer)(TaskEnd::Failed(no_worker(&no_error)));
             return;
         }
+
+        self.0.borrow_mut().waiting.push_back(task);
         self.send_waiting();
     }
 }

@@ -54,8 +54,9 @@ pub struct DistantPairs {
 /// # Errors
 ///
 /// No sample or one outside the region; a distance that is negative, not a number or beyond half the shorter side
-/// ([`MeasureError::OutOfRange`]: up to there two samples have one pair of nearest images); a largest distance that
-/// does not exceed the least ([`MeasureError::NotRising`]); a limit of 0 or beyond [`MAX_PAIRS`].
+/// ([`MeasureError::OutOfRange`]: up to there two samples of a periodic region have one pair of nearest images; bounded
+/// regions have the same limit); a largest distance that does not exceed the least ([`MeasureError::NotRising`]); a
+/// limit of 0 or beyond [`MAX_PAIRS`].
 pub fn pairs_between(
     points: &[[f64; 2]],
     region: Region,

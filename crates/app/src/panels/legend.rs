@@ -37,7 +37,7 @@ pub fn show(
     match (context.appearance.colouring.of(kind), &context.run.session) {
         (Colouring::Age, Some(session)) => ages(ui, Ages::of(session), palette),
         (Colouring::Level, Some(session)) => levels(ui, session, palette),
-        // Blocks and origins have no order that a scale could show.
+        // Blocks and origins have no order that a scale could show, and before there is a session nothing is coloured.
         _ => {}
     }
 

@@ -293,9 +293,9 @@ impl RadiusField {
         self.cells_range([0, 0], last)
     }
 
-    /// Returns the radii at the corners of a cell that is no wider than the pitch and begins in the domain: the
-    /// lowest one, the one to the right, the one above, the highest one. All radii in it lie between them, as a
-    /// bilinear function has its extremes at corners. Of wider cells it returns `None`.
+    /// Returns the radii at the corners of a cell that is no wider than the pitch and begins in the domain: lower left,
+    /// lower right, upper left, upper right. All radii in it lie between them, as a bilinear function has its extremes
+    /// at corners. Of wider cells it returns `None`.
     ///
     /// A cell that reaches beyond the domain is not cut off there, so that the radii of its quarters follow from its
     /// corners by averages.

@@ -173,7 +173,7 @@ impl FileState {
         }
     }
 
-    /// Takes the content of a file that was read, or the name of one that was written.
+    /// Takes the content of a file that was read, the name of one that was written, or a file that is to be downloaded.
     fn take_done(&mut self, done: Done, runs: &mut Runs, context: &mut Context) {
         match done {
             Done::Saved(path) => {
@@ -210,6 +210,7 @@ impl FileState {
                 context.ask(Effect::Show(session));
             }
 
+            // An image and a shape start a run at once.
             Done::Image(image) => {
                 context.ask(Effect::GiveBack);
                 context.ask(Effect::Image(image));
@@ -221,7 +222,7 @@ impl FileState {
                 context.ask(Effect::OpenPanel(Panel::Parameters));
             }
 
-            // The pattern is one of the next run's inputs: no run is replaced.
+            // A pattern waits for the next run: none is replaced yet, so that a lesson keeps the window.
             Done::Pattern(own) => {
                 let samples = counted(own.pattern.samples().len(), "sample", "samples");
                 let text = format!(

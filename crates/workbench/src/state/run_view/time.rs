@@ -215,8 +215,9 @@ impl RunView {
         }
     }
 
-    /// Runs until an event of `target` has happened or, if the target is a line of pseudocode, until that is the next
-    /// line. Without recorded events it does nothing.
+    /// Runs to just after the next event of `target`, or backwards to just after the last one before; of a line of
+    /// pseudocode to just before it is carried out. If there is none, the cursor stays, and a notice says so. Without
+    /// recorded events it does nothing.
     pub(in crate::state) fn run_to(
         &mut self,
         target: Target,
