@@ -24,7 +24,8 @@ impl<T, E: Into<anyhow::Error>> InFile<T> for Result<T, E> {
     }
 }
 
-/// Refuses a path to which a point set could not be written once it is made. `option` names a format.
+/// Refuses a path to which a point set could not be written once it is made. `option` is the name
+/// of the option by which a format can be chosen.
 pub fn check_target(path: &Path, format: Option<Format>, option: &str) -> Result<()> {
     match Format::to_write(path, format) {
         Err(FormatError::UnknownFormat { .. }) => {

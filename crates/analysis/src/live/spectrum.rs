@@ -557,8 +557,10 @@ impl<'a> RowReader<'a> {
         // transform ends there, and of the four products only that of two cosines, as the taper is even.
         for column in (0..2).filter(|column| (column * stride).max(row * stride) < 2) {
             let frequency = [column, row].map(|index| (index * stride) as i64);
-            // Both columns are in the first block.
-            sums.to_mut()[0][0][column] -= self.total * spectrum.taper.mean_factor(frequency);
+            // Both columns are in the first block, and the product of two cosines is the first of the four.
+            let (block, cosines) = (0, 0);
+            sums.to_mut()[block][cosines][column] -=
+                self.total * spectrum.taper.mean_factor(frequency);
         }
 
         let [columns, _] = counts(spectrum.most, spectrum.stride);

@@ -79,6 +79,7 @@ impl Lessons {
             "waits": open.fault.is_none() && learner.scene().is_none(),
             "practice": learner.practised(),
             "question": QuestionTold::of(open, &self.language),
+            // Why an answer could not be given, or the step not be left.
             "lacking": open.lacking.as_deref().map(|lacking| self.in_words(lacking)),
             "verdict": open.verdict(&self.language),
             "sentence": open.feedback.as_ref().and_then(|said| said.sentence.as_deref()).map(spans),

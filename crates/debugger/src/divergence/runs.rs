@@ -98,6 +98,7 @@ impl Pair<'_> {
         let (a, b) = (&self.a.blocks, &self.b.blocks);
         let splits = a.splits.iter().zip(&b.splits);
         if let Some((x, y)) = splits.clone().find(|(x, y)| x != y) {
+            // The splits before are equal, so that these two cut the same node.
             let text = |plane| format!("a node cut at {plane} units");
             let point = Some(x.rect.min);
             return Some(differ(Stage::Blocks, point, text(x.plane), text(y.plane)));
@@ -105,6 +106,7 @@ impl Pair<'_> {
 
         let leaves = a.leaves.iter().zip(&b.leaves);
         if let Some((x, y)) = leaves.clone().find(|(x, y)| x != y) {
+            // Blocks may also differ by the keys of their draws alone. They then have one corner, which is named twice.
             let text = |point| format!("a block from {}", units(point));
             let (low, other) = (x.rect.min, y.rect.min);
             return Some(differ(Stage::Blocks, Some(low), text(low), text(other)));

@@ -154,7 +154,8 @@ fn spectra_pictures(study: &Study<'_>, found: &[MethodSpectra]) -> Result<Vec<Pi
     Ok(pictures)
 }
 
-/// Returns the notes: how it was measured, which results are no evidence, and how long patterns take to be made.
+/// Returns the notes: how it was measured, which results are no evidence, how long patterns take to be made, and why no
+/// GPU was measured, if none was.
 fn notes(found: &[MethodSpectra], rounds: &[RateRound]) -> Vec<String> {
     let mut notes = vec![text("fig13/how", &json!({}))];
 

@@ -263,8 +263,9 @@ impl Visitor<'_> {
                 layer.grid.place(point)
             };
             // Two points that are near are at most twice the smaller radius apart, and at most the larger one. Cells
-            // are as wide as the largest radius of their octave: one step is enough for a point of a smaller radius,
-            // and two for a larger one.
+            // are as wide as the largest radius of their octave, and layers follow each other by their octaves: one
+            // step is enough in a layer whose radii are as large as the point's or larger, and two in one of smaller
+            // radii.
             let steps = if own.layer <= number { 1 } else { 2 };
             layer.add_around(at, steps, |cell| {
                 around.push(Cell {

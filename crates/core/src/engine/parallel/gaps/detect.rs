@@ -150,8 +150,8 @@ impl<const TAGS: bool> Region<TAGS> {
             self.concerned_pixels(gaps, x, y, &mut todo);
         }
 
-        // Pixels are sorted by cell, so that the samples around a cell are gathered once. Two new samples may concern
-        // one pixel, which is searched once.
+        // The sites of a candidate are looked up among the sorted detectors. Pixels are sorted by cell, so that the
+        // samples around a cell are gathered once. Two new samples may concern one pixel, which is searched once.
         gaps.detectors.sort_unstable();
         todo.sort_unstable();
         todo.dedup();
