@@ -414,7 +414,8 @@ impl WindowRun {
         commands
     }
 
-    /// Reads the counters if the recorded step needs them, and decides what comes next.
+    /// Reads the counters if the recorded step needs them, and decides by them what comes next; otherwise the step that
+    /// is next already stays. Returns the shortage for which the window must be computed again, if there is one.
     async fn settle(&mut self) -> Result<Option<Shortage>, GpuError> {
         if !self.reads {
             return Ok(None);

@@ -154,7 +154,7 @@ impl AnyReference {
         observer: &mut dyn Observer,
     ) -> Result<Option<RunDifference>, GpuError> {
         match (self, stepper) {
-            // The sequential engine goes on to the same stage.
+            // The sequential engine goes on to the same stage. The run of an exact tiling is finished already.
             (Self::Kdrt(reference), AnyStepper::Kdrt(stepper)) => {
                 reference.advance(stage, observer)?;
                 Ok(reference.compare(stage, &stepper.run().await?))

@@ -61,7 +61,8 @@ impl Words<'_> {
     }
 
     /// Returns the sentence of a dart that lands or, if it is `ranked`, of one whose turn comes; `index` is its event's.
-    /// `None` for verdicts that no dart gets in space: then the sentence is that of any run.
+    /// `None` for verdicts that no dart gets in space, and if its blocker has no place: the sentence is then that of
+    /// any run.
     fn space_dart(
         &self,
         point: Point,
