@@ -213,7 +213,8 @@ fn of_unknown_origin(region: Region, radius: f64) -> ExportContext {
 
 /// Returns the smallest distance of a set without a radius, which then serves as its radius.
 fn smallest_distance(points: &[[f64; 2]], region: Region) -> Result<f64> {
-    // The report's smallest distance does not depend on the radius; the mean spacing keeps the search quick.
+    // The report's smallest distance does not depend on the radius; the mean spacing keeps the search quick. An empty
+    // set, which has no spacing, is refused by the verifier.
     let spacing = (region.width * region.height / points.len().max(1) as f64).sqrt();
     // One judge is enough to measure it: the judges that the arguments choose judge the written file.
     let options = VerifyOptions {

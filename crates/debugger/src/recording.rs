@@ -138,8 +138,8 @@ impl Recording {
         Ok(Self::of(engine.finish(observer)?, tape))
     }
 
-    /// Makes the set of a field of radii and a shape by darts, and records it with about `budget` events at most. The
-    /// set depends on the seed of the parameters alone.
+    /// Makes the set of a field of radii and a shape by darts, and records it with about `budget` events at most. Of
+    /// the parameters only the seed matters to the set.
     pub fn with_locality(
         locality: &Arc<Locality>,
         parameters: &Parameters,

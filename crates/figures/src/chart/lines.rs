@@ -163,7 +163,7 @@ fn levels(chart: &LineChart, frame: &Frame<'_>, mut group: Group) -> Group {
 }
 
 /// Returns the levels' names: above the plot beside the heading, where no curve runs, each behind a piece of its line. Where there
-/// is no room for all of them, they stand at their lines.
+/// is no room for all of them, or there are more than kinds of dashes, they stand at their lines.
 fn level_names(chart: &LineChart, frame: &Frame<'_>) -> Group {
     let mut group = Group::new("level names");
     let Rect { min, max } = frame.plot;

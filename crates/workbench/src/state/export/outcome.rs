@@ -111,6 +111,7 @@ impl Exports {
                     let path = path.to_string_lossy().into_owned();
                     self.apply(ExportCommand::Path(path), source, delivery, context);
                 }
+                // The dialog was closed without a choice.
                 Ok(None) => {}
                 Err(failure) => context.tell_error(sentence(&failure)),
             }
