@@ -336,6 +336,7 @@ impl Judged {
         if certificate.is_some_and(|stated| stated.thinned.is_some()) {
             return Err(CheckError::Thinned);
         }
+        // A certificate with a third side is of a set in space, which is not judged here.
         if let Some(stated) = certificate {
             stated.refuse_depth("the certificate")?;
         }

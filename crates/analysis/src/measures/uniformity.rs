@@ -38,6 +38,7 @@ impl PositionClasses {
         check_set(points, self.region, fewest)?;
         let mut counts = vec![0; cells];
         for [x, y] in points {
+            // A sample on the upper border counts in the last cell.
             let cell = |value: f64, extent: f64, cells: usize| {
                 ((value / extent * cells as f64) as usize).min(cells - 1)
             };

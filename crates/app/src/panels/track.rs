@@ -335,7 +335,8 @@ fn density(
     palette: &Palette,
 ) {
     for segment in segments {
-        // A column is two points wide, with a line in its middle. The bar of a segment leaves a point free at both of its ends.
+        // A column is two points wide, with a line in its middle. The bar of a segment leaves a point free at both of
+        // its ends, and has one column at least.
         let columns = ((segment.right - segment.left - 2.0) / 2.0).max(1.0) as usize;
         let counts = tilescope_debugger::density(recording, segment.events.clone(), columns);
 

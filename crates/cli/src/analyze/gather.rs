@@ -99,11 +99,13 @@ impl Analysis {
         Ok(analysis)
     }
 
-    /// Measures each set by itself. A file that cannot be read is noted, and the others are measured.
+    /// Measures each set by itself. A file that cannot be analysed is noted, and the others are measured. Fails if the
+    /// command was asked to end.
     fn one_by_one(&mut self, paths: &[PathBuf], request: &Request<'_>) -> Result<()> {
         for (path, repetition) in paths.iter().zip(repetitions(paths)) {
             // Each set has the frequencies and the bins that suit it.
-            let set = (request.measure(Source::whole(path), None))
+            let nothing_common = None;
+            let set = (request.measure(Source::whole(path), nothing_common))
                 .and_then(|set| self.with_domain_of_reference(set));
             match set.and_then(|set| Ok(Subject::one(set)?)) {
                 Ok(subject) => {

@@ -76,7 +76,8 @@ impl ExactRows {
     #[must_use]
     pub fn locate(&self, name: Name, table: &BufferRows) -> RowPlaces {
         let mut places = RowPlaces {
-            // Marks are numbered piece by piece, in cells that several pieces may share.
+            // Places of the pattern are not those of the domain, and rows of the other buffers named here are numbers
+            // without a place. Marks are numbered piece by piece, in cells that several pieces may share.
             unplaced: match name {
                 Name::Pattern => Some(Unplaced::Pattern),
                 Name::Ground
