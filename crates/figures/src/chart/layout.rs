@@ -201,6 +201,7 @@ fn tiles_width(figure: &Figure) -> Option<f64> {
         for panel in row {
             match panel {
                 Panel::Tile(tile) => width += tile.side? + tiles::GAP,
+                // Scales stand beside the title.
                 Panel::Scale(_) => {}
                 _ => return None,
             }

@@ -252,7 +252,7 @@ pub(super) fn head(count: u64, precision: Precision) -> Vec<u8> {
 }
 
 /// Returns the array with only those of its rows that are kept, in the same number type and order. `kept` has an entry
-/// for each row.
+/// for each row, as the whole array was read before.
 pub(super) fn keep(bytes: &[u8], kept: &[bool]) -> Result<Vec<u8>, FormatError> {
     let (header, offset) = read_head(bytes)?;
     let size = header.precision.bytes();

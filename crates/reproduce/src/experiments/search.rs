@@ -146,7 +146,8 @@ fn claims(found: &[GapStatistics]) -> Vec<Claim> {
 fn claim_without_gaps(id: &str, sets: &[&GapCounts]) -> Claim {
     let holes: usize = sets.iter().map(|one| one.holes).sum();
     let samples: usize = sets.iter().map(|one| one.count).sum();
-    // `holes` is the tessellation's count of gaps, and `centers` the verifier's. Both have to be zero.
+    // `holes` is the tessellation's count of gaps, and `centers` the verifier's. Both have to be zero. No detector
+    // could find the centres that are `out_of_sight`.
     let holds = sets.iter().all(|one| one.holes == 0 && one.centers == 0);
 
     let ends = poisson_interval(holes, MISSED).map(|gaps| a_million(gaps, samples));
