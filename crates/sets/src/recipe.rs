@@ -232,6 +232,7 @@ impl Recipe {
             set: PointSet::from_points(made.positions()),
             facts: Facts {
                 levels: made.claims().map(PrefixClaim::from).collect(),
+                // Only a window can lack ranks, and these levels are whole.
                 ranks: made.ranks().unwrap_or_default().into(),
                 ..Facts::new("kdrt", parameters, domain)
             },

@@ -183,6 +183,7 @@ impl Draft {
             ParameterError::Count { .. }
             | ParameterError::OneLevel { .. }
             | ParameterError::TooFewForLevels { .. } => FormPart::Exactly,
+            // Other errors are about how levels and parameters go together.
             _ => FormPart::Choices,
         };
         let reason = sentence(&error.to_string());

@@ -62,7 +62,7 @@ pub fn packed(mut files: Vec<NamedBytes>) -> Result<NamedBytes, PackError> {
 }
 
 /// Returns the files of an archive made by [`packed`], or of another one, which may be compressed. Fails with a sentence if it is not
-/// an archive, or contains more than the limits allow.
+/// an archive, contains more than the limits allow, or states a wrong length.
 pub fn unpacked(file: &NamedBytes) -> Result<Vec<NamedBytes>, String> {
     let name = &file.name;
     let failed = |why: &dyn std::fmt::Display| format!("{name} cannot be unpacked: {why}");

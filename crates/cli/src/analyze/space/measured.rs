@@ -167,6 +167,8 @@ fn numbers_of_set(given: &ReadSet, verdict: Option<&SolidVerdict>) -> Vec<Measur
     let gaps = report.map(|own| own.gaps as f64);
     let relative = verdict.map(SolidVerdict::relative_radius);
 
+    // Six decimals show the tolerance of lengths, about 2^-15 r. The other numbers of decimals are chosen, not
+    // measured.
     vec![
         number("samples", "samples N", "", 0, Some(count)),
         number("radius", "radius r", "user units", 8, Some(radius)),
