@@ -244,6 +244,7 @@ fn ranks(path: &Path, format: Option<Format>, found: Format) -> Result<Option<Ve
 /// is not given is 0 0.
 fn bare(path: &Path, overrides: &Overrides, with_provenance: bool) -> Result<FoundSet, Failure> {
     let bytes = read_whole(path)?;
+    // Only paths of folders end without a name, and folders cannot be read.
     let name = lossy(path.file_name().unwrap_or_default());
     let hint = Hint {
         format: overrides.format,

@@ -148,7 +148,8 @@ impl Pool {
                 }
             }
         }
-        // A task may end by itself meanwhile, and its worker then keeps the sessions that it has.
+        // A task may end by itself meanwhile, and its worker then keeps the sessions that it has. Without a timer the
+        // task would only go on to its end.
         for id in graced {
             let pool = self.clone();
             let end = Closure::once_into_js(move || pool.abandon(id));

@@ -112,7 +112,8 @@ impl PowerCurve {
     ///
     /// Those of [`Self::new`].
     pub fn of_pairs(pairs: &PairCorrelation, frequencies: Vec<f64>) -> Result<Self, MeasureError> {
-        // Bins are given in units of r_max, and wanted in units of the mean spacing.
+        // Bins are given in units of r_max, and wanted in units of the mean spacing: `largest_min_distance` of one
+        // sample to a unit of area.
         let r_max_in_spacings = (2.0 / 3f64.sqrt()).sqrt();
         let (step, bins) = (pairs.bin_width * r_max_in_spacings, pairs.g.len() as f64);
 

@@ -256,9 +256,11 @@ impl PatternDarts {
                 let min = mins[cell as usize];
                 let place = Point::new(min.x + right as i32, min.y + up as i32);
                 if self.rect.contains(place) {
+                    // The only throw of a level is number 0.
+                    let arrival = Arrival::new(level, 0, ranks[lane]);
                     out.push(DrawnDart {
                         cell: cell.into(),
-                        arrival: Arrival::new(level, 0, ranks[lane]),
+                        arrival,
                         place,
                     });
                 }

@@ -149,6 +149,7 @@ impl ExactStepper {
             // The lists stay as the last throw left them.
             ExactStep::Count | ExactStep::Collect | ExactStep::End => throws.last(),
         };
+        // Every level has throws, so that the 0 never stands in.
         let side_bits = throw.map_or(0, |throw| throw.side_bits);
 
         // As long as the cells of a level wait to be cut or swapped, the open ones are those of the level before, twice as wide.

@@ -63,6 +63,7 @@ fn read(fields: &Fields) -> Result<Arc<dyn GateKind>, LessonError> {
 impl GateKind for BandsGate {
     fn ask(&self, asking: &Asking<'_>) -> Result<Arc<dyn Interaction>, LessonError> {
         let (before, after) = (asking.power(&self.from)?, asking.power(&self.to)?);
+        // Without frequencies a spectrum would end at 0, before every band.
         let end = |power: &[MeanPower]| power.last().map_or(0.0, |at| at.frequency);
         let last = end(&before).min(end(&after));
 

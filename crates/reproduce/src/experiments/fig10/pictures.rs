@@ -188,7 +188,7 @@ fn spectrum_tile(spectrum: &MeanSpectrum, shown: f64) -> Result<TileChart> {
     let image: Vec<u8> = powers
         .map(|power| shade(1.0 - 2.0 * power / BLACK))
         .collect();
-    // The tile holds all rows, so that none are chosen.
+    // The tile holds all rows, so that the lower ones are the upper ones.
     let lower = true;
     Ok(tile(Some(TILE), "", note, shades(&image, TILE, lower)?))
 }

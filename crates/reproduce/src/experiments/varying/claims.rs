@@ -108,8 +108,10 @@ fn pairs(found: &VaryingResults) -> Claim {
     let quantile = student_quantile(MISSED, f64::INFINITY);
     let (mut verdicts, mut worst, mut at, mut widest) = (Vec::new(), 0.0_f64, 1.0, 0.0_f64);
     for ramp in gentle {
-        for (bin, (here, one)) in ramp.pairs.iter().zip(level).enumerate() {
-            let (difference, error) = (here[0] - one[0], here[1].hypot(one[1]));
+        for (bin, ([here, error_here], [one, error_of_one])) in
+            ramp.pairs.iter().zip(level).enumerate()
+        {
+            let (difference, error) = (here - one, error_here.hypot(*error_of_one));
             let reach = quantile * error;
             verdicts.push(
                 Rule::near(0.0, PAIRS).verdict(Some([difference - reach, difference + reach])),
