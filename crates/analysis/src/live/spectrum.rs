@@ -173,8 +173,9 @@ impl LiveSpectrum {
         }
 
         self.clear();
+        let sign = 1;
         for (_, place) in samples {
-            self.change(*place, 1);
+            self.change(*place, sign);
         }
         by_changes
     }
@@ -506,6 +507,7 @@ impl Renew for LiveSpectrum {
                     if let Work::Transform(complete) = taken {
                         *work = Work::Rows(complete.finish(), 0);
                     }
+                    // The values are only handed on, which takes no step.
                     Some(0)
                 }
             },

@@ -133,9 +133,11 @@ fn gamma_tail(a: f64, x: f64) -> f64 {
                 break;
             }
         }
+        // Rounding may leave a tiny negative number.
         return (1.0 - scale * sum).max(0.0);
     }
 
+    // Legendre's fraction for the upper part.
     let step = |k: f64| (-k * (k - a), x + 2.0 * k + 1.0 - a);
     scale / fraction(x + 1.0 - a, step)
 }

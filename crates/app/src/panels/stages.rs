@@ -46,6 +46,7 @@ pub fn show(ui: &mut Ui, context: &PanelContext<'_>, commands: &mut Vec<Command>
     }
 
     if let Some(stipple) = session.stipple() {
+        // A page counts in 32 bits, and would show a larger number as the largest of these.
         let made = usize::try_from(stipple.made).unwrap_or(usize::MAX);
         name_and_value(ui, "Kept", &grouped(session.summary.count), palette);
         return name_and_value(ui, "Made", &grouped(made), palette);

@@ -309,7 +309,7 @@ const TEXT: f64 = 14.0;
 
 /// Adds a line below the picture that says what its marks are. `close` is whether the picture shows a part from near.
 fn legend(scene: &mut Scene, palette: &Palette, close: bool) {
-    // Eight points above the middle of the line: set by eye.
+    // Eight points above the middle of the line: set by eye, as are the distances of the marks.
     let middle = scene.height + 0.5 * LINE - 8.0;
     let colors = [
         palette.block_borders[0],
