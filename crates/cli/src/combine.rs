@@ -133,6 +133,7 @@ fn glue(path: &Path, out: Option<&Path>) -> Result<Glued> {
     let layout = read(path)?;
     let placed = layout.placed()?;
     // Files of a layout are relative to its folder, so that both can be moved together.
+    // Only a root has no folder, and could not be read above.
     let folder = path.parent().unwrap_or(Path::new(""));
     // Only the layout names the files of its pieces, so that they are known no earlier.
     if let Some(out) = out {

@@ -196,6 +196,7 @@ impl<'a> Looks<'a> {
                     .with_disk(true)
                     // The outline keeps a diamond apart from the dots around it.
                     .with_outline(drawn == Symbol::Diamond)
+                    // Without a brush over the curves all samples have the usual size.
                     .with_size(self.tint(id).map_or(1.0, |(_, size)| size))
             }
             // Other samples are not there yet, or belong to a layer that is off.

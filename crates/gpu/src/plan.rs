@@ -85,11 +85,14 @@ pub(crate) struct Room {
 
 /// All that must be known of a window before it is computed.
 pub(crate) struct WindowPlan {
+    /// The frame, as core has it.
     pub frame: CoreFrame,
+    /// The same frame as shaders have it, with the room of the lists.
     pub uniform: Frame,
     /// The images of blocks, as core has them and, in the same order, as shaders do.
     pub placed: Vec<PlacedBlock>,
     pub images: Vec<Image>,
+    /// The images in pieces, as words: see [`pieces_of`].
     pub pieces: Vec<[u32; 4]>,
 }
 

@@ -137,7 +137,7 @@ fn of_found<'py>(
         "summary": null,
         "certificate": holding,
     });
-    // Ranks are those of the levels that the certificate states.
+    // Ranks are those of the levels that the certificate states; without such a certificate both are empty.
     let ranks = holding
         .and_then(|_| found.ranks.clone())
         .unwrap_or_default();

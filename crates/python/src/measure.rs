@@ -30,7 +30,7 @@ pub fn analyze<'py>(
         // Memory is asked for first, as a failed allocation would end the interpreter.
         ask_to_measure(points.len())?;
         // Without a known radius any will do, since the smallest distance and the covering radius do not depend on it.
-        // One about as long as the samples' spacing keeps the search quick.
+        // One about as long as the samples' spacing keeps the search quick; a set without samples counts as one.
         let spacing = || (region.area() / points.len().max(1) as f64).sqrt();
         let (r, options) = (known.unwrap_or_else(spacing), VerifyOptions::default());
         let report = verify(points, region, r, &options, &watch.control("verify"))?;

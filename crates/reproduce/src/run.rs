@@ -60,7 +60,7 @@ pub fn plan(experiments: &[Experiment], settings: &Settings, out: Option<&Path>)
         let mut kept = out
             .map(|out| Parts::kept(&folder(out, experiment), &stamp))
             .unwrap_or_default();
-        // A run with the setting `many` leaves more batches of density than these settings may have.
+        // A run with the setting `many` leaves more batches of the experiment `density` than these settings may have.
         kept.truncate(units);
 
         Planned {

@@ -187,7 +187,7 @@ fn stated_stipple(
         None => 0.0,
         Some(ShapeSource::Polygon(_) | ShapeSource::Mask(_)) => return None,
     };
-    // The request has the image as it is in its file, and its tone apart.
+    // The request has the image as it is in its file, and its tone apart. The usual tone is in range.
     let stipple = StippleRequest {
         tone: image.tone(),
         image: image.toned(Tone::default()).ok()?,

@@ -198,6 +198,7 @@ impl Verdict {
             claim: None,
             stipple: None,
             closest,
+            // A set in space has an empty ball instead of a circle, and only that of a gap is known.
             largest: None,
             space: Some(SpaceWitness { gap }),
         })

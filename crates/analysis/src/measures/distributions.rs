@@ -137,7 +137,7 @@ fn gamma_tail(a: f64, x: f64) -> f64 {
         return (1.0 - scale * sum).max(0.0);
     }
 
-    // Legendre's fraction for the upper part.
+    // The numerators and denominators of the upper part's continued fraction.
     let step = |k: f64| (-k * (k - a), x + 2.0 * k + 1.0 - a);
     scale / fraction(x + 1.0 - a, step)
 }

@@ -193,7 +193,8 @@ fn change(session: &Session, stage: Stage) -> String {
             grouped(session.inserted_at_once())
         ),
         Stage::Eliminate => format!("\u{2212}{}", grouped(summary.eliminated)),
-        // Iterations are counted from 1, and the list of their insertions from 0.
+        // Iterations are counted from 1, and the list of their insertions from 0. It ends with the last one that
+        // inserted any.
         Stage::Iterate(k) => {
             let inserted = grouped(summary.inserted.get(k as usize - 1).copied().unwrap_or(0));
             // Exact tiling drops samples in each iteration, KDRT before the first one alone.

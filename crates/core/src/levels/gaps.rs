@@ -383,8 +383,8 @@ impl LevelRegion {
             if limit < f64::from(reach) - 1.0 {
                 break limit;
             }
-            // No candidate is farther than 5 R from its sites (see `candidates::may_hold`): all that were found are
-            // sites, and the pixel's sight has no end, which `doubt_pixels` takes as unknown.
+            // No candidate is farther than 5 R from its sites (see `may_hold` in [`super::candidates`]): all that were
+            // found are sites, and the pixel's sight has no end, which `doubt_pixels` takes as unknown.
             if reach > 5 * radius.units {
                 break f64::INFINITY;
             }

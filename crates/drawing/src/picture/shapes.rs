@@ -167,7 +167,7 @@ impl Surface for Shapes {
             Mark::Halo => (Marker::Dot, stroked(2.0)),
         };
 
-        // A mark is as wide as its kind, and wider by twice its own growth.
+        // The width of a mark: twice the radius of its kind and its own growth.
         let size = 2.0 * f64::from(radius + growth);
         let shape = Shape::marker(marker, at(center), size, marker_style);
         self.marks[mark as usize].push(shape);

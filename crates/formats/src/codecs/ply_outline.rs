@@ -41,6 +41,8 @@ impl OutlinedElement {
     /// many lines do.
     pub fn length(&self, bytes: &[u8], encoding: Encoding) -> Result<usize, FormatError> {
         let Encoding::Binary(endian) = encoding else {
+            // A file that is in memory has fewer lines than the largest number, so that a larger count is as wrong as
+            // it.
             return Ok(usize::try_from(self.count).unwrap_or(usize::MAX));
         };
 

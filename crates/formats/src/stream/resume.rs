@@ -140,6 +140,7 @@ impl Checkpoint {
         let failed = |error| io_error(file, error);
         let mut rows = File::open(file).map_err(failed)?;
         rows.seek(SeekFrom::Start(head_length)).map_err(failed)?;
+        // A document that was changed by hand may state fewer bytes than the head has.
         let length = self.bytes.saturating_sub(head_length);
         let mut hasher = blake3::Hasher::new();
         hasher.update_reader(rows.take(length)).map_err(failed)?;

@@ -22,7 +22,7 @@ pub(super) const NO_PARAMETERS: &str =
     "A combination is made from a layout and has no parameters to change.";
 
 impl Runs {
-    /// Starts a run of `recipe`, on a GPU if one is given.
+    /// Starts a run of `recipe`, on a GPU if one is given and makes such runs.
     pub(super) fn sample(
         &mut self,
         which: Which,

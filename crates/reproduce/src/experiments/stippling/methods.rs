@@ -221,6 +221,7 @@ fn diffused(dark: &Darkness, dots: usize) -> Vec<[f64; 2]> {
     let (mut factor, mut best) = (1.0, Vec::new());
     for _ in 0..TRIES {
         let found = black_cells(&tones, columns, factor);
+        // The 1 stands in where no cell is black.
         factor *= dots as f64 / found.len().max(1) as f64;
         if found.len().abs_diff(dots) < best.len().abs_diff(dots) {
             best = found;

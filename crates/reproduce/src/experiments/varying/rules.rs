@@ -211,8 +211,9 @@ fn positive_root(square: f64) -> Option<f64> {
     (square >= 0.0).then(|| square.sqrt())
 }
 
-/// Returns all places in the order in which they arrive. In an area of R^2 as many arrive in a time as in any other such area: so
-/// the mean time of a place grows with R^2.
+/// Returns all places in the order in which they arrive. `radii` are those of the columns. Where the radius is R, as
+/// many places arrive in a time in an area of R^2 as elsewhere in the square of the radius there: so the mean time of a
+/// place grows with R^2.
 fn arrivals(radii: &[f64], rows: usize, seed: u64) -> Vec<usize> {
     // The key differs from that of the seed, which the sampler uses.
     let key = Key::from_seed(seed).derive(Stream::Dart, u32::MAX);
