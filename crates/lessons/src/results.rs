@@ -441,7 +441,7 @@ impl Merged {
 }
 
 /// Returns the entries of several learners as CSV, with a heading, to be opened in a spreadsheet: it begins with a
-/// byte-order mark, and no text of it is a formula.
+/// byte-order mark, and no text of it is a formula. Forms, concepts and votes are left to the table of gains.
 ///
 /// # Errors
 ///

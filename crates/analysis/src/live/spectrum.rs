@@ -560,7 +560,7 @@ impl<'a> RowReader<'a> {
         for column in (0..2).filter(|column| (column * stride).max(row * stride) < 2) {
             let frequency = [column, row].map(|index| (index * stride) as i64);
             // Both columns are in the first block, and the product of two cosines is the first of the four.
-            let (block, cosines) = (0, 0);
+            let (block, cosines): (usize, usize) = (0, 0);
             sums.to_mut()[block][cosines][column] -=
                 self.total * spectrum.taper.mean_factor(frequency);
         }

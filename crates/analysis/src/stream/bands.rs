@@ -63,7 +63,7 @@ impl StreamSearch {
         scaled_radius: f64,
     ) -> Self {
         let cells = domain.extent.to_array().map(|extent| {
-            // The largest counts are not used: no set of that many cells is streamed.
+            // An axis has at least one cell. The largest counts are not used: no set of that many cells is streamed.
             (extent / (CELL * scaled_radius)).clamp(1.0, 1e12) as usize
         });
         Self {

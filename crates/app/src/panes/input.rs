@@ -181,7 +181,7 @@ fn pick(
         Hand::Mouse => PICK_POINTS,
         _ => PICK_BY_FINGER,
     };
-    // A finger does not hover before it touches or after it is lifted.
+    // Only a mouse hovers: a finger that is down drags or selects.
     let pointer = response.hover_pos().filter(|_| touch.hand == Hand::Mouse);
     let hovered = pointer.and_then(|pos| nearest(response, subject, pos, reach));
     if hovered != subject.hovered {

@@ -37,7 +37,7 @@ pub fn run(
     let reports = judged(&plane, &window, request.levels)?;
     let is_valid = reports.iter().all(CutReport::valid);
 
-    // The levels are parameters of the run as well: both together make the window again.
+    // The request is stated among the parameters: together they make the window again.
     let mut parameters = recipe.stated(plane.domain().radius());
     parameters.extend(stated(&request));
     let set = PointSet::from_points(found.positions());

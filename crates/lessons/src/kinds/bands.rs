@@ -38,12 +38,13 @@ struct BandsGate {
     bands: Vec<[f64; 2]>,
 }
 
+/// Reads a question of this type from the fields of its gate.
 fn read(fields: &Fields) -> Result<Arc<dyn GateKind>, LessonError> {
     let band = |field: &Field| {
         let (low, Some(high)) = field.split("..") else {
             return Err(field.wrong("a band is of the form \"band: 0.2..0.5\", in 1/r"));
         };
-        // Spectra of maximal sets end at about 3 / r (`sets.rs`).
+        // Lessons show the spectra of maximal sets up to 3 / r.
         let end = |text: &str| field.part(text).number([0.0, 3.0]);
         let [low, high] = [end(low)?, end(high)?];
         if low >= high {
@@ -53,9 +54,11 @@ fn read(fields: &Fields) -> Result<Arc<dyn GateKind>, LessonError> {
     };
     // One band alone would be a choice of three words. Chosen, not measured.
     let least = 2;
+    // The expressions use the names that all expressions have, and no others.
+    let more_names: [&str; 0] = [];
     Ok(Arc::new(BandsGate {
-        from: fields.need_expression("from", &[])?,
-        to: fields.need_expression("to", &[])?,
+        from: fields.need_expression("from", &more_names)?,
+        to: fields.need_expression("to", &more_names)?,
         bands: fields.limited("band", least, band)?,
     }))
 }

@@ -90,7 +90,7 @@ pub(super) fn write(
     })
 }
 
-/// Appends the file of a set and its certificate to `files`.
+/// Appends the file of a set and its certificate to `files`. Returns what was written, with the verdict on it.
 pub(super) fn render(
     job: &ExportJob,
     solid: &MadeSolid,

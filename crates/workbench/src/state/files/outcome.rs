@@ -165,6 +165,7 @@ impl FileState {
             }
         }
 
+        // A notice also names the files that came with this one and were not opened, or not even read.
         if !left.is_empty() {
             context.ask(Effect::Add(left_sentence(&left)));
         }
