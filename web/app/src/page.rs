@@ -113,7 +113,7 @@ pub async fn start(
         bindings: options.bindings.clone(),
         module: hooks::given("module").unwrap_or(JsValue::UNDEFINED),
         later: hooks::given("later"),
-        // One processor is left to the page.
+        // One processor is left to the page, unless there is no other.
         workers: ((cores as usize).saturating_sub(1)).clamp(1, MAX_WORKERS),
     });
     set_task_pool(Some(Rc::new(pool.clone())));

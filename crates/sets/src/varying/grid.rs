@@ -37,7 +37,8 @@ impl RadiusGrid {
         })
     }
 
-    /// Returns radii from those of pixels, which fill a domain that ends like this: a node has the mean of the pixels around it.
+    /// Returns radii from those of pixels, which fill a domain with this boundary: a node has the mean of the pixels
+    /// around it.
     ///
     /// # Errors
     ///

@@ -300,6 +300,7 @@ impl DiskLists {
             // Samples of any time: the later ones are picked out below.
             let mut found = group.covering(simd, place, u32::MAX);
             while found != 0 {
+                // There is a bit for each lane: the remainder only shows the compiler that the index is in range.
                 let lane = found.trailing_zeros() as usize % LANES;
                 found &= found - 1;
                 // Whether the sample is doubtful does not matter here.

@@ -15,19 +15,15 @@ use crate::texts::table;
 /// Pixels of a picture along a side: enough for dots to be round. The side of its tile is half of it.
 const PICTURE: usize = 480;
 
-/// Returns each image with the dots of all methods beside it.
+/// Returns each image with the dots of all methods but the last, independent dots, beside it.
 pub fn picture_of(all: &[ComparedImage]) -> Result<Picture> {
     let mut rows = Vec::new();
     for one in all {
         let side = Some(0.5 * PICTURE as f64);
         let image =
             TileContent::Cells(bitmap(|at| one.dark.pixels[one.dark.index(at)], &one.dark)?);
-        let mut tiles = vec![Panel::Tile(tile(
-            side,
-            one.subject.name(),
-            String::new(),
-            image,
-        ))];
+        let no_note = String::new();
+        let mut tiles = vec![Panel::Tile(tile(side, one.subject.name(), no_note, image))];
         // Independent dots are the control of the measure, and have no picture.
         for (method, made) in DotMethod::ALL.into_iter().zip(&one.by_method).take(3) {
             let content = TileContent::Cells(dotted(&one.dark, &made.dots)?);

@@ -63,6 +63,7 @@ fn all_near<'a>(
     limit: f64,
 ) -> (Verdict, Value) {
     let verdict = Verdict::of_all(counts.clone().map(|one| near_published(one, limit)));
+    // A density is given with its standard error.
     let off = counts.clone().map(|one| one.density()[0] - PUBLISHED);
     // The one that is farthest off, with its sign.
     let worst = off.fold(
