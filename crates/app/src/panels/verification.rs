@@ -296,6 +296,7 @@ fn numbers(ui: &mut Ui, context: &PanelContext<'_>, unit: f64) {
     };
 
     let in_radii = |value: fn(&Verdict) -> f64| verdict.map(|verdict| value(verdict) / unit);
+    // Six digits show the tolerance, which is 2^-15 r. The four of the others are chosen, not measured.
     let least = text(in_radii(|verdict| verdict.report.min_distance), 6, " r");
     let cover = text(in_radii(|verdict| verdict.report.covering_radius), 6, " r");
     let density = text(report.map(|report| report.density), 4, "");

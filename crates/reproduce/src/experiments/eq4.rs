@@ -165,15 +165,15 @@ fn below(found: &[LeafShares]) -> Claim {
     let large = || found.iter().filter(|one| one.leaf >= FROM);
     let most = |share: fn(&LeafShares) -> f64| largest(large().map(share));
 
-    let from = |share: fn(&LeafShares) -> f64| {
+    let first_below = |share: fn(&LeafShares) -> f64| {
         let first = large().find(|one| share(one) < PAPER);
         first.map_or_else(|| "no N".to_owned(), |one| format!("N = {}", one.leaf))
     };
 
     let margin = most(LeafShares::margin_share);
     let values = json!({
-        "margin": margin, "margin_from": from(LeafShares::margin_share),
-        "overlap": most(LeafShares::overlap), "overlap_from": from(LeafShares::overlap),
+        "margin": margin, "margin_from": first_below(LeafShares::margin_share),
+        "overlap": most(LeafShares::overlap), "overlap_from": first_below(LeafShares::overlap),
         "from": FROM, "limit": PAPER,
     });
     claim("eq4/below", Verdict::of(margin < PAPER), &values)

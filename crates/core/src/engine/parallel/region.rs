@@ -112,12 +112,13 @@ impl<const TAGS: bool> Region<TAGS> {
                 set(cells, flag);
                 continue;
             }
-            let depth = depth.min(columns) as usize;
+            // A narrow frame may have fewer columns.
+            let ends = depth.min(columns) as usize;
             if left {
-                set(&mut cells[..depth], flag);
+                set(&mut cells[..ends], flag);
             }
             if right {
-                let first = columns as usize - depth;
+                let first = columns as usize - ends;
                 set(&mut cells[first..], flag);
             }
         }
