@@ -72,7 +72,7 @@ impl ComparedImage {
     }
 }
 
-/// Judges whether one method has less error than another one, on all these images and at all these blurs.
+/// Judges whether the first of two methods has less error than the second, on all these images and at all these blurs.
 fn by_errors(
     id: &str,
     all: &[ComparedImage],
