@@ -63,6 +63,7 @@ fn address(text: &str) -> Result<String, String> {
 
 /// Returns the origin of a record store as it is written: `https://`, a host, and perhaps a colon and a port.
 fn store(text: &str) -> Result<String, String> {
+    // Without this beginning the host is empty, and is refused below.
     let after = text.strip_prefix("https://").unwrap_or_default();
     // Without a port, that of https stands in.
     let (host, port) = after.split_once(':').unwrap_or((after, "443"));

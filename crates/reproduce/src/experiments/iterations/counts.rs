@@ -181,7 +181,8 @@ pub fn needed(found: &[IterationCounts], cases: &[InsertionCase]) -> Result<Pict
         }
     };
 
-    // All cases have bars for the same numbers of iterations, so that they can be compared.
+    // All cases have bars for the same numbers of iterations, so that they can be compared. The study has sets, so that
+    // 0 never stands in.
     let range = least.unwrap_or(0)..=most_iterations(found);
     let groups = groups_of(cases, |case| range.clone().map(|k| bar(case, k)).collect());
     bar_picture("iterations/needed", &json!({}), groups)

@@ -59,9 +59,10 @@ pub fn claims(all: &[ComparedImage]) -> Vec<Claim> {
 }
 
 impl ComparedImage {
-    /// Returns how much less error one method has than another one at a blur, in decibels.
+    /// Returns how much less error the first method has than the second at a blur, in decibels.
     fn gain(&self, [better, other]: [DotMethod; 2], blur: usize) -> f64 {
         let of = |method: DotMethod| {
+            // `ALL` has every method, so that 0 never stands in.
             let index = DotMethod::ALL
                 .iter()
                 .position(|&one| one == method)
