@@ -116,7 +116,8 @@ impl<K: PartialEq> Stack<'_, K> {
         }
     }
 
-    /// Draws parts on one sheet, clipped as the first of them that is on. They are either all cached or none.
+    /// Draws one part, or several of the triangulation on one sheet, clipped as the first of them that is on. They are
+    /// either all cached or none.
     fn parts(&mut self, parts: &[Part]) {
         let scene = self.scene;
         let on = || parts.iter().copied().filter(|part| part.is_on(scene));

@@ -263,6 +263,7 @@ impl DiskLists {
             let group = &self.groups[index];
             let mut found = group.covering(simd, place, when);
             while found != 0 {
+                // There is a bit for each lane: the remainder only shows the compiler that the index is in range.
                 let lane = found.trailing_zeros() as usize % LANES;
                 found &= found - 1;
                 let id = group.ids[lane];
