@@ -361,6 +361,7 @@ impl Judged {
             .ok_or(CheckError::NoRadius)?;
 
         let stated = || certificate.and_then(|c| c.origin);
+        // Without an origin the region's lower corner is 0 0 in the file.
         let origin = overrides.origin.or_else(stated).unwrap_or_default();
         check_origin(origin, region, radius, format, precision)?;
 

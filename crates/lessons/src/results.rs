@@ -453,6 +453,7 @@ pub fn csv(all: &[Results]) -> Result<String, csv::Error> {
     let yes_or_no = |is_so: bool| if is_so { "yes" } else { "no" };
     for results in all {
         for entry in &results.entries {
+            // Its cell is empty if the learner chose none.
             let confidence = entry.confidence.map(|sure| sure.to_string());
 
             // `cell` keeps a spreadsheet from reading a text as a formula.

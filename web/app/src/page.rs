@@ -107,6 +107,7 @@ pub async fn start(
     let options: Options = serde_json::from_str(options).map_err(|error| error.to_string())?;
     hooks::tell(Some(hooks));
 
+    // Every page has a window.
     let cores = web_sys::window().map_or(1.0, |window| window.navigator().hardware_concurrency());
     let pool = Pool::new(Program {
         worker: options.worker.clone(),
@@ -719,6 +720,7 @@ fn address() -> Option<String> {
         .trim_start_matches('?')
         .split('&')
         .filter(|pair| {
+            // Every text has a first part.
             let name = pair.split('=').next().unwrap_or_default();
             !NOT_IN_LINKS.contains(&name)
         })

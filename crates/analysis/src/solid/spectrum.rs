@@ -291,6 +291,7 @@ fn powers(
         let cycles = frequencies
             .iter()
             .map(|frequency| frequency[axis].unsigned_abs());
+        // Without frequencies tables have the row of 0 cycles alone.
         cycles.max().unwrap_or(0) as usize
     };
     let rows = [0, 1, 2].map(|axis| most(axis) + 1);

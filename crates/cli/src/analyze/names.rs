@@ -45,6 +45,7 @@ pub fn short(names: &[String]) -> Vec<String> {
 pub fn pattern(names: &[&str]) -> String {
     let file = |name: &&str| -> Vec<char> {
         let file = name.rsplit(['/', '\\']).next();
+        // Every text has a last part.
         file.unwrap_or_default().chars().collect()
     };
     let mut files: Vec<Vec<char>> = names.iter().map(file).collect();

@@ -172,6 +172,7 @@ impl Nested {
             let place = match self.places {
                 Places::Drawn(key) => key.draw_at(point.x, point.y)[0],
                 Places::Counted => {
+                    // A level begins where the one before it ends, and the first one at the first sample.
                     let first = level.checked_sub(1).map_or(0, |before| run_ends[before]);
                     place_of(index - first, run_ends[level] - first)
                 }

@@ -110,7 +110,8 @@ impl Place {
         let stated = certificate.map(|_| &*stated_path);
         let placed = self.exchange(new, stated, &mut aside);
         // If the old file is in its place, the certificates that were moved aside come back, the last one first.
-        // Otherwise they are removed, as they would be false about the new file.
+        // Otherwise they are removed, as they would be false about the new file. The error to be told is that of the
+        // exchange, whatever else fails here.
         let is_old = placed.as_ref().is_err_and(|failure| failure.is_old);
         for (name, away) in aside.into_iter().rev() {
             let _ = if is_old {

@@ -81,6 +81,7 @@ impl Partial {
         length: u64,
         mut each: impl FnMut(&[u8]) -> Result<usize, ExportError>,
     ) -> Result<usize, ExportError> {
+        // A file that ends within its head has no rows.
         let row_bytes = length.saturating_sub(head.len() as u64);
         self.checked(|this| this.writer.file()?.seek(SeekFrom::Start(head.len() as u64)))?;
 

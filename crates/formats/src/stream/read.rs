@@ -287,6 +287,7 @@ fn checked_count(layout: &Layout, length: u64, format: Format) -> Result<Option<
     let Some(width) = layout.rows.width().map(|width| width as u64) else {
         return Ok(None);
     };
+    // A file that ends within its head has no rows.
     let (offset, available) = (layout.offset, length.saturating_sub(layout.offset));
     // Without a stated count all bytes up to the end are rows.
     let count = layout.count.unwrap_or(available / width);

@@ -186,6 +186,7 @@ fn notes(found: &[MethodSpectra], rounds: &[RateRound]) -> Vec<String> {
     let pattern = |side: f64| {
         let seconds = all_patterns().filter(|(of, _)| of.to_bits() == side.to_bits());
         let milliseconds = median(seconds.map(|(_, seconds)| 1e3 * seconds));
+        // Sides are those of patterns that were made, so that each has a time.
         format!(
             "that of {side} r takes {} ms",
             number(milliseconds.unwrap_or(f64::NAN), 3)

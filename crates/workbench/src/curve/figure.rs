@@ -186,6 +186,7 @@ fn ticks(session: &Session) -> Vec<(f64, String)> {
         return Vec::new();
     }
     let ends = session.ends();
+    // Without ends there are no stages to be named below.
     let least = MIN_SHARE * ends.last().map_or(0.0, |&last| last as f64);
 
     let mut start = 0;

@@ -46,6 +46,7 @@ pub(crate) fn parameter_map(session: &Session) -> Stated {
             "boundary": asked.boundary,
             "seed": asked.seed,
         });
+        // `json!` has made an object of it.
         return stated
             .as_object()
             .cloned()

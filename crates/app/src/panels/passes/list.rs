@@ -64,6 +64,7 @@ fn frame(ui: &Ui, passes: &Passes, palette: &Palette) -> Response {
     let rect = ui.max_rect();
     let id = ui.scope_id().with("passes");
     let response = ui.interact(rect, id, Sense::focusable_noninteractive());
+    // 0 says that no pass is selected.
     let number = passes.selected().map_or(0, |index| index + 1);
     let label = format!("Passes: {number} of {}, arrow keys", passes.entries().len());
     response.widget_info(|| WidgetInfo::labeled(Role::ListBox, ENABLED, &label));
