@@ -315,6 +315,7 @@ fn seek(fields: &Map<String, Value>) -> Result<Request, RequestError> {
             Ok(Request::SeekPart(part))
         }
 
+        // No field, or several.
         _ => Err(RequestError::OneOf {
             action: "seek",
             fields: "\"event\", \"stage\", \"part\", \"next\" and \"previous\"",

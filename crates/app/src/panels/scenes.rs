@@ -278,6 +278,7 @@ fn moment(
     link.known_as(format_args!("scene-{number}"));
     link.on_hover_text(match marked {
         Marked::Here(_) => event,
+        // A scene that this run lacks was shown above.
         _ => format!("{event}\n{origin} This is the corresponding event of its stage."),
     })
 }
