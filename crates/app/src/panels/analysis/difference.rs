@@ -70,7 +70,6 @@ impl Differences {
     /// Returns the picture, with high y frequencies at the top. A cell has the colour of the line of the run with more
     /// power there: the accent is that of run A.
     fn image(&self, palette: &Palette) -> ColorImage {
-        let (_dash, color_of_second) = super::line_of_second(palette);
         let shade = |difference: f64| {
             // Cells that one of the spectra does not reach are grey.
             if !difference.is_finite() {
@@ -79,7 +78,7 @@ impl Differences {
             let color = if difference < 0.0 {
                 palette.accent
             } else {
-                color_of_second
+                super::line_of_second(palette).1
             };
             let part = (difference.abs() / FULL).min(1.0) as f32;
             palette.domain.lerp_to_gamma(color, part)
