@@ -222,7 +222,7 @@ impl Tree {
                 gone,
                 focus,
             };
-            // Changes can always be written: their keys are texts.
+            // Numbers, texts and lists always have JSON.
             hooks::tree(&serde_json::to_string(&changes).unwrap_or_default());
         }
 
