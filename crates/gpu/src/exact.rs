@@ -327,7 +327,7 @@ impl ExactWork {
     async fn settle(&mut self) -> Result<Option<DartRoom>, GpuError> {
         let range = 0..counter::COUNT.into();
         let words = self.device.words(Name::Counters, range).await?;
-        // A device that fails gives fewer words, and `words` reports that.
+        // There is a word for each counter: of a device that fails `words` returns an error.
         for (counter, word) in self.counters.iter_mut().zip(words) {
             *counter = word;
         }

@@ -280,8 +280,8 @@ impl Gpu {
         Ok(())
     }
 
-    /// Copies `bytes` bytes on the device `times` times and waits for the end. A caller that times this gets the
-    /// device's memory bandwidth: every copy reads and writes all bytes.
+    /// Copies `bytes` bytes, or as many as a buffer of the device can have, `times` times on the device and waits for
+    /// the end. A caller that times this gets the device's memory bandwidth: every copy reads and writes all bytes.
     pub async fn copy(&self, bytes: u64, times: u32) -> Result<(), GpuError> {
         let usage = wgpu::BufferUsages::COPY_SRC | wgpu::BufferUsages::COPY_DST;
         // Devices copy whole words.
