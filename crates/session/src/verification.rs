@@ -136,6 +136,8 @@ impl Verdict {
     /// valid. Of a valid set it names no closest pair and no largest circle, as these are measured by one radius; of
     /// another set it names the worst conflict and the worst gap.
     ///
+    /// Of a stipple, `points` may be the first dots alone. How many the whole has is left to the caller.
+    ///
     /// Fails when the field or the shape is refused, or there is no verdict.
     pub fn on_ground(
         points: &[[f64; 2]],

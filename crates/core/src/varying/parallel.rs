@@ -144,14 +144,14 @@ impl Parcels {
         };
 
         let mut meter = Meter::begin(observer, Stage::Iterate(iteration), parts(&active))?;
-        let level = InstructionSet::best().level();
+        let instructions = InstructionSet::best().level();
         // The observer is called on this thread alone.
         for batch in active.chunks_mut(rayon::current_num_threads() * PARCELS_A_THREAD) {
             let pieces = parts(batch);
             batch
                 .par_iter_mut()
                 .for_each_init(ParcelBuffers::default, |buffers, parcel| {
-                    dispatch!(level, simd => parcel.advance(simd, throw, surroundings, buffers));
+                    dispatch!(instructions, simd => parcel.advance(simd, throw, surroundings, buffers));
                 });
             meter.count(pieces)?;
         }

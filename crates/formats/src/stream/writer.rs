@@ -114,8 +114,8 @@ impl Appending {
     }
 }
 
-/// Writes and digests blocks. A second thread waits for the device, so that writing goes on meanwhile. For the last
-/// blocks, after which it is not asked any more, the owner of the file waits, when it has written the head.
+/// Writes and digests blocks. A second thread waits for the device, so that writing goes on meanwhile. It does not wait
+/// for the last blocks: the owner of the file does that itself, when it has written the head.
 fn append_all(
     mut file: &File,
     incoming: &Receiver<Vec<u8>>,
