@@ -126,7 +126,7 @@ pub enum Warning {
         /// The format that was written.
         format: Format,
     },
-    /// Readers of the format, which is GeoJSON, may take positions for longitudes and latitudes.
+    /// Readers of the format, which is `GeoJSON`, may take positions for longitudes and latitudes.
     Planar {
         /// The format that was written.
         format: Format,

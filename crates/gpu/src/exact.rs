@@ -299,13 +299,8 @@ impl ExactWork {
             }
             ExactStep::Collect => {
                 let count = self.counter(counter::KEPT);
-<<<<<<< HEAD
                 // `hold` gives up every buffer that is not asked for. The lists are asked for again, since an inspector
                 // of the last passes still shows them.
-=======
-                // Buffers without a length here would be freed. The lists are kept for inspectors, which show them
-                // after this pass, too.
->>>>>>> 46253bf4 (Marks, frames, tones and lone ones say what they are)
                 let mut lengths = self.plan.lengths();
                 lengths.extend(ExactPlan::result_lengths(count));
                 self.device.hold(lengths).await?;

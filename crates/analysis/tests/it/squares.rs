@@ -69,6 +69,12 @@ impl Case {
                 let (column, row) = ((x >> pitch_bits) as usize, (y >> pitch_bits) as usize);
                 column < *columns && pixels.get(row * columns + column) == Some(&true)
             }
+            Shape::Filling { columns, pixels } => {
+                let rows = pixels.len() / columns;
+                let column = x as usize * columns / self.region.width as usize;
+                let row = y as usize * rows / self.region.height as usize;
+                column < *columns && pixels.get(row * columns + column) == Some(&true)
+            }
         }
     }
 
