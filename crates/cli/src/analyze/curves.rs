@@ -149,6 +149,7 @@ pub fn differences(
         ("radial mean power", frequency, "P(\u{3bd})"),
         ("pair correlation", distance, "g(r)"),
     ];
+
     // Differences have their curves in the order of these texts.
     let charts = texts.iter().enumerate().map(|(number, (what, x, y))| {
         // Colours are those of the curves above, which count without the reference as well.

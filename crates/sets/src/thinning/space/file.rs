@@ -162,6 +162,7 @@ impl SpaceRecipe {
             Some(region) => region,
             None => around(points, self.radius)?,
         };
+
         // A column is read only to rank the points by it.
         let column = match &self.priority {
             ThinningPriority::Column { column, .. } if with_ranks => {
