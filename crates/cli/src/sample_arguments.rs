@@ -95,6 +95,7 @@ Examples:
   tilescope sample --radius 2 --width 100 --height 80 --origin 500000 5400000 --out trees.csv
   tilescope sample --radius 2e-5 --window 0.5 0.5 0.502 0.502
   tilescope sample --radius 1e-4 --levels 6 --window 0.5 0.5 0.52 0.52 --out part.csv
+  tilescope sample --radius 1 --window 0 0 0 10 10 10 --out part.ply
   tilescope sample --radius 0.002 --search 2          the experiment that leaves gaps: exit code 1
   tilescope sample --count 100000 --method exact --out exact.npy
   tilescope sample --count 5000 --method reference --json
