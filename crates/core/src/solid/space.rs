@@ -150,7 +150,7 @@ impl SolidSpace {
     ///
     /// They are made on all threads of the current rayon pool, and do not depend on their number. Fails when there is not enough
     /// memory, when `observer` stops it, and when a sample depends on more than 64 r around the window. No window has been seen to
-    /// depend on more than a fifth of that.
+    /// depend on more than 8 r.
     pub fn samples(
         &self,
         window: &SolidWindow,
