@@ -26,6 +26,7 @@ mod native;
 mod panels;
 pub mod panes;
 mod settings;
+mod textures;
 pub mod tiles;
 
 pub use app::{App, stage_accent};

@@ -5,7 +5,7 @@
 mod analysis;
 mod caption;
 mod choices;
-pub(crate) mod common;
+mod common;
 pub mod compact;
 mod compare;
 mod content;

@@ -385,9 +385,16 @@ const fn view(which: Which, command: &ViewCommand) -> Rules {
         ViewCommand::Plane(_)
         | ViewCommand::StepPlane(_)
         | ViewCommand::PinPlane(_) => rules,
-        ViewCommand::Orbit(command) => Rules {
-            // Each of two canvases has its own size.
-            moves_camera: !matches!(command, OrbitCommand::Size(_)),
+        // Each of two canvases has its own size.
+        ViewCommand::Orbit(OrbitCommand::Size(_)) => rules,
+        ViewCommand::Orbit(
+            OrbitCommand::Show(_)
+            | OrbitCommand::Turn(_)
+            | OrbitCommand::Zoom(_)
+            | OrbitCommand::Cut(_)
+            | OrbitCommand::Reset,
+        ) => Rules {
+            moves_camera: true,
             ..rules
         },
 

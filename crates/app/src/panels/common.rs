@@ -15,6 +15,7 @@ use tilescope_ui::widgets::{Known, name_group};
 
 use super::context::PanelContext;
 use crate::actions::{NO_EVENTS_OF_DOTS, NO_EVENTS_OF_LEVELS, NO_EVENTS_OF_SPACE};
+use crate::textures::texture_of;
 use tilescope_workbench::layout::Panel;
 
 /// Shows the content of a panel, which scrolls independently of other panels of the same tab.
@@ -132,24 +133,6 @@ pub fn no_events(ui: &mut Ui, context: &PanelContext<'_>) {
     };
     ui.label(RichText::new(text).color(context.palette.muted))
         .known_as("no-events");
-}
-
-/// Returns the texture of a picture, which is kept under `id` until another picture is given.
-pub fn texture_of<T: Send + Sync + 'static>(
-    ui: &Ui,
-    id: Id,
-    picture: &Arc<T>,
-    options: TextureOptions,
-    image: impl FnOnce(&T) -> ColorImage,
-) -> TextureHandle {
-    let kept: Option<(Arc<T>, TextureHandle)> = ui.data(|data| data.get_temp(id));
-    // One picture is one allocation, so that pixels need not be compared.
-    if let Some((_, texture)) = kept.filter(|(of, _)| Arc::ptr_eq(of, picture)) {
-        return texture;
-    }
-    let texture = ui.ctx().load_texture("picture", image(picture), options);
-    ui.data_mut(|data| data.insert_temp(id, (Arc::clone(picture), texture.clone())));
-    texture
 }
 
 /// Returns the texture of a small picture, as [`texture_of`] does.

@@ -458,6 +458,7 @@ impl Sheet<'_> {
                     sheet.commands.push(ExportCommand::Passage(true));
                 }
             }
+
             // Without events there are no stages to choose from.
             let spans = [(false, part), (true, "the whole run")];
             for (whole, name) in spans.into_iter().filter(|_| has_events) {

@@ -16,7 +16,7 @@ use tilescope_workbench::command::{Command, ViewCommand, Which};
 use tilescope_workbench::orbit::{OrbitCommand, OrbitImage, RunOrbit};
 
 use super::input::keep_arrows;
-use crate::panels::common::texture_of;
+use crate::textures::texture_of;
 
 /// Degrees for a screen point of a drag: across a canvas of usual width it turns the set half around.
 const DEGREES_A_POINT: f32 = 0.3;

@@ -5,7 +5,7 @@ use std::ops::ControlFlow;
 use tilescope_figures::{
     Anchor, Baseline, Bitmap, FigureError, Group, Rect, Scene, Shape, Style, Text, fitted,
 };
-use tilescope_session::words::{counted, significant};
+use tilescope_session::words::counted;
 
 use super::{COLOR_BANDS, GoOn, OrbitError, OrbitPicture, OrbitView, band_color};
 
@@ -14,7 +14,7 @@ use super::{COLOR_BANDS, GoOn, OrbitError, OrbitPicture, OrbitView, band_color};
 #[must_use]
 pub fn described(count: usize, size: [f64; 3], view: OrbitView) -> String {
     let balls = counted(count, "ball", "balls");
-    let sides = size.map(significant).join(" \u{d7} ");
+    let sides = size.map(|side| side.to_string()).join(" \u{d7} ");
     let cut = if view.is_cut {
         ", cut open at the corner nearest to the eye"
     } else {

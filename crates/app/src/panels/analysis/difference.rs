@@ -12,9 +12,9 @@ use tilescope_analysis::measures::Spectrum;
 use tilescope_drawing::palette::Palette;
 use tilescope_ui::widgets::Known;
 
-use super::super::common::texture_of;
 use super::picture::MAX_SIDE;
 use crate::ENABLED;
+use crate::textures::texture_of;
 
 /// The difference that is drawn in the full colour: over three times the difference that two cells of 100 frequencies of noise
 /// have by chance.

@@ -12,9 +12,9 @@ use tilescope_analysis::measures::Spectrum;
 use tilescope_drawing::palette::Palette;
 use tilescope_ui::widgets::Known;
 
-use super::super::common::texture_of;
 use super::plot::{Dragged, dragged};
 use crate::ENABLED;
+use crate::textures::texture_of;
 
 /// Power that is drawn white.
 pub const WHITE: f64 = 3.0;
