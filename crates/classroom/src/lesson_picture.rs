@@ -22,7 +22,7 @@ use tilescope_session::moment::Moment;
 use tilescope_session::selection::Selection;
 use tilescope_session::task::Task;
 
-use crate::lesson_field::LessonField;
+use crate::lesson_set::LessonSet;
 use crate::lessons::{LessonSource, OpenLesson};
 use crate::pen::PenStroke;
 
@@ -94,7 +94,7 @@ pub fn picture(open: &OpenLesson, style: PictureStyle, strokes: &[PenStroke]) ->
     // this one serves a single picture.
     let generation = 0;
     let shown = Arc::new(run.until(cursor));
-    let session = LessonField::session(open.shown_field().as_ref(), shown, generation);
+    let session = LessonSet::session(open.shown_set().as_ref(), shown, generation);
 
     let size = session.size_radii();
     let camera = open.camera().map_or_else(
@@ -117,7 +117,10 @@ pub fn picture(open: &OpenLesson, style: PictureStyle, strokes: &[PenStroke]) ->
         caption: String::new(),
         legend: None,
         analysis: false,
-        plane: None,
+        plane: session.solid.as_ref().and_then(|solid| {
+            let place = open.learner.scene()?.plane()?;
+            Some(solid.plane_at_radii(place))
+        }),
     };
 
     let moment = Moment::at(&session, cursor);

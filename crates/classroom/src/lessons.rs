@@ -18,7 +18,7 @@ use tilescope_lessons::{
 use tilescope_session::language::Language;
 use tilescope_session::units::position;
 
-use crate::lesson_field::LessonField;
+use crate::lesson_set::LessonSet;
 
 /// The notice of a page whose browser does not store results.
 pub const NOT_STORED: &str = "The browser does not store your results: they are gone when this page is closed. The list of lessons saves them to a file.";
@@ -377,16 +377,16 @@ impl OpenLesson {
         scene.map(Scene::recording).or(self.run.as_ref())
     }
 
-    /// Returns the field of radii of the step's run, if the radius depends on the place there.
+    /// Returns the set of the step's run, if it is in a field of radii or in a box.
     #[must_use]
-    pub fn field(&self) -> Option<LessonField> {
-        LessonField::of(&self.learner.run())
+    pub fn set(&self) -> Option<LessonSet> {
+        LessonSet::of(&self.learner.run())
     }
 
-    /// Returns the field of what the step shows, which may be made without the coin of its run.
-    pub(crate) fn shown_field(&self) -> Option<LessonField> {
+    /// Returns the set that the step shows, which may be made without the coin of its run.
+    pub(crate) fn shown_set(&self) -> Option<LessonSet> {
         let has_coin = self.learner.step().scene.has_coin;
-        Some(self.field()?.with_coin(has_coin))
+        Some(self.set()?.with_coin(has_coin))
     }
 
     /// Returns the layers of the step, by name: after the answer also those that the question shows then. None for those of

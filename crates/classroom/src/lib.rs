@@ -7,9 +7,9 @@
 
 pub mod graded;
 pub mod handout;
-pub mod lesson_field;
 pub mod lesson_labels;
 pub mod lesson_picture;
+pub mod lesson_set;
 pub mod lessons;
 pub mod pen;
 pub mod room;

@@ -11,7 +11,7 @@ use tilescope_session::jobs::Wake;
 use tilescope_session::layers::Layers;
 use tilescope_session::recipe::Recipe;
 
-use crate::lesson_field::LessonField;
+use crate::lesson_set::LessonSet;
 use crate::lessons::{Lessons, OpenLesson};
 use crate::talk::Talks;
 
@@ -50,14 +50,16 @@ pub struct CanvasView {
 pub struct StepView {
     /// The recording of the whole run.
     pub run: Arc<Recording>,
-    /// The field of radii in which it was made, if it was.
-    pub field: Option<LessonField>,
+    /// The field of radii or the box in which it was made, if it was.
+    pub set: Option<LessonSet>,
     /// The last cursor that may be shown, if a question is open.
     pub limit: Option<usize>,
     /// The cursor of the moment.
     pub cursor: usize,
     /// The layers of the step; `None` for those of the stage.
     pub layers: Option<Layers>,
+    /// Where the plane lies through a set in space, in r, if the step says it; `None` for a plane that follows the events.
+    pub plane: Option<f64>,
     /// What the step frames; `None` for the whole domain.
     pub framed: Option<Framed>,
     /// The camera that somebody has chosen and that stays, if so.
@@ -94,8 +96,8 @@ pub enum Effect {
     GiveBack(Box<OpenLesson>),
     /// Make the run of a step, or its levels.
     MakeRun(Box<Recipe>),
-    /// Show a run, in a field of radii or not, up to a cursor. It is not verified, as a verdict would answer questions.
-    ShowRun(Arc<Recording>, Option<Box<LessonField>>, usize),
+    /// Show a run, in a field of radii, in a box or in neither, up to a cursor. It is not verified, as a verdict would answer questions.
+    ShowRun(Arc<Recording>, Option<Box<LessonSet>>, usize),
     /// Show the moment of a step.
     ShowStep(Box<StepView>),
     /// Set the camera of the canvas.

@@ -21,10 +21,10 @@ pub const MAX_DEPTH: usize = 32;
 
 /// The first names of [`NAMES`], this many, describe the event that is about to happen; the rest describe the state
 /// after the last event.
-pub const NAMES_OF_NEXT: usize = 11;
+pub const NAMES_OF_NEXT: usize = 12;
 
 /// The names in scope, each with its meaning. Lengths and positions are in r; a value that does not exist is `()`.
-pub const NAMES: [(&str, &str); 25] = [
+pub const NAMES: [(&str, &str); 26] = [
     ("event", "number of the event about to happen, from 1"),
     ("kind", "its kind, a text such as \"insert\""),
     (
@@ -42,6 +42,10 @@ pub const NAMES: [(&str, &str); 25] = [
     ("distance", "from a to b"),
     ("place_x", "position of what it examines or changes"),
     ("place_y", "position of what it examines or changes"),
+    (
+        "place_z",
+        "its position along the third axis, in a set in space",
+    ),
     ("phase", "the phase, a text"),
     ("iteration", "the iteration, from 1"),
     ("p", "the current sample"),
@@ -59,7 +63,15 @@ pub const NAMES: [(&str, &str); 25] = [
 ];
 
 /// The names of lengths and coordinates: their values are in r.
-pub const LENGTHS: [&str; 6] = ["distance", "place_x", "place_y", "x", "y", "search_radius"];
+pub const LENGTHS: [&str; 7] = [
+    "distance",
+    "place_x",
+    "place_y",
+    "place_z",
+    "x",
+    "y",
+    "search_radius",
+];
 
 /// Why an expression has no value.
 #[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
@@ -522,6 +534,8 @@ fn event_scope(recording: &Recording, state: &State, scope: &mut Scope<'static>)
     let point = event.and_then(|event| recording.event_point(event));
     put("place_x", maybe(point.map(|p| radii(p.x))));
     put("place_y", maybe(point.map(|p| radii(p.y))));
+    let height = event.and_then(|event| recording.event_height(event));
+    put("place_z", maybe(height.map(radii)));
 }
 
 fn others(examined: &crate::context::Examined) -> [u32; 2] {

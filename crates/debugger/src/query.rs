@@ -305,7 +305,8 @@ pub fn block(recording: &Recording, event: &Event) -> Option<u32> {
 }
 
 /// Returns the shortest way between two samples, in r, if the recording has both.
-pub(crate) fn distance(recording: &Recording, a: u32, b: u32) -> Option<f64> {
+#[must_use]
+pub fn distance(recording: &Recording, a: u32, b: u32) -> Option<f64> {
     let (at_a, at_b) = (recording.point(a)?, recording.point(b)?);
     let planar = recording.domain().distance_squared(at_a, at_b) as f64;
     // Samples of a set in space lie at different heights, too.

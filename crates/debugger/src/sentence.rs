@@ -366,7 +366,8 @@ pub fn significant(number: f64) -> String {
 }
 
 /// Returns a length in r, small ones as a fraction, since the sides of cells are halved.
-fn fraction(units: i32) -> String {
+#[must_use]
+pub fn fraction(units: i32) -> String {
     // Cells are halved from a part of r on, and R is a power of two, so that their sides divide it.
     if units > 0 && units < R && R % units == 0 {
         format!("r / {}", grouped(u64::from((R / units).unsigned_abs())))

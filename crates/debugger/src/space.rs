@@ -2,8 +2,8 @@
 //! Begin with [`Recording::in_space`].
 
 use tilescope_core::{
-    Boundary, Domain, Observer, Parameters, Point, R, Run, RunEvent, SampleError, SolidDomain,
-    SolidRun, solid_recorded,
+    Domain, Observer, Parameters, Point, R, Run, RunEvent, SampleError, SolidDomain, SolidRun,
+    solid_recorded,
 };
 
 use crate::event::Event;
@@ -21,9 +21,8 @@ pub fn digest_in_space(projected: &Run, heights: &[i32]) -> String {
 }
 
 impl Recording {
-    /// Makes a set of balls by darts, and records it with about `budget` events at most; returns the lowest places of the
-    /// active cubes of each throw along the third axis, too. `planar` is the domain of its projections. The set depends on the
-    /// seed of the parameters alone.
+    /// Makes a set of balls by darts, and records it with about `budget` events at most. `planar` is the domain of its
+    /// projections. The set depends on the seed of the parameters alone.
     ///
     /// Fails only when `observer` stops it.
     pub fn in_space(
@@ -32,7 +31,7 @@ impl Recording {
         parameters: &Parameters,
         budget: usize,
         observer: &mut dyn Observer,
-    ) -> Result<(Self, Vec<Vec<i32>>), SampleError> {
+    ) -> Result<Self, SampleError> {
         // By the insertion of the parameters the tape finds each event's line of the pseudocode, and that of uniform
         // insertion is of darts.
         let parameters = &Parameters {
@@ -50,10 +49,25 @@ impl Recording {
 
         let mut recording = Self::of(projected, tape);
         recording.heights = Some(Heights {
+            domain,
             all: heights,
-            period: (domain.boundary() == Boundary::Periodic).then(|| domain.sides()[2]),
+            cubes,
         });
-        Ok((recording, cubes))
+        Ok(recording)
+    }
+
+    /// Returns the box of a set in space; `None` of planar runs.
+    #[must_use]
+    pub fn domain_in_space(&self) -> Option<SolidDomain> {
+        Some(self.heights.as_ref()?.domain)
+    }
+
+    /// Returns of each throw where the lowest place of each active cube lies along the third axis, in units; nothing of
+    /// planar runs. The run's iterations have the projections and the side of the cubes.
+    #[must_use]
+    pub fn active_cubes(&self) -> &[Vec<i32>] {
+        let heights = self.heights.as_ref();
+        heights.map_or(&[], |heights| &heights.cubes)
     }
 
     /// Returns whether it is of a set in space.
@@ -88,6 +102,16 @@ impl Recording {
             // The other events of darts are about a throw.
             _ => None,
         }
+    }
+
+    /// Returns how high the place of the last event before a cursor lies that has one, in units; `None` of planar runs, and
+    /// before the first such event.
+    #[must_use]
+    pub fn height_before(&self, cursor: usize) -> Option<i32> {
+        self.heights.as_ref()?;
+        // Where a throw begins or ends, the place of the event before counts. Few events have none.
+        let mut before = (0..cursor.min(self.len())).rev();
+        before.find_map(|event| self.event_height(self.event(event)?))
     }
 
     /// Returns how far above a height a sample lies, in units; `None` of planar runs and of unknown samples.

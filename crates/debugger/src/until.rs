@@ -108,6 +108,7 @@ impl Recording {
 
         let tape = self.tape().until(&run.parameters, cursor);
         let mut past = Self::of(run, tape);
+        past.heights = self.heights.clone().map(|heights| heights.of(past.run()));
 
         // A cut at the start or the end of the run, or at the end of a stage, leaves whole stages only.
         past.is_cut_within_stage =

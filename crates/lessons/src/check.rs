@@ -73,8 +73,8 @@ impl Runs {
             return Ok(Arc::clone(recording));
         }
 
-        // Levels have a nested pattern, which is made with them, and a field has none.
-        if run.levels.is_some() || run.radius.is_some() {
+        // Levels have a nested pattern, which is made with them, and a field or a box has none.
+        if run.levels.is_some() || run.radius.is_some() || run.depth.is_some() {
             let recording = run.make(observer)?;
             self.recordings.insert(name, Arc::clone(&recording));
             return Ok(recording);

@@ -2,6 +2,7 @@
 //! positions are in r; events are numbered from 1. Begin with [`register`]; `names.rs` says what each function gives.
 
 mod local;
+mod space;
 
 use std::collections::HashMap;
 use std::hash::Hash;
@@ -40,6 +41,8 @@ type Found<T> = Result<T, Box<EvalAltResult>>;
 pub(crate) struct Now {
     pub recording: Arc<Recording>,
     pub cursor: AtomicUsize,
+    /// Where the plane lies through a set in space, in lattice units; `None` for a plane that follows the events.
+    plane: Mutex<Option<i32>>,
     left: AtomicI64,
     found: Mutex<HashMap<String, Arc<Vec<usize>>>>,
     sets: Mutex<HashMap<usize, Arc<PointSet>>>,
@@ -85,6 +88,7 @@ impl Now {
         Self {
             recording,
             cursor: AtomicUsize::new(cursor),
+            plane: Mutex::default(),
             left: AtomicI64::new(MAX_WORK),
             found: Mutex::default(),
             sets: Mutex::default(),
@@ -173,6 +177,9 @@ impl Now {
             put("x", radii(point.x).into());
             put("y", radii(point.y).into());
         }
+        if let Some(z) = self.recording.event_height(event) {
+            put("z", radii(z).into());
+        }
 
         self.details(event, &mut put);
         map.into()
@@ -231,11 +238,9 @@ impl Now {
         }
     }
 
+    /// Returns the distance of two samples, in r; of a set in space, with their heights.
     fn distance(&self, a: u32, b: u32) -> f64 {
-        let (Some(a), Some(b)) = (self.recording.point(a), self.recording.point(b)) else {
-            return f64::NAN;
-        };
-        radii((self.recording.domain().distance_squared(a, b) as f64).sqrt())
+        query::distance(&self.recording, a, b).unwrap_or(f64::NAN)
     }
 
     /// Returns the valid samples.
@@ -247,20 +252,22 @@ impl Now {
         })
     }
 
-    /// Refuses to compare nested levels with another run. The other run would have stages, and be another set than the
-    /// one that is shown, whatever its parameters.
-    fn refuse_levels(&self) -> Found<()> {
-        match self.recording.levels() {
-            Some(_) => Err(wrong(
-                "nested levels cannot be compared with another run here",
-            )),
-            None => Ok(()),
-        }
+    /// Refuses to compare nested levels and sets in space with another run. The other run would have stages, and be another
+    /// set than the one that is shown, whatever its parameters.
+    fn refuse_comparison(&self) -> Found<()> {
+        let what = match self.recording.levels() {
+            Some(_) => "nested levels",
+            None if self.recording.is_in_space() => "a set in space",
+            None => return Ok(()),
+        };
+        Err(wrong(format!(
+            "{what} cannot be compared with another run here"
+        )))
     }
 
     /// Returns the result of the run with other parameters, such as `leaf=10 seed=3`.
     fn set_with(&self, changes: &str) -> Found<Arc<PointSet>> {
-        self.refuse_levels()?;
+        self.refuse_comparison()?;
         cached(&self.runs, changes.to_owned(), || {
             self.spend(RUN)?;
             let run = sample(&self.changed(changes)?, &mut Unobserved)
@@ -312,6 +319,11 @@ impl Now {
 
     /// Returns the gaps of the valid samples.
     pub fn tessellation(&self) -> Found<Arc<Tessellation>> {
+        if self.recording.is_in_space() {
+            return Err(wrong(
+                "gaps are found in planar sets: of a set in space ask open_places() or clear_above(x, y)",
+            ));
+        }
         cached(&self.gaps, self.cursor(), || {
             let set = self.set()?;
             self.spend(SET)?;
@@ -525,6 +537,15 @@ impl Now {
         Ok(self.set()?.distance(read(a)?, read(b)?))
     }
 
+    /// Returns whether a valid sample is at most r away from a place.
+    fn is_covered(&self, at: [f64; 2]) -> Found<bool> {
+        if self.recording.is_in_space() {
+            return Ok(self.covers_in_space(self.lattice(at)));
+        }
+        let nearest = self.set()?.nearest(at);
+        Ok(nearest.is_some_and(|(_, distance)| distance <= 1.0))
+    }
+
     fn within(&self, x: f64, y: f64, d: f64) -> Found<i64> {
         let set = self.set()?;
         let is_near = |point: &&[f64; 2]| set.distance(**point, [x, y]) < d;
@@ -560,7 +581,10 @@ impl Now {
             None => self.set()?,
         };
         self.spend(SET)?;
-        set.number(number).map_err(wrong)
+        match self.recording.domain_in_space() {
+            Some(domain) => space::number(&set, &domain, number),
+            None => set.number(number).map_err(wrong),
+        }
     }
 
     /// Returns whether the fate of a sample is open after a first round in which each sample is kept if all its
@@ -654,7 +678,7 @@ impl Now {
     }
 
     fn same_points(&self, engine: &str) -> Found<bool> {
-        self.refuse_levels()?;
+        self.refuse_comparison()?;
         if engine != "parallel" {
             return Err(wrong(format!(
                 "there is no engine \"{engine}\" to compare with; there is parallel"
@@ -668,7 +692,7 @@ impl Now {
     }
 
     fn parts_at(&self, changes: &str) -> Found<Dynamic> {
-        self.refuse_levels()?;
+        self.refuse_comparison()?;
         self.spend(RUN)?;
         let parameters = self.changed(changes)?;
         let other = Recording::new(&parameters, DEFAULT_BUDGET, &mut Unobserved)
@@ -738,19 +762,20 @@ fn register_samples(engine: &mut Engine, now: &Arc<Now>) {
         "conflict": |now, s: i64, k: i64| now.conflict(s, k);
         "radius_of": |now, s: i64| now.point(s).map_or(f64::NAN, |at| now.radius_at(at));
         "refuses": |now, s: i64, x: f64, y: f64| now.refuses(id(s), now.lattice([x, y]));
+        "above": |now, s: i64| now.above(s);
+        "disk": |now, s: i64| now.disk(s);
+        "far_in_space": |now, s: i64, x: f64, y: f64| now.far_in_space(s, [x, y]);
     }
 }
 
 /// Registers what expressions ask of the set at the moment: conflicts, gaps, places and measures. Lengths are in r, and
 /// a place on the edge of a disk is covered. Disks and gaps are those of r, even in a field of radii; `refusers`,
-/// `packed` and `open_places` go by the radius of the field.
+/// `packed` and `open_places` go by the radius of the field. Places of a set in space lie in its plane.
 fn register_sets(engine: &mut Engine, now: &Arc<Now>) {
     functions! { engine, now;
         "samples": |now| now.set().map(|set| set.points.len() as i64);
         "conflicts": |now| now.conflicts();
-        "covered": |now, x: f64, y: f64| now.set().map(|set| {
-            set.nearest([x, y]).is_some_and(|(_, distance)| distance <= 1.0)
-        });
+        "covered": |now, x: f64, y: f64| now.is_covered([x, y]);
         "nearest": |now, x: f64, y: f64| now.set().map(|set| {
             sample_or_unit(set.nearest([x, y]).map(|(sample, _)| sample))
         });
@@ -781,6 +806,18 @@ fn register_sets(engine: &mut Engine, now: &Arc<Now>) {
         "refusers": |now, x: f64, y: f64| now.refusers([x, y]);
         "packed": |now, low: f64, high: f64| now.packed(low, high);
         "open_places": |now| now.open_places();
+
+        "plane": |now| radii(now.plane());
+        "dot": |now, x: f64, y: f64, k: i64| now.dot([x, y], k);
+        "dots_apart": |now, s: i64, t: i64| now.dots_apart(s, t);
+        "clear_above": |now, x: f64, y: f64| now.clear_above([x, y]);
+        "first_above": |now, x: f64, y: f64| now.first_above([x, y]);
+        "open_within": |now, t: f64| now.open_within(t);
+        "close_pairs": |now, t: f64| now.close_pairs(t);
+        "active_cubes": |now| now.active_cubes();
+        "cubes_in_plane": |now| now.cubes_in_plane();
+        "cube_side": |now| now.cube_side();
+        "planes_cut": |now| now.planes_cut();
 
         "block_size": |now, b: i64| now.block_size(b);
         // `None` leaves the parameters as they are.

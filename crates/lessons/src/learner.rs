@@ -312,6 +312,14 @@ impl Learner {
         there.or_else(|| seen(scene))
     }
 
+    /// Returns where the plane lies through a set in space, in r, if the step says it; `None` for a plane that follows the
+    /// events, and of planar sets.
+    #[must_use]
+    pub fn plane(&self) -> Option<f64> {
+        let scene = self.scene.as_ref()?;
+        scene.plane().filter(|_| self.step().scene.plane.is_some())
+    }
+
     /// Returns the last cursor that may be shown while a question is open.
     #[must_use]
     pub fn limit(&self) -> Option<usize> {

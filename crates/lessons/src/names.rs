@@ -45,6 +45,20 @@ refusers(x, y): how many valid samples refuse a dart at a place
 cell_side(x, y): the side of the cell in which darts around a place begin to fall
 packed(low, high): the valid samples times their radius squared, divided by the area, of places whose radius is from low to below high
 open_places(): how many of 128 x 128 places all over the domain are near no valid sample
+plane(): where the plane through a set in space lies along the third axis
+above(s): how far a sample lies above the plane; below it, less than 0
+disk(s): the radius of the disk in which the plane cuts the ball of a sample; 0 where it does not cut it
+far_in_space(s, x, y): how far a sample is in space from a place of the plane
+dot(x, y, k): the k-th nearest to a place, from 0, of the dots in the picture: the valid samples whose balls the plane cuts; or ()
+dots_apart(s, t): how far two samples are apart in the picture, without their heights
+clear_above(x, y): how far the plane can rise until a ball covers a place of it; 0 where one covers it already
+first_above(x, y): the valid sample of that ball, or ()
+open_within(t): how many of 128 x 128 places of the plane are farther than r from all valid samples at most t above or below it
+close_pairs(t): how many pairs of valid samples at most t above or below the plane are closer than r seen along the third axis
+active_cubes(): how many cubes are active in the current throw
+cubes_in_plane(): how many of them the plane cuts
+cube_side(): their side
+planes_cut(): in how many of a hundred planes, all heights alike, one of them lies
 position(s): the place of a sample, [x, y]
 within(x, y, d): how many valid samples are closer than d to a place
 seam_of(s): how far a sample is from the nearest edge of a block
@@ -66,7 +80,7 @@ pub fn functions() -> impl Iterator<Item = (&'static str, &'static str)> {
 }
 
 /// The properties that an event's map may have.
-pub const PROPERTIES: [&str; 20] = [
-    "event", "kind", "a", "b", "sites", "x", "y", "distance", "verdict", "block", "found",
+pub const PROPERTIES: [&str; 21] = [
+    "event", "kind", "a", "b", "sites", "x", "y", "z", "distance", "verdict", "block", "found",
     "turned", "axis", "plane", "x0", "y0", "x1", "y1", "count", "len",
 ];

@@ -88,10 +88,11 @@ mod tests {
         let scene = &step.scene;
         let gate = step.gate.as_ref();
         let all = format!(
-            "{:?} {:?} {:?} {:?} {:?} {:?} {:?} {:?} {:?} {:?}",
+            "{:?} {:?} {:?} {:?} {:?} {:?} {:?} {:?} {:?} {:?} {:?}",
             (&step.title, &step.text, &step.after, &step.notes),
             (scene.parameters, &scene.moment, &scene.condition),
             (scene.levels, &scene.density, &scene.radius, scene.has_coin),
+            (scene.depth, &scene.plane),
             (&scene.layers, &scene.camera),
             gate.map(|gate| (&gate.name, &gate.ask, gate.kind_name, &gate.wrong)),
             gate.map(|gate| (&gate.hint, &gate.mark, gate.circle, gate.strip)),

@@ -4,7 +4,7 @@
 use std::fmt::Write as _;
 
 use tilescope_core::{
-    Boundary, MAX_LEVELS, MAXIMAL_DENSITY, NestedRequest, Parameter, WithinLevel,
+    Boundary, MAX_LEVELS, MAXIMAL_DENSITY, NestedRequest, Parameter, SOLID_DENSITY, WithinLevel,
 };
 use tilescope_sets::Expression;
 use unicode_segmentation::UnicodeSegmentation;
@@ -20,14 +20,20 @@ use crate::scene_spec::{Camera, Claim, LAYERS, SceneSpec};
 use crate::syntax;
 use crate::text::{MAX_BYTES, Text, Wrong};
 
+mod space;
+
+use space::space;
+
 /// The most steps of a lesson.
 pub const MAX_STEPS: usize = 40;
 
 const DIRECTIVES: [&str; 3] = ["run", "gate", "note"];
 const FRONT_MATTER: [&str; 4] = ["title", "objective", "minutes", "form"];
-const OF_RUN: [&str; 9] = [
+const OF_RUN: [&str; 11] = [
     "radius-expression",
     "coin",
+    "depth",
+    "plane",
     "levels",
     "order-within",
     "density",
@@ -269,6 +275,8 @@ impl<'a> Reader<'a> {
                 parameters: first(),
                 levels: None,
                 radius: None,
+                depth: None,
+                plane: None,
                 has_coin: true,
                 density: None,
                 moment: Moment::End,
@@ -387,6 +395,7 @@ fn run(scene: &mut SceneSpec, fields: &Fields) -> Result<(), LessonError> {
 
     levels(scene, fields)?;
     field_of_radii(scene, fields)?;
+    space(scene, fields)?;
 
     if let Some(field) = fields.get("moment") {
         scene.moment = Moment::read(&field.value, field.line)?;
@@ -424,9 +433,16 @@ fn run(scene: &mut SceneSpec, fields: &Fields) -> Result<(), LessonError> {
         .validate()
         .map_err(|error| wrong(error.to_string()))?;
 
-    // The product is about the number of samples of a maximal set. Runs are recorded with all of their events, on the
+    // The products are about the number of samples of a maximal set. Runs are recorded with all of their events, on the
     // machines of learners.
-    let samples = domain.area_radii() * MAXIMAL_DENSITY;
+    let samples = match scene.run(None).domain_in_space() {
+        Some(made) => {
+            made.map_err(|error| wrong(error.to_string()))?
+                .volume_radii()
+                * SOLID_DENSITY
+        }
+        None => domain.area_radii() * MAXIMAL_DENSITY,
+    };
     if samples > MAX_SAMPLES {
         return Err(wrong(format!(
             "the run would have about {samples:.0} samples; a lesson's has at most {MAX_SAMPLES}"

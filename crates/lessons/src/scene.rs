@@ -4,7 +4,7 @@ use std::sync::Arc;
 use std::sync::atomic::Ordering;
 
 use rhai::{Dynamic, Scope};
-use tilescope_core::Stage;
+use tilescope_core::{R, Stage};
 use tilescope_debugger::{Evaluator, Recording, State};
 
 use crate::coinless::without_coin;
@@ -12,9 +12,12 @@ use crate::error::LessonError;
 use crate::functions::{self, Now, number_of, place_of};
 use crate::prose;
 use crate::scene_spec::{Camera, SceneSpec};
-use crate::sets::{PointSet, position};
+use crate::sets::{PointSet, position, radii};
 use crate::text::Text;
 use crate::translation::Translation;
+
+/// How far beyond the box a plane may be, in r, which is then put to its end. Chosen, not measured: a lesson has a few decimals.
+const ROUNDED: f64 = 1e-3;
 
 /// A moment of a run with its evaluator.
 pub struct Scene {
@@ -68,6 +71,7 @@ impl Scene {
 
         for cursor in spec.moment.cursors(&Arc::clone(scene.recording())) {
             scene.go(cursor);
+            scene.cut(spec)?;
             if let Some(condition) = &spec.condition
                 && !scene.truth(condition, |_| {})?
             {
@@ -80,6 +84,35 @@ impl Scene {
         }
 
         Ok(None)
+    }
+
+    /// Puts the plane through a set in space where a step has it.
+    fn cut(&self, spec: &SceneSpec) -> Result<(), LessonError> {
+        // The expression may name the plane that follows the events.
+        self.now.put_plane(None);
+        let Some((text, domain)) = spec.plane.as_ref().zip(self.recording().domain_in_space())
+        else {
+            return Ok(());
+        };
+
+        let (place, depth) = (self.number(text)?, radii(domain.sides()[2]));
+        // Authors round, and a side is a whole number of lattice units.
+        if !(-ROUNDED..=depth + ROUNDED).contains(&place) {
+            return Err(text.wrong(format!(
+                "the plane is at {place} r; the box goes from 0 to {depth} r"
+            )));
+        }
+        let units = (place * f64::from(R)).round() as i32;
+        self.now.put_plane(Some(units.clamp(0, domain.sides()[2])));
+        Ok(())
+    }
+
+    /// Returns where the plane of the step lies through a set in space, in r; `None` of planar sets.
+    #[must_use]
+    pub fn plane(&self) -> Option<f64> {
+        self.recording()
+            .is_in_space()
+            .then(|| radii(self.now.plane()))
     }
 
     /// Returns the recording of the samples of nested levels whose ranks are below a density, an expression of their places x
@@ -151,7 +184,7 @@ impl Scene {
     pub(crate) fn samples_in(&self, text: &Text) -> Result<Vec<u32>, LessonError> {
         // An expression with one of these words gives a count, or the number of an event: its value is no sample, although a
         // sample may have that number.
-        const COUNTS: [&str; 12] = [
+        const COUNTS: [&str; 15] = [
             "count",
             "below(",
             "inserted",
@@ -164,6 +197,9 @@ impl Scene {
             "undecided",
             "kept",
             "iteration",
+            "cubes",
+            "open_",
+            "close_pairs",
         ];
 
         let mut named = Vec::new();

@@ -38,6 +38,10 @@ pub struct SceneSpec {
     pub levels: Option<NestedRequest>,
     /// The radius as a function of x and y, if it depends on the place.
     pub radius: Option<Expression>,
+    /// The third side in user units, if a set in space is shown.
+    pub depth: Option<f64>,
+    /// The expression of where the plane lies through a set in space, in r; none for a plane that follows the events.
+    pub plane: Option<Text>,
     /// Whether a coin thins the darts of a field, as it must: lessons also show sets that are made without it.
     pub has_coin: bool,
     /// The density at a place x, y below which ranks are kept, if only some samples of the levels are.
@@ -67,6 +71,7 @@ impl SceneSpec {
             },
             levels: self.levels,
             radius: self.radius.clone(),
+            depth: self.depth,
         }
     }
 }

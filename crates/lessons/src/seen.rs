@@ -28,6 +28,8 @@ struct Named {
     at: [f64; 2],
     /// Whether a learner points at it to answer.
     is_chosen: bool,
+    /// Whether the plane through a set in space leaves it out of the picture.
+    is_left_out: bool,
 }
 
 /// Returns a sentence that says which part of a question is out of sight in its scene, or hard to point at, if one is.
@@ -47,6 +49,12 @@ pub(crate) fn unseen(
     }
 
     let things = named(gate, question, scene)?;
+    if let Some(hidden) = things.iter().find(|thing| thing.is_left_out) {
+        let name = &hidden.name;
+        return Ok(Some(format!(
+            "{name} is farther than r from the plane, which shows nothing of it"
+        )));
+    }
     if let Some(near) = near_the_border(&things, scene) {
         return Ok(Some(near));
     }
@@ -118,11 +126,14 @@ fn named(gate: &Gate, question: &Question, scene: &Scene) -> Result<Vec<Named>, 
             .map(position)
             .unwrap_or_default(),
         is_chosen,
+        // Of a planar set every sample is seen.
+        is_left_out: (scene.now.above(sample.into())).is_ok_and(|above| above.abs() > 1.0),
     };
     let of_place = |name: &str, at, is_chosen| Named {
         name: name.to_owned(),
         at,
         is_chosen,
+        is_left_out: false,
     };
 
     // The right samples and places are among the marks only once the question is answered.

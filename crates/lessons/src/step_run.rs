@@ -1,10 +1,11 @@
-//! The run of a step: recorded stage by stage, or dart by dart in a field of radii, or nested levels, whose samples arrive in the order
-//! of their ranks. Begin with [`StepRun`].
+//! The run of a step: recorded stage by stage, or dart by dart in a field of radii or in space, or nested levels, whose samples
+//! arrive in the order of their ranks. Begin with [`StepRun`].
 
 use std::sync::Arc;
 
 use tilescope_core::{
-    Locality, NestedRequest, Observer, Parameters, Pattern, Point, R, SampleError, TilingMethod,
+    Locality, NestedRequest, Observer, ParameterError, Parameters, Pattern, Point, R, SampleError,
+    SolidDomain, TilingMethod,
 };
 use tilescope_debugger::{DEFAULT_BUDGET, RecordedLevels, Recording};
 use tilescope_sets::{Expression, Ground, RadiusSource, VaryingError, VaryingRecipe};
@@ -18,6 +19,8 @@ pub struct StepRun {
     pub levels: Option<NestedRequest>,
     /// The radius as a function of x and y, if it depends on the place.
     pub radius: Option<Expression>,
+    /// The third side in user units, if it is a set in space.
+    pub depth: Option<f64>,
 }
 
 /// The places of a row and of a column at which two fields are compared. Chosen, not measured: a lesson has few fields, and those
@@ -32,6 +35,15 @@ impl StepRun {
     pub fn is_of(&self, recording: &Recording) -> bool {
         if let Some(radius) = &self.radius {
             return self.is_in_field(radius, recording);
+        }
+        if let Some(asked) = self.domain_in_space() {
+            let is_its_box = asked.is_ok_and(|asked| recording.domain_in_space() == Some(asked));
+            // The other parameters have no meaning in space.
+            return is_its_box && recording.run().parameters.seed == self.parameters.seed;
+        }
+        // A planar run has the parameters of its step, too, and so may the projection of a set in space.
+        if recording.is_in_space() {
+            return false;
         }
         let recorded = recording.levels();
         let is_whole = recorded.is_none_or(|levels| !levels.is_painted);
@@ -73,6 +85,20 @@ impl StepRun {
         })
     }
 
+    /// Returns the box of the set, if it is one in space, or why there is none.
+    #[must_use]
+    pub fn domain_in_space(&self) -> Option<Result<SolidDomain, ParameterError>> {
+        let Parameters {
+            width,
+            height,
+            radius,
+            boundary,
+            ..
+        } = self.parameters;
+        let size = [width, height, self.depth?];
+        Some(SolidDomain::from_size(size, radius, boundary))
+    }
+
     /// Returns the recipe of the set in the field, if the radius depends on the place.
     #[must_use]
     pub fn recipe(&self) -> Option<VaryingRecipe> {
@@ -111,6 +137,13 @@ impl StepRun {
                 request,
                 observer,
             )?));
+        }
+        if let Some(domain) = self.domain_in_space() {
+            let domain = domain.map_err(SampleError::from)?;
+            let planar = self.parameters.validate().map_err(SampleError::from)?;
+            let made =
+                Recording::in_space(domain, planar, &self.parameters, DEFAULT_BUDGET, observer);
+            return Ok(Arc::new(made?));
         }
         if let Some(recipe) = self.recipe() {
             let Ground { field, shape, .. } = recipe.ground()?;

@@ -3,7 +3,7 @@
 
 use std::sync::Arc;
 
-use tilescope_core::{Point, Run, solid_sample_parallel};
+use tilescope_core::{Parameters, Point, Run, solid_sample_parallel};
 use tilescope_debugger::{DEFAULT_BUDGET, Recording};
 
 use crate::ground::MAX_RECORDED;
@@ -29,13 +29,10 @@ pub fn sample(
 
     // Few enough samples are recorded dart by dart.
     if expected_samples(&asked, depth)? <= MAX_RECORDED {
-        let made = Recording::in_space(domain, planar, &asked, DEFAULT_BUDGET, observer);
-        let (recording, cubes) = made?;
-        let heights = recording.heights().unwrap_or_default().to_vec();
-        let solid = MadeSolid::new(asked, domain, heights, cubes);
-        let recording = Arc::new(recording);
-        let session = observer.prepare(|| Session::from_recording(recording, generation));
-        return Ok(session?.in_space(solid));
+        let made = Recording::in_space(domain, planar, &asked, DEFAULT_BUDGET, observer)?;
+        let recording = Arc::new(made);
+        let session = observer.prepare(|| recorded(recording, asked, generation));
+        return Ok(session?);
     }
 
     // The samples are those of one thread, bit for bit.
@@ -46,4 +43,18 @@ pub fn sample(
     let run = Run::of_points(asked, planar, points);
     let session = observer.prepare(|| Session::from_run(run, generation));
     Ok(session?.in_space(solid))
+}
+
+/// Returns the session of a recording that was made by these parameters; of a planar one, that of its run.
+#[must_use]
+pub fn recorded(recording: Arc<Recording>, asked: Parameters, generation: u64) -> Session {
+    let solid = recording.domain_in_space().map(|domain| {
+        let heights = recording.heights().unwrap_or_default().to_vec();
+        MadeSolid::new(asked, domain, heights, recording.active_cubes().to_vec())
+    });
+    let session = Session::from_recording(recording, generation);
+    match solid {
+        Some(solid) => session.in_space(solid),
+        None => session,
+    }
 }

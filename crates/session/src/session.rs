@@ -223,8 +223,8 @@ impl Session {
         self
     }
 
-    /// Returns how many cubes are active in a throw of a set in space, and how many of them a plane cuts; `None` at other stages
-    /// and of other sets.
+    /// Returns how many cubes are active in a throw of a set in space, and how many of them a plane cuts; `None` at other stages,
+    /// of other sets, and in a throw within which the recording was cut off.
     #[must_use]
     pub fn active_cubes(&self, stage: Stage, plane: i32) -> Option<[usize; 2]> {
         let solid = self.solid.as_ref()?;
@@ -232,8 +232,8 @@ impl Session {
             return None;
         };
         let cells = &self.iteration(throw)?.cells;
-        // All cubes of a throw have one side.
-        let side = cells.first().map_or(0, |cell| cell.side);
+        // All cubes of a throw have one side, and each throw has some.
+        let side = cells.first()?.side;
         Some([cells.len(), solid.cubes_cut(throw, side, plane).count()])
     }
 
@@ -241,12 +241,7 @@ impl Session {
     /// sets, and before the first such event.
     #[must_use]
     pub fn event_height(&self, cursor: usize) -> Option<i32> {
-        let recording = self
-            .recording()
-            .filter(|recording| recording.is_in_space())?;
-        // Where a throw begins or ends, a plane that follows the events stays at the place before. Few events have none.
-        let mut before = (0..cursor).rev();
-        before.find_map(|event| recording.event_height(recording.event(event)?))
+        self.recording()?.height_before(cursor)
     }
 
     /// Returns whether the disks of its samples differ in radius: where radii depend on the place, and where a plane cuts
@@ -472,6 +467,11 @@ impl Session {
             // A recording that was cut off has no result. It has all stages that it began, also the one in which it ends.
             if run.result.is_empty() {
                 stages = begun_stages(recording, stages);
+            }
+
+            // The first throw is the first stage, also before its first event.
+            if stages.is_empty() {
+                stages.push(Stage::Iterate(1));
             }
 
             // The run keeps only iterations that found a gap. The events also have the last one, which found none. It may be among the

@@ -5,7 +5,9 @@ use std::cmp::Ordering;
 
 use serde::{Deserialize, Serialize};
 use tilescope_analysis::{Boundary as JudgedBoundary, Region, Report, SolidRegion, SolidVerdict};
-use tilescope_core::{Boundary, Domain, Parameters, R, Run, SampleError, SolidDomain};
+use tilescope_core::{
+    Boundary, Domain, Parameters, R, Run, SOLID_DENSITY, SampleError, SolidDomain,
+};
 
 use crate::units;
 use crate::words::{counted, grouped, significant};
@@ -104,6 +106,13 @@ impl MadeSolid {
         let units = place / self.depth() * f64::from(self.side());
         // A number that is not finite becomes 0 or an end.
         (units.round() as i32).clamp(0, self.side())
+    }
+
+    /// Returns the plane that is nearest to a place of the third axis, which is in r: inside the box.
+    #[must_use]
+    pub fn plane_at_radii(&self, place: f64) -> i32 {
+        let units = (place * f64::from(R)).round();
+        (units as i32).clamp(0, self.side())
     }
 
     /// Returns the plane that lies this many lattice units above another one: around a periodic box, and in a bounded one

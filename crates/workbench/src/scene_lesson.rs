@@ -22,6 +22,7 @@ const TITLE: usize = 70;
 pub(crate) fn lesson_of(
     scenes: &[SavedScene],
     parameters: &Parameters,
+    depth: Option<f64>,
     has_own_pattern: bool,
 ) -> Result<String, String> {
     if scenes.is_empty() {
@@ -69,9 +70,13 @@ pub(crate) fn lesson_of(
         let _ = write!(text, "\n# {title}\n\n```run\n");
         // A step begins with the run of the step before it, so that only the first one needs to name it.
         if index == 0 {
-            write_run(&mut text, parameters);
+            write_run(&mut text, parameters, depth);
         }
-        write_moment(&mut text, scene);
+        write_moment(
+            &mut text,
+            scene,
+            depth.map(|depth| [depth, parameters.radius]),
+        );
         text.push_str("```\n");
 
         for paragraph in paragraphs(&rest) {
@@ -95,7 +100,13 @@ pub(crate) fn lesson_of(
 /// Those of the session's file; no scenes, or a run that a lesson cannot name.
 pub fn lesson_of_session(text: &str) -> Result<String, String> {
     let saved = Session::from_json(text).map_err(|error| error.to_string())?;
-    lesson_of(&saved.scenes, &saved.parameters, saved.pattern.is_some())
+    let has_own_pattern = saved.pattern.is_some();
+    lesson_of(
+        &saved.scenes,
+        &saved.parameters,
+        saved.depth,
+        has_own_pattern,
+    )
 }
 
 /// Returns the first sentence of a caption without its full stop, and the rest. If the sentence is longer than [`TITLE`], returns no
@@ -129,8 +140,8 @@ fn paragraphs(text: &str) -> Vec<String> {
     parts.filter(|part| !part.is_empty()).collect()
 }
 
-/// Writes the parameters of a run.
-fn write_run(text: &mut String, parameters: &Parameters) {
+/// Writes the parameters of a run, and the third side of a set in space.
+fn write_run(text: &mut String, parameters: &Parameters, depth: Option<f64>) {
     for parameter in tilescope_lessons::parameters() {
         let value = match parameter.chosen(parameters) {
             Some(option) => option.name.to_owned(),
@@ -138,10 +149,14 @@ fn write_run(text: &mut String, parameters: &Parameters) {
         };
         let _ = writeln!(text, "{}: {value}", parameter.key());
     }
+    if let Some(depth) = depth {
+        let _ = writeln!(text, "depth: {depth}");
+    }
 }
 
-/// Writes the moment, the layers and the camera of a scene.
-fn write_moment(text: &mut String, scene: &SavedScene) {
+/// Writes the moment, the plane, the layers and the camera of a scene. `sides` are the third side and the radius of a set in
+/// space, in user units.
+fn write_moment(text: &mut String, scene: &SavedScene, sides: Option<[f64; 2]>) {
     let ended_stage = &scene.ends;
     let moment = match (ended_stage, &scene.anchor) {
         // The pattern is made before the first event. A scene with neither a stage nor an anchor is at the start of its
@@ -160,6 +175,12 @@ fn write_moment(text: &mut String, scene: &SavedScene) {
 
     // Invalid parts of the view have their defaults, so that their names are not needed.
     let (saved, _invalid) = SavedView::from_json(&scene.view, &SavedView::default());
+    // A plane that the scene does not have follows the events, as in a lesson.
+    if let (Some([depth, radius]), Some(plane)) = (sides, saved.plane) {
+        let place = plane.clamp(0.0, depth) / radius;
+        let _ = writeln!(text, "plane: {place:.4}");
+    }
+
     let names = saved.appearance.chosen_layers.map(|layers| {
         let names: Vec<String> = layers.iter().map(Layer::key).collect();
         names.join(" ")
@@ -216,7 +237,7 @@ mod tests {
             radius: 0.03,
             ..Parameters::default()
         };
-        let text = lesson_of(&scenes, &parameters, false).unwrap();
+        let text = lesson_of(&scenes, &parameters, None, false).unwrap();
         let lesson =
             Lesson::read("scenes", &text).unwrap_or_else(|error| panic!("{error}\n{text}"));
         let titles: Vec<&str> = lesson
@@ -245,23 +266,23 @@ mod tests {
     fn what_a_lesson_cannot_name_is_refused() {
         let fine = Parameters::default();
         assert!(
-            lesson_of(&[], &fine, false)
+            lesson_of(&[], &fine, None, false)
                 .unwrap_err()
                 .contains("no scenes")
         );
         let scenes = [scene("A", None)];
         assert!(
-            lesson_of(&scenes, &fine, true)
+            lesson_of(&scenes, &fine, None, true)
                 .unwrap_err()
                 .contains("pattern")
         );
         let mut other = fine;
         other.pattern.seed = 7;
         assert!(
-            lesson_of(&scenes, &other, false)
+            lesson_of(&scenes, &other, None, false)
                 .unwrap_err()
                 .contains("pattern")
         );
-        assert!(lesson_of(&scenes, &fine, false).is_ok());
+        assert!(lesson_of(&scenes, &fine, None, false).is_ok());
     }
 }

@@ -22,8 +22,8 @@ use tilescope_session::session::Session;
 use tilescope_session::words::sentence;
 
 use crate::graded::FULL_MARKS;
-use crate::lesson_field::LessonField;
 use crate::lesson_picture::layers_named;
+use crate::lesson_set::LessonSet;
 use crate::lessons::{GivenAnswer, LessonCommand, LessonSource, Lessons, OpenLesson, WantedLesson};
 use crate::room::{CanvasView, Classroom, Context, Effect, NewFile, StepView};
 
@@ -525,7 +525,7 @@ impl Classroom {
             self.arrive_at_step(&run, context);
         } else {
             open.run = None;
-            let recipe = LessonField::recipe_of(&wanted);
+            let recipe = LessonSet::recipe_of(&wanted);
             context.ask(Effect::MakeRun(Box::new(recipe)));
         }
     }
@@ -578,8 +578,8 @@ impl Classroom {
                 let missing = || LessonError::new(line, "the run has no such moment");
                 open.fault = Some(arrived.err().unwrap_or_else(missing));
                 // A step without its moment shows the start of its run.
-                let field = open.field().map(Box::new);
-                context.ask(Effect::ShowRun(Arc::clone(run), field, 0));
+                let set = open.set().map(Box::new);
+                context.ask(Effect::ShowRun(Arc::clone(run), set, 0));
             }
         }
     }
@@ -594,10 +594,11 @@ impl Classroom {
             return;
         };
 
-        let field = open.shown_field();
+        let set = open.shown_set();
         context.ask(Effect::ShowStep(Box::new(StepView {
             run,
-            field,
+            set,
+            plane: open.learner.plane(),
             limit: open.learner.limit(),
             cursor,
             layers: open.layers().map(|names| layers_named(&names)),

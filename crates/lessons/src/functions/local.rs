@@ -1,4 +1,5 @@
-//! What expressions ask of a field of radii. Where the radius is the same everywhere, it is r.
+//! What expressions ask of a field of radii. Where the radius is the same everywhere, it is r. Places of a set in space lie in its
+//! plane.
 
 use tilescope_core::{Locality, Point, R};
 
@@ -42,6 +43,11 @@ impl Now {
         let Some(point) = self.recording.point(sample) else {
             return false;
         };
+        // A place of a set in space lies in the plane.
+        if let Some(above) = self.recording.above(sample, self.plane()) {
+            let planar = self.recording.domain().distance_squared(point, at);
+            return planar + i64::from(above) * i64::from(above) <= i64::from(R) * i64::from(R);
+        }
         if let Some(locality) = self.locality() {
             return locality.is_near(point, at);
         }
@@ -57,7 +63,7 @@ impl Now {
     }
 
     /// Returns the places that stand for the domain: the middles of equal parts of it.
-    fn places(&self) -> impl Iterator<Item = Point> {
+    pub(super) fn places(&self) -> impl Iterator<Item = Point> {
         let domain = self.recording.domain();
         let size = [domain.width(), domain.height()].map(radii);
         let middle =
@@ -96,7 +102,12 @@ impl Now {
     pub(super) fn open_places(&self) -> Found<i64> {
         self.spend(SET)?;
         let cursor = self.cursor();
-        let is_open = |at: &Point| self.recording.covering(*at, cursor).is_none();
+        let is_open = |at: &Point| {
+            if self.recording.is_in_space() {
+                return !self.covers_in_space(*at);
+            }
+            self.recording.covering(*at, cursor).is_none()
+        };
         Ok(self.places().filter(is_open).count() as i64)
     }
 }

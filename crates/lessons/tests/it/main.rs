@@ -6,3 +6,4 @@ mod guide;
 mod inventory;
 mod levels;
 mod shipped;
+mod space;

@@ -240,6 +240,10 @@ impl Runs {
         let stops = self.first.take_stops();
         std::mem::swap(&mut self.first, &mut side);
         (self.first.viewport, side.viewport) = viewports;
+        // The second run's plane was put to where the first one's lay, which may follow the events.
+        if comparison.linked_cameras {
+            self.first.pin_as(&side);
+        }
 
         // The loop counts events of the run that the panels showed before.
         context.ask(Effect::EndLoop);

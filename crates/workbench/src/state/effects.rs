@@ -332,10 +332,10 @@ impl State {
                 self.start_sampling(Which::First, *recipe, EngineChoice::Cpu);
             }
 
-            E::ShowRun(recording, field, cursor) => self.with(|state, context| {
+            E::ShowRun(recording, set, cursor) => self.with(|state, context| {
                 let run = &mut state.runs.first;
-                let field = field.as_deref();
-                (state.time).show_recording((&recording, field), Some(cursor), run, context);
+                let set = set.as_deref();
+                (state.time).show_recording((&recording, set), Some(cursor), run, context);
             }),
             E::ShowStep(view) => {
                 self.appearance.chosen_layers = view.layers;
@@ -492,12 +492,12 @@ impl State {
             // A window that had no run before the lesson keeps the run of the lesson's step, and shows it whole.
             (None, Some(lesson)) => {
                 if let Some(recording) = &lesson.run {
-                    let field = lesson.field();
+                    let set = lesson.set();
                     self.with(|state, context| {
                         let run = &mut state.runs.first;
                         let no_limit = None;
                         state.time.show_recording(
-                            (recording, field.as_ref()),
+                            (recording, set.as_ref()),
                             no_limit,
                             run,
                             context,

@@ -3,6 +3,7 @@
 use serde_json::{Value, json};
 use tilescope_debugger::{Debugger, Direction, Marked, SavedScene};
 use tilescope_session::selection::Selection;
+use tilescope_session::solid::MadeSolid;
 
 use super::effects::{Context, Effect};
 use super::{RunView, Runs, WindowState};
@@ -15,7 +16,14 @@ use crate::tour::tour;
 use crate::view::{SavedView, SceneCamera};
 
 /// The parts of a [`SavedView`] that a scene keeps; its camera is a [`SceneCamera`].
-const PARTS: [&str; 5] = ["layers", "colouring", "look", "layout", "selection"];
+const PARTS: [&str; 6] = [
+    "plane",
+    "layers",
+    "colouring",
+    "look",
+    "layout",
+    "selection",
+];
 
 impl SceneList {
     /// Returns the scenes of the list.
@@ -315,9 +323,11 @@ fn look_as(
     source: &SceneSource,
     context: &mut Context,
 ) {
-    // Parts that the scene lacks stay as they are now, but a scene without a selection selects nothing.
+    // Parts that the scene lacks stay as they are now. But a scene without a selection selects nothing, and the plane of one without a
+    // plane follows the events.
     let now = SavedView {
         selection: Selection::Nothing,
+        plane: None,
         layout: source.layout.clone(),
         ..source.view.clone()
     };
@@ -336,6 +346,7 @@ fn look_as(
         Selection::Nothing
     };
     run.pick(selection, context);
+    run.cut_at_users(saved.plane);
 
     let placed = SceneCamera::of(view).and_then(|camera| {
         let center = camera.placed(run.current_place(), is_same_run)?;
@@ -358,8 +369,11 @@ impl RunView {
         let (Some(session), Some(debugger)) = (&self.session, &self.debugger) else {
             return Err("There is no session with events.".to_owned());
         };
-        let has_own_pattern = session.own.is_some();
-        lesson_of(&debugger.scenes, &session.run().parameters, has_own_pattern)
+        // The run of a set in space has the insertion by darts, which its form does not name.
+        let solid = session.solid.as_ref();
+        let parameters = solid.map_or(&session.run().parameters, |solid| &solid.asked);
+        let (depth, has_own_pattern) = (solid.map(MadeSolid::depth), session.own.is_some());
+        lesson_of(&debugger.scenes, parameters, depth, has_own_pattern)
     }
 }
 

@@ -5,7 +5,7 @@ use std::cell::Cell;
 use std::ops::Range;
 use std::sync::Arc;
 
-use tilescope_classroom::lesson_field::LessonField;
+use tilescope_classroom::lesson_set::LessonSet;
 use tilescope_classroom::room::StepView;
 use tilescope_debugger::{Direction, Recording, Step, Stop};
 use tilescope_session::selection::Selection;
@@ -105,10 +105,10 @@ impl Time {
         }
     }
 
-    /// Shows a recorded run, in a field of radii or not, whole or up to a cursor, without verifying it.
+    /// Shows a recorded run, in a field of radii, in a box or in neither, whole or up to a cursor, without verifying it.
     pub(super) fn show_recording(
         &mut self,
-        (recording, field): (&Arc<Recording>, Option<&LessonField>),
+        (recording, set): (&Arc<Recording>, Option<&LessonSet>),
         limit: Option<usize>,
         run: &mut RunView,
         context: &mut Context,
@@ -118,18 +118,19 @@ impl Time {
             Some(cursor) => Arc::new(recording.until(cursor)),
             None => Arc::clone(recording),
         };
-        let session = LessonField::session(field, shown, context.next_generation());
+        let session = LessonSet::session(set, shown, context.next_generation());
         self.rest(run.is_same_run(&session));
         run.show_unverified(session, context);
     }
 
     /// Shows the moment of a lesson's step: up to it if a question is open, otherwise in the whole run.
     pub(super) fn show_step(&mut self, view: &StepView, run: &mut RunView, context: &mut Context) {
-        let recording = (&view.run, view.field.as_ref());
+        let recording = (&view.run, view.set.as_ref());
         self.show_recording(recording, view.limit, run, context);
         let before = run.stage;
         run.jump(view.cursor);
         run.moved(before);
+        run.cut_at(view.plane);
         run.pick(Selection::Nothing, context);
         // With a zoom the `radii` of the frame do not count: the zoom has the scale. Without either the whole domain is
         // shown.

@@ -1,6 +1,7 @@
 //! The plane through a set in space: where it lies, and moving it.
 
 use tilescope_core::R;
+use tilescope_session::solid::MadeSolid;
 
 use super::RunView;
 use crate::state::effects::Context;
@@ -118,6 +119,32 @@ impl RunView {
         if self.plane() != Some(at) || !self.plane.is_pinned {
             self.put_plane(at);
         }
+    }
+
+    /// Moves the plane to a place of the third axis, in r, where it stays; `None` has it follow the events.
+    pub(in crate::state) fn cut_at(&mut self, place: Option<f64>) {
+        self.cut_where(|solid| Some(solid.plane_at_radii(place?)));
+    }
+
+    /// The same for a place in user units.
+    pub(in crate::state) fn cut_at_users(&mut self, place: Option<f64>) {
+        self.cut_where(|solid| Some(solid.plane_at(place?)));
+    }
+
+    /// Moves the plane to where a function has it, which gives `None` for a plane that follows the events. A planar set has
+    /// none.
+    fn cut_where(&mut self, at: impl FnOnce(&MadeSolid) -> Option<i32>) {
+        let session = self.session.as_ref();
+        let solid = session.and_then(|session| session.solid.as_ref());
+        match solid.and_then(at) {
+            Some(at) => self.put_plane(at),
+            None => self.plane = Plane::default(),
+        }
+    }
+
+    /// Lets the plane follow the events exactly if that of another run does.
+    pub(in crate::state) const fn pin_as(&mut self, other: &Self) {
+        self.plane.is_pinned = other.plane.is_pinned;
     }
 
     /// Keeps the plane for a set of the same box, and puts that of another box in its middle.
