@@ -54,6 +54,7 @@ pub fn lessons() -> Vec<Shipped> {
         "gluing",
         "ranks",
         "radii",
+        "space",
     ]
 }
 

@@ -75,7 +75,7 @@ mod every_lesson_is_sound {
 
     sound![
         welcome, maximal, spectrum, cuts, clips, survivors, losses, gaps, rounds, reach, tiling,
-        exact, parallel, gluing, ranks, radii,
+        exact, parallel, gluing, ranks, radii, space,
     ];
 
     #[test]

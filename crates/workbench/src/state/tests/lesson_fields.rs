@@ -1,5 +1,5 @@
-//! Lessons in a field of radii in the state: steps show the field's set, up to an open question, and what is made without the coin
-//! has no recipe.
+//! Lessons in a field of radii and in space in the state: steps show the set, up to an open question, and what is made without the
+//! coin has no recipe.
 
 use tilescope_classroom::lessons::LessonCommand;
 use tilescope_session::layers::SessionKind;
@@ -66,4 +66,44 @@ fn what_is_made_without_the_coin_has_no_recipe() {
     let recipe = even.ground.as_ref().unwrap().recipe();
     let made = recipe.make(&mut tilescope_core::Unobserved).expect("a set");
     assert_eq!(made.set.points, even.run().positions());
+}
+
+#[test]
+fn steps_show_the_plane_of_their_box_and_nothing_behind_an_open_question() {
+    let mut state = settled();
+    let before = state.runs.first.session.as_ref().unwrap().recipe();
+    lesson(&mut state, LessonCommand::Open("space".to_owned()));
+    let run = &state.runs.first;
+    let session = run.session.clone().unwrap();
+    assert_eq!(session.kind(), SessionKind::Solid);
+    assert_eq!(run.plane_place(), Some((10.0, 5.0)));
+    assert_eq!(session.recipe().depth, Some(10.0));
+    let whole = session.summary.count;
+    let made = session.solid.as_ref().unwrap();
+    assert_eq!(
+        made.count_cut_of(usize::MAX, made.middle()),
+        made.count_cut(made.middle())
+    );
+
+    // The plane is at the dart of the question, whose samples alone are there: neither events nor heights tell of later ones.
+    lesson(&mut state, LessonCommand::Go("refuses".to_owned()));
+    let run = &state.runs.first;
+    let session = run.session.clone().unwrap();
+    let open = state.lessons().open.as_ref().unwrap();
+    let asked = open.learner.scene().unwrap();
+    let next = asked.recording().event(asked.cursor()).unwrap();
+    assert_eq!(run.plane(), asked.recording().event_height(next));
+    assert!(session.is_cut_off_at(session.recording().unwrap().len()));
+    let samples = session.run().samples.len();
+    assert!(samples > 100 && samples < whole);
+    assert_eq!(
+        session.recording().unwrap().heights().map(<[i32]>::len),
+        Some(samples)
+    );
+
+    // A step without a plane of its own follows the events.
+    lesson(&mut state, LessonCommand::Go("follow-it".to_owned()));
+    assert_eq!(state.runs.first.follows_events(), Some(true));
+    lesson(&mut state, LessonCommand::Leave);
+    assert_eq!(state.runs.first.session.as_ref().unwrap().recipe(), before);
 }
