@@ -1,5 +1,5 @@
-//! The objects in view, as a list for those who do not see the picture or use no pointer: gaps, samples and blocks, those
-//! nearest to the middle of the view first, each described as the tag beside the pointer describes it.
+//! The objects in view, as a list for those who do not see the picture or use no pointer: gaps, active cubes, samples and blocks,
+//! those nearest to the middle of the view first, each described as the tag beside the pointer describes it.
 
 use egui::{Rect, Ui};
 use glam::DVec2;
@@ -9,6 +9,7 @@ use tilescope_drawing::made::Made;
 use tilescope_drawing::palette::Palette;
 use tilescope_drawing::subject::Subject;
 use tilescope_session::selection::Selection;
+use tilescope_session::units::{position, radii};
 use tilescope_session::words::counted;
 
 use crate::hover;
@@ -37,7 +38,7 @@ pub struct Object {
 /// The objects in view.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Objects {
-    /// Those that are listed: gaps, samples, blocks.
+    /// Those that are listed: gaps, active cubes that a plane cuts, samples, blocks.
     pub listed: Vec<Object>,
     /// How many others of each kind are in view, in English; a kind that is listed as a whole has no entry.
     pub more: Vec<String>,
@@ -54,6 +55,7 @@ impl Objects {
         }
         let view = View::of(subject, rect);
         view.add_gaps(&mut objects);
+        view.add_cubes(&mut objects);
         view.add_samples(&mut objects);
         view.add_blocks(&mut objects);
         objects
@@ -189,6 +191,41 @@ impl<'a> View<'a> {
                 // Disks of this radius do not overlap in a set of one radius.
                 reach: 0.5,
                 selection: Selection::Sample(id),
+            }
+        });
+    }
+
+    /// Adds the active cubes of a throw that the plane through a set in space cuts, as the picture has them: as squares.
+    fn add_cubes(&self, objects: &mut Objects) {
+        let shown = &self.subject.shown;
+        let in_plane = shown.session.solid.as_ref().zip(shown.plane);
+        let (Some((solid, plane)), Stage::Iterate(number)) = (in_plane, shown.stage) else {
+            return;
+        };
+        let Some(throw) = shown.session.iteration(number) else {
+            return;
+        };
+
+        // All cubes of a throw have one side.
+        let side = throw.cells.first().map_or(0, |cell| cell.side);
+        let reach = 0.5 * radii(side);
+        let found = solid.cubes_cut(number, side, plane).filter_map(|index| {
+            let cell = throw.cells.get(index)?;
+            self.near(index, position(cell.min) + DVec2::splat(reach))
+        });
+
+        let kind = ["more active cube in view", "more active cubes in view"];
+        objects.add(found.collect(), kind, |near| {
+            let text = format!(
+                "Active cube of side {}, cut by the plane",
+                tilescope_debugger::fraction(side)
+            );
+            Object {
+                key: ("cube", near.number),
+                text: located(&text, near.place),
+                place: near.place,
+                reach,
+                selection: Selection::Place(near.place),
             }
         });
     }

@@ -736,6 +736,31 @@ fn the_list_of_objects_has_a_dozen_of_each_kind_and_counts_the_others() {
 }
 
 #[test]
+fn the_list_has_what_the_plane_through_a_set_in_space_cuts() {
+    let mut window = Window::opened([1440.0, 900.0]);
+    let link = "v=1&radius=0.5&width=6&height=5.5&depth=5&plane=z:2.5";
+    window.app.state.open_link(link);
+    window.rest();
+
+    // At the end no cube is active. Most balls lie above the plane or below it.
+    let count = |window: &Window, part: &str| {
+        let all = options(window).into_iter();
+        all.filter(|text| text.contains(part)).count()
+    };
+    assert_eq!(count(&window, "Sample "), MAX_OF_KIND);
+    let aside = count(&window, " r above the plane") + count(&window, " r below the plane");
+    assert!(aside > MAX_OF_KIND / 2);
+    assert_eq!(count(&window, "Active cube"), 0);
+
+    // All cells of the layer are active in the first throw: 12 x 11 of them.
+    window.apply(Command::Time(TimeCommand::ShowStage(0)));
+    assert_eq!(count(&window, "Active cube of side 1.000 r"), MAX_OF_KIND);
+    let nodes = window.nodes.iter().filter_map(|(_, node)| node.label());
+    let more = nodes.filter(|label| label.ends_with("more active cubes in view"));
+    assert_eq!(more.count(), 1);
+}
+
+#[test]
 fn arrow_keys_select_objects_of_the_list() {
     let mut window = amid_objects();
     let list = node_of(&window, |node| node.author_id() == Some("objects-a"));
