@@ -61,7 +61,7 @@ kinds! {
     Insert "insert" 4 "A sample is inserted.",
     Wake "wake" 4 "A refused dart is to be asked again.",
     Dart "dart" 4 "A dart is thrown.",
-    Cut "cut" 4 "An active cell is cut in four.",
+    Cut "cut" 4 "An active cell is cut in four, a cube in eight.",
     IterationEnd "iteration-end" 1 "An iteration ends.",
     Finish "finish" 1 "The result is there.",
     Thinned "thinned" 4 "Tests were left out here to stay within the budget.",

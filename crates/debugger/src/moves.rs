@@ -8,6 +8,7 @@ use crate::event::Event;
 use crate::index;
 use crate::kind::EventKind;
 use crate::listing::LineId;
+use crate::query;
 use crate::recording::Recording;
 
 pub use crate::index::Direction;
@@ -178,13 +179,16 @@ fn is_second(recording: &Recording, index: usize, event: &Event) -> bool {
     match &origins[sample as usize] {
         Origin::Tiled { .. } => false,
         Origin::Inserted {
-            // Without sites, as of a dart, the disk must touch that of an inserted sample: within 2r. Of sets in space only the
-            // projections are compared.
+            // Without sites, as of a dart, the disk must touch that of an inserted sample: within 2r. Of a set in space it is the
+            // ball.
             sites: Sites::Dart | Sites::Unrecorded,
             ..
         } => recording.point(sample).is_some_and(|point| {
             let near = recording.valid_near(point, 2 * R, index);
-            near.iter().any(inserted)
+            let touches = |other: &&u32| {
+                query::distance(recording, sample, **other).is_some_and(|distance| distance <= 2.0)
+            };
+            near.iter().filter(touches).any(inserted)
         }),
         Origin::Inserted { sites, .. } => sites.ids().iter().any(inserted),
     }

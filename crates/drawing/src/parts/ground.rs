@@ -259,8 +259,8 @@ fn thrown(scene: &Scene<'_>, surface: &mut impl Surface) {
     }
 }
 
-/// Returns whether a dart is so near the plane through a set in space that it is drawn there; in a planar set each is.
-fn is_near_plane(scene: &Scene<'_>, z: i32) -> bool {
+/// Returns whether a dart at a height is so near the plane through a set in space that it is drawn there; in a planar set each is.
+pub(super) fn is_near_plane(scene: &Scene<'_>, z: i32) -> bool {
     let in_plane = scene.session.solid.as_ref().zip(scene.shown.plane);
     in_plane.is_none_or(|(solid, plane)| solid.above(z, plane).abs() <= NEAR_PLANE)
 }

@@ -9,6 +9,7 @@ use tilescope_core::{Point, R, RunEvent, Verdict};
 use tilescope_debugger::{Event, Examined, NONE};
 use tilescope_session::units::{position, radii};
 
+use crate::parts::ground::is_near_plane;
 use crate::scene::{Scene, TAG_PADDING, TAG_SIZE};
 use crate::surface::{Stroke, Surface, dashed_circle};
 
@@ -49,7 +50,10 @@ pub fn draw(scene: &Scene<'_>, surface: &mut impl Surface) {
         examination(scene, surface, examined, shift);
     }
 
-    if let Some((dart, verdict)) = context.dart {
+    // Elsewhere in a set in space than in the plane a dart has another verdict than the plane's places.
+    let height = scene.session.event_height(scene.shown.cursor());
+    let is_in_sight = height.is_none_or(|z| is_near_plane(scene, z));
+    if let Some((dart, verdict)) = context.dart.filter(|_| is_in_sight) {
         let color = color_of(scene, verdict);
         let border = Stroke::new(1.5, palette.halo);
         surface.circle(scene.point(dart), 4.0, Some(color), Some(border));

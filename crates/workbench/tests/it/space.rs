@@ -6,6 +6,8 @@ use tilescope_core::{
     Boundary, Parameter, R, RunEvent, SolidDomain, Stage, Standing, Unobserved,
     Verdict as DartVerdict, solid_sample,
 };
+use tilescope_debugger::query::distance;
+use tilescope_debugger::{Direction, Event, EventKind, Target, moves};
 use tilescope_formats::{Overrides, certificate_path, export_solid_bytes, read_solid};
 use tilescope_session::incoming::NamedBytes;
 use tilescope_session::layers::{Layer, SessionKind};
@@ -19,6 +21,8 @@ use tilescope_workbench::draft::{Choice, FormPart};
 use tilescope_workbench::export::{ExportCommand, ExportKind, ExportRefusal, NumberField};
 use tilescope_workbench::files::FileCommand;
 use tilescope_workbench::orbit::{OrbitCommand, RunOrbit};
+use tilescope_workbench::scene_lesson::lesson_of_session;
+use tilescope_workbench::scenes::SceneCommand;
 use tilescope_workbench::state::{ExportSource, RunView, session_to_keep};
 use tilescope_workbench::{Command, State, link};
 
@@ -291,6 +295,14 @@ fn compared_runs_are_cut_by_one_plane() {
     let [first, second] = planes(&state);
     assert!(first.is_some() && first == second);
 
+    // A second run that has followed the first one's plane is no reason to stop following the events.
+    view(&mut state, ViewCommand::PinPlane(false));
+    state.apply(Command::Compare(CompareCommand::Swap));
+    assert_eq!(state.runs().first.follows_events(), Some(true));
+    view(&mut state, ViewCommand::Plane(1.0));
+    state.apply(Command::Compare(CompareCommand::Swap));
+    assert_eq!(state.runs().first.follows_events(), Some(false));
+
     // Cameras that are not linked leave each run its plane.
     let unlink = CompareCommand::LinkCameras(false);
     state.apply(Command::Compare(unlink));
@@ -298,6 +310,62 @@ fn compared_runs_are_cut_by_one_plane() {
     let [moved, second] = planes(&state);
     assert_ne!(moved, first);
     assert_eq!(second, first);
+}
+
+#[test]
+fn scenes_keep_the_plane_and_become_a_lesson_in_space() {
+    let mut state = made();
+    let len = session(&state).recording().expect("events").len();
+    let scene = |state: &mut State, command| state.apply(Command::Scene(command));
+    state.apply(Command::Time(TimeCommand::Jump(len / 3)));
+    view(&mut state, ViewCommand::Plane(1.25));
+    scene(&mut state, SceneCommand::Add);
+    let moved = state.runs().first.plane();
+    view(&mut state, ViewCommand::PinPlane(false));
+    state.apply(Command::Time(TimeCommand::Jump(len / 2)));
+    scene(&mut state, SceneCommand::Add);
+    let followed = state.runs().first.plane();
+    assert_ne!(moved, followed);
+
+    // Each scene has its plane, whatever the one before it had.
+    for (index, plane, follows) in [(0, moved, false), (1, followed, true), (0, moved, false)] {
+        scene(&mut state, SceneCommand::Show(index));
+        let run = &state.runs().first;
+        assert_eq!(run.plane(), plane, "{index}");
+        assert_eq!(run.follows_events(), Some(follows));
+    }
+
+    // The lesson has the box in its first step, and a plane where the scene has one. Planes of lessons are in r.
+    let text = session_to_keep(&state).expect("a session");
+    let lesson = lesson_of_session(&text).expect("a lesson");
+    let read = tilescope_lessons::Lesson::read("scenes", &lesson).expect(&lesson);
+    let planes = read.steps.iter().map(|step| {
+        let plane = step.scene.plane.as_ref();
+        (step.scene.depth, plane.map(|plane| plane.text.clone()))
+    });
+    let wanted = [(Some(5.0), Some("2.5000".to_owned())), (Some(5.0), None)];
+    assert_eq!(planes.collect::<Vec<_>>(), wanted);
+}
+
+#[test]
+fn a_second_insertion_has_a_ball_that_touches_an_earlier_one() {
+    let state = made();
+    let recording = session(&state).recording().expect("events");
+    let (forwards, target) = (Direction::Forwards, Target::SecondInsertion);
+    let at = moves::run_to(recording, 0, target, forwards).expect("an insertion");
+
+    // No sample before it is within two radii of an earlier one.
+    let inserted = |cursor: usize| {
+        let events = recording.tape().iter().take(cursor);
+        let is_insertion = |event: &&Event| event.kind() == EventKind::Insert;
+        events.filter(is_insertion).count() as u32
+    };
+    let nearest = |sample: u32| {
+        let earlier = (0..sample).filter_map(|other| distance(recording, sample, other));
+        earlier.fold(f64::INFINITY, f64::min)
+    };
+    let second = inserted(at) - 1;
+    assert!(nearest(second) <= 2.0 && (0..second).all(|sample| nearest(sample) > 2.0));
 }
 
 #[test]
