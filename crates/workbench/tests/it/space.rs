@@ -7,7 +7,7 @@ use tilescope_core::{
     Verdict as DartVerdict, solid_sample,
 };
 use tilescope_debugger::query::distance;
-use tilescope_debugger::{Direction, Event, EventKind, Target, moves};
+use tilescope_debugger::{Direction, EventKind, Target, moves};
 use tilescope_formats::{Overrides, certificate_path, export_solid_bytes, read_solid};
 use tilescope_session::incoming::NamedBytes;
 use tilescope_session::layers::{Layer, SessionKind};
@@ -354,17 +354,15 @@ fn a_second_insertion_has_a_ball_that_touches_an_earlier_one() {
     let (forwards, target) = (Direction::Forwards, Target::SecondInsertion);
     let at = moves::run_to(recording, 0, target, forwards).expect("an insertion");
 
-    // No sample before it is within two radii of an earlier one.
-    let inserted = |cursor: usize| {
-        let events = recording.tape().iter().take(cursor);
-        let is_insertion = |event: &&Event| event.kind() == EventKind::Insert;
-        events.filter(is_insertion).count() as u32
-    };
+    let event = recording.event(at).expect("the event");
+    assert_eq!(event.kind(), EventKind::Insert);
+
+    // No sample before it is within two radii of an earlier one. Ids are in the order of insertion.
+    let [second, ..] = event.samples();
     let nearest = |sample: u32| {
         let earlier = (0..sample).filter_map(|other| distance(recording, sample, other));
         earlier.fold(f64::INFINITY, f64::min)
     };
-    let second = inserted(at) - 1;
     assert!(nearest(second) <= 2.0 && (0..second).all(|sample| nearest(sample) > 2.0));
 }
 
