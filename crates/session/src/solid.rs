@@ -5,9 +5,7 @@ use std::cmp::Ordering;
 
 use serde::{Deserialize, Serialize};
 use tilescope_analysis::{Boundary as JudgedBoundary, Region, Report, SolidRegion, SolidVerdict};
-use tilescope_core::{
-    Boundary, Domain, Parameters, R, Run, SOLID_DENSITY, SampleError, SolidDomain,
-};
+use tilescope_core::{Boundary, Domain, Parameters, R, Run, SampleError, SolidDomain};
 
 use crate::units;
 use crate::words::{counted, grouped, significant};

@@ -2,8 +2,8 @@
 
 use tilescope_analysis::{Boundary, Control, SolidError, SolidRegion, ThinnedReport};
 use tilescope_formats::{
-    Certificate, Format, FormatError, Hint, KeptRows, SolidRaw, Thinned, ThinnedSolidFacts,
-    decode_solid, detect, keep_rows, read_column, solid_digest,
+    Certificate, ColumnUse, Format, FormatError, Hint, KeptRows, SolidRaw, Thinned,
+    ThinnedSolidFacts, decode_solid, detect, keep_rows, read_column, solid_digest,
 };
 
 use super::super::file::ThinFileError;
@@ -166,7 +166,7 @@ impl SpaceRecipe {
         // A column is read only to rank the points by it.
         let column = match &self.priority {
             ThinningPriority::Column { column, .. } if with_ranks => {
-                read_column(file.bytes, &file.hint, column)?
+                read_column(file.bytes, &file.hint, column, ColumnUse::Order)?
             }
             ThinningPriority::Column { .. }
             | ThinningPriority::Order
