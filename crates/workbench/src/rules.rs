@@ -385,18 +385,7 @@ const fn view(which: Which, command: &ViewCommand) -> Rules {
         ViewCommand::Plane(_)
         | ViewCommand::StepPlane(_)
         | ViewCommand::PinPlane(_) => rules,
-        // Each of two canvases has its own size.
-        ViewCommand::Orbit(OrbitCommand::Size(_)) => rules,
-        ViewCommand::Orbit(
-            OrbitCommand::Show(_)
-            | OrbitCommand::Turn(_)
-            | OrbitCommand::Zoom(_)
-            | OrbitCommand::Cut(_)
-            | OrbitCommand::Reset,
-        ) => Rules {
-            moves_camera: true,
-            ..rules
-        },
+        ViewCommand::Orbit(command) => orbit(*command, rules),
 
         // An event, a verdict or a selection belongs to one run alone, so that a linked camera stays where it is.
         ViewCommand::GoToCurrent
@@ -407,6 +396,22 @@ const fn view(which: Which, command: &ViewCommand) -> Rules {
         | ViewCommand::CopyPosition(_)
         // A sample under the pointer is not checked: right after a new run, it may be a sample of the run before.
         | ViewCommand::Hover(_) => rules,
+    }
+}
+
+/// Returns the rules of a command of the balls of a set in space; `rules` are those of the run's view.
+const fn orbit(command: OrbitCommand, rules: Rules) -> Rules {
+    match command {
+        // Each of two canvases has its own size.
+        OrbitCommand::Size(_) => rules,
+        OrbitCommand::Show(_)
+        | OrbitCommand::Turn(_)
+        | OrbitCommand::Zoom(_)
+        | OrbitCommand::Cut(_)
+        | OrbitCommand::Reset => Rules {
+            moves_camera: true,
+            ..rules
+        },
     }
 }
 
