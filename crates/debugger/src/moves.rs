@@ -8,7 +8,6 @@ use crate::event::Event;
 use crate::index;
 use crate::kind::EventKind;
 use crate::listing::LineId;
-use crate::query;
 use crate::recording::Recording;
 
 pub use crate::index::Direction;
@@ -185,8 +184,13 @@ fn is_second(recording: &Recording, index: usize, event: &Event) -> bool {
             ..
         } => recording.point(sample).is_some_and(|point| {
             let near = recording.valid_near(point, 2 * R, index);
+            let z = recording.heights().map(|heights| heights[sample as usize]);
+            let limit = 4 * i64::from(R) * i64::from(R);
             let touches = |other: &&u32| {
-                query::distance(recording, sample, **other).is_some_and(|distance| distance <= 2.0)
+                let above = z.and_then(|z| recording.above(**other, z)).unwrap_or(0);
+                let at = recording.point(**other).unwrap_or(point);
+                let planar = recording.domain().distance_squared(at, point);
+                planar + i64::from(above) * i64::from(above) <= limit
             };
             near.iter().filter(touches).any(inserted)
         }),
