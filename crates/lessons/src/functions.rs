@@ -762,6 +762,7 @@ fn register_samples(engine: &mut Engine, now: &Arc<Now>) {
         "conflict": |now, s: i64, k: i64| now.conflict(s, k);
         "radius_of": |now, s: i64| now.point(s).map_or(f64::NAN, |at| now.radius_at(at));
         "refuses": |now, s: i64, x: f64, y: f64| now.refuses(id(s), now.lattice([x, y]));
+
         "above": |now, s: i64| now.above(s);
         "disk": |now, s: i64| now.disk(s);
         "far_in_space": |now, s: i64, x: f64, y: f64| now.far_in_space(s, [x, y]);

@@ -138,6 +138,7 @@ impl StepRun {
                 observer,
             )?));
         }
+
         if let Some(domain) = self.domain_in_space() {
             let domain = domain.map_err(SampleError::from)?;
             let planar = self.parameters.validate().map_err(SampleError::from)?;
@@ -145,6 +146,7 @@ impl StepRun {
                 Recording::in_space(domain, planar, &self.parameters, DEFAULT_BUDGET, observer);
             return Ok(Arc::new(made?));
         }
+
         if let Some(recipe) = self.recipe() {
             let Ground { field, shape, .. } = recipe.ground()?;
             let locality = Arc::new(Locality { field, shape });
@@ -152,6 +154,7 @@ impl StepRun {
                 Recording::with_locality(&locality, &self.parameters, DEFAULT_BUDGET, observer);
             return Ok(Arc::new(made?));
         }
+
         let pattern = Pattern::of_spec(&self.parameters.pattern, observer)?;
         Ok(record(&self.parameters, &pattern, observer)?)
     }
