@@ -7,7 +7,9 @@ use serde_json::json;
 use tilescope_analysis::ThinnedReport;
 use tilescope_formats::{CertifiedRadius, FormatError, KeptRows, write_certified};
 use tilescope_sets::RadiusSource;
-use tilescope_sets::thinning::{SpaceFile, SpaceRecipe, SpaceThinning, ThinFileError, ThinRecipe};
+use tilescope_sets::thinning::{
+    SpaceFile, SpaceRecipe, SpaceThinning, ThinFileError, ThinRadius, ThinRecipe,
+};
 
 use crate::ground::file_name;
 use crate::interrupt;
@@ -59,7 +61,7 @@ pub(super) fn make(
         ],
         WHOSE,
     )?;
-    let RadiusSource::Constant(radius) = recipe.radius else {
+    let ThinRadius::Source(RadiusSource::Constant(radius)) = recipe.radius else {
         bail!(
             "the points lie in space, where one radius is that of all: give --radius R alone; --xy thins by x and y alone"
         );
