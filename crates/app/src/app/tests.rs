@@ -754,7 +754,12 @@ fn the_list_has_what_the_plane_through_a_set_in_space_cuts() {
 
     // All cells of the layer are active in the first throw: 12 x 11 of them.
     window.apply(Command::Time(TimeCommand::ShowStage(0)));
-    assert_eq!(count(&window, "Active cube of side 1.000 r"), MAX_OF_KIND);
+    assert_eq!(
+        count(&window, "Active cube of side 1.00 r"),
+        MAX_OF_KIND,
+        "{:?}",
+        options(&window)
+    );
     let nodes = window.nodes.iter().filter_map(|(_, node)| node.label());
     let more = nodes.filter(|label| label.ends_with("more active cubes in view"));
     assert_eq!(more.count(), 1);

@@ -111,11 +111,11 @@ fn a_part_that_no_judge_takes_into_account_is_refused_by_name() {
         }
     }
 
-    // No part but a prefix stands beside a third side.
+    // No part but a prefix and a choice of points stands beside a third side.
     for (name, value) in parts() {
         let mut stated = with("depth", &json!(4.0));
         stated[name] = value;
-        if !["depth", "prefix"].contains(&name) {
+        if !["depth", "prefix", "thinned"].contains(&name) {
             let said = refusal(&stated);
             assert!(
                 said.contains(&format!("the part `{name}")) && said.contains("beside `depth`"),
