@@ -16,8 +16,9 @@ use crate::tour::tour;
 use crate::view::{SavedView, SceneCamera};
 
 /// The parts of a [`SavedView`] that a scene keeps; its camera is a [`SceneCamera`].
-const PARTS: [&str; 6] = [
+const PARTS: [&str; 7] = [
     "plane",
+    "orbit",
     "layers",
     "colouring",
     "look",
@@ -323,8 +324,8 @@ fn look_as(
     source: &SceneSource,
     context: &mut Context,
 ) {
-    // Parts that the scene lacks stay as they are now. But a scene without a selection selects nothing, and the plane of one without a
-    // plane follows the events.
+    // Parts that the scene lacks stay as they are now. But a scene without a selection selects nothing, the plane of one
+    // without a plane follows the events, and one without balls shows the plane.
     let now = SavedView {
         selection: Selection::Nothing,
         plane: None,
@@ -347,6 +348,7 @@ fn look_as(
     };
     run.pick(selection, context);
     run.cut_at_users(saved.plane);
+    run.take_orbit(saved.orbit);
 
     let placed = SceneCamera::of(view).and_then(|camera| {
         let center = camera.placed(run.current_place(), is_same_run)?;

@@ -131,6 +131,8 @@ impl Time {
         run.jump(view.cursor);
         run.moved(before);
         run.cut_at(view.plane);
+        // A step is about the plane, which balls would take the place of.
+        run.take_orbit(None);
         run.pick(Selection::Nothing, context);
         // With a zoom the `radii` of the frame do not count: the zoom has the scale. Without either the whole domain is
         // shown.

@@ -348,6 +348,25 @@ fn scenes_keep_the_plane_and_become_a_lesson_in_space() {
 }
 
 #[test]
+fn a_scene_of_balls_shows_them_again_and_others_the_plane() {
+    let mut state = made();
+    let scene = |state: &mut State, command| state.apply(Command::Scene(command));
+    scene(&mut state, SceneCommand::Add);
+    orbit(&mut state, OrbitCommand::Show(true));
+    orbit(&mut state, OrbitCommand::Turn([20.0, 0.0]));
+    let turned = state.runs().first.orbit().map(RunOrbit::view);
+    assert!(turned.is_some());
+    scene(&mut state, SceneCommand::Add);
+
+    let mut seen = Vec::new();
+    for index in [0, 1, 0] {
+        scene(&mut state, SceneCommand::Show(index));
+        seen.push(state.runs().first.orbit().map(RunOrbit::view));
+    }
+    assert_eq!(seen, [None, turned, None]);
+}
+
+#[test]
 fn a_second_insertion_has_a_ball_that_touches_an_earlier_one() {
     let state = made();
     let recording = session(&state).recording().expect("events");

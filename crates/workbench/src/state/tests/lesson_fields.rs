@@ -5,6 +5,7 @@ use tilescope_classroom::lessons::LessonCommand;
 use tilescope_session::layers::SessionKind;
 
 use super::*;
+use crate::orbit::OrbitCommand;
 
 fn lesson(state: &mut State, command: LessonCommand) {
     state.apply(Command::Lesson(command));
@@ -85,9 +86,15 @@ fn steps_show_the_plane_of_their_box_and_nothing_behind_an_open_question() {
         made.count_cut(made.middle())
     );
 
-    // The plane is at the dart of the question, whose samples alone are there: neither events nor heights tell of later ones.
+    // Balls that were shown before give way to the plane that the question is about.
+    let balls = ViewCommand::Orbit(OrbitCommand::Show(true));
+    state.apply(Command::View(Which::First, balls));
+    assert!(state.runs.first.orbit().is_some());
     lesson(&mut state, LessonCommand::Go("refuses".to_owned()));
     let run = &state.runs.first;
+    assert!(run.orbit().is_none());
+
+    // The plane is at the dart of the question, whose samples alone are there: neither events nor heights tell of later ones.
     let session = run.session.clone().unwrap();
     let open = state.lessons().open.as_ref().unwrap();
     let asked = open.learner.scene().unwrap();
