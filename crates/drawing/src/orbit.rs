@@ -243,13 +243,14 @@ fn by_bands(
 
     for (index, ball) in balls.iter().enumerate() {
         let [above, below] = [ball.row - projection.radius, ball.row + projection.radius];
-        // A ball above or below the picture is in no band. A cast of a negative number gives 0.
+        // A ball above or below the picture is in no band. A cast of a negative number gives 0, and that of one which is
+        // beyond all numbers, of a sample far outside of the box, the greatest.
         if below < 0.0 {
             continue;
         }
         let first = (above / rows) as usize;
         let last = (below / rows) as usize;
-        for band in bands.iter_mut().take(last + 1).skip(first) {
+        for band in bands.iter_mut().take(last.saturating_add(1)).skip(first) {
             band.push(index as u32);
         }
     }

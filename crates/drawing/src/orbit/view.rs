@@ -4,6 +4,7 @@ use std::fmt;
 use std::ops::RangeInclusive;
 
 use serde::{Deserialize, Serialize};
+use tilescope_session::words::counted;
 
 /// The greatest elevation, in degrees: straight from above, the vertical edges of the box would be points.
 pub const MAX_ELEVATION: f64 = 89.0;
@@ -93,11 +94,13 @@ impl OrbitView {
     /// Returns "30 degrees above", for a sentence.
     #[must_use]
     pub fn height_text(self) -> String {
-        let degrees = self.elevation.abs().round();
+        // Whole, and at most 89.
+        let degrees = self.elevation.abs().round() as usize;
+        let angle = counted(degrees, "degree", "degrees");
         match self.elevation {
-            _ if degrees == 0.0 => "the side".to_owned(),
-            elevation if elevation > 0.0 => format!("{degrees} degrees above"),
-            _ => format!("{degrees} degrees below"),
+            _ if degrees == 0 => "the side".to_owned(),
+            elevation if elevation > 0.0 => format!("{angle} above"),
+            _ => format!("{angle} below"),
         }
     }
 
