@@ -6,8 +6,8 @@ use std::path::Path;
 use anyhow::{Result, ensure};
 use tilescope_analysis::{SolidRegion, lossy};
 use tilescope_drawing::orbit::{
-    MAX_PICTURE_SIDE, OrbitError, OrbitPicture, OrbitSet, OrbitView, TURN_FRAMES, described,
-    scene as orbit_scene,
+    MAX_ELEVATION, MAX_PICTURE_SIDE, OrbitError, OrbitPicture, OrbitSet, OrbitView, TURN_FRAMES,
+    ZOOMS, described, scene as orbit_scene,
 };
 use tilescope_drawing::palette::Palette;
 use tilescope_figures::{AnimationError, FigureError, Scene, to_pixels, write_apng, write_gif};
@@ -33,7 +33,25 @@ pub fn parse(text: &str) -> Result<OrbitView, String> {
              Without one, --orbit comes behind the files"
         )
     };
-    OrbitView::read(text).ok_or_else(wrong)
+    let view = OrbitView::read(text).ok_or_else(wrong)?;
+
+    // Links and files are put within the limits; who types numbers gets no other picture than the one asked for.
+    let typed = |part: usize| {
+        let part = text.split(',').nth(part)?;
+        part.trim().parse::<f64>().ok()
+    };
+    if let Some(elevation) = typed(1).filter(|elevation| elevation.abs() > MAX_ELEVATION) {
+        return Err(format!(
+            "the elevation is {elevation} degrees; it must be -{MAX_ELEVATION} to {MAX_ELEVATION}"
+        ));
+    }
+    if let Some(zoom) = typed(2).filter(|zoom| !ZOOMS.contains(zoom)) {
+        let (least, most) = (*ZOOMS.start(), *ZOOMS.end());
+        return Err(format!(
+            "the magnification is {zoom}; it must be {least} to {most}"
+        ));
+    }
+    Ok(view)
 }
 
 /// A set in space, as it is drawn.

@@ -295,6 +295,8 @@ fn balls_are_drawn_as_pictures_and_turn() {
         ("draw a.ply x.svg --orbit --turn", ".gif, .apng or .png"),
         ("draw a.ply x.png --turn", "--orbit"),
         ("draw a.ply x.png --orbit north", "is no direction"),
+        ("draw a.ply x.png --orbit 300,120", "it must be -89 to 89"),
+        ("draw a.ply x.png --orbit 300,30,50", "must be 0.5 to 20"),
         ("draw a.ply x.png --orbit --size 5000", "at most 4096"),
         (
             "draw a.ply x.png --orbit --slice z=1",
