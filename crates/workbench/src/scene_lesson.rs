@@ -2,7 +2,7 @@
 
 use std::fmt::Write as _;
 
-use tilescope_core::{Parameters, PatternSpec, Stage};
+use tilescope_core::{Parameters, PatternSpec, SolidDomain, Stage};
 use tilescope_debugger::{SavedScene, Session};
 use tilescope_lessons::step_name;
 use tilescope_session::layers::Layer;
@@ -97,9 +97,22 @@ pub(crate) fn lesson_of(
 ///
 /// # Errors
 ///
-/// Those of the session's file; no scenes, or a run that a lesson cannot name.
+/// Those of the session's file; a box that cannot be, no scenes, or a run that a lesson cannot name.
 pub fn lesson_of_session(text: &str) -> Result<String, String> {
     let saved = Session::from_json(text).map_err(|error| error.to_string())?;
+    // A file may have any numbers, and planes are put within the box.
+    if let Some(depth) = saved.depth {
+        let Parameters {
+            width,
+            height,
+            radius,
+            boundary,
+            ..
+        } = saved.parameters;
+        SolidDomain::from_size([width, height, depth], radius, boundary)
+            .map_err(|error| error.to_string())?;
+    }
+
     let has_own_pattern = saved.pattern.is_some();
     lesson_of(
         &saved.scenes,

@@ -345,6 +345,11 @@ fn scenes_keep_the_plane_and_become_a_lesson_in_space() {
     });
     let wanted = [(Some(5.0), Some("2.5000".to_owned())), (Some(5.0), None)];
     assert_eq!(planes.collect::<Vec<_>>(), wanted);
+
+    let mut file: serde_json::Value = serde_json::from_str(&text).expect("JSON");
+    file["depth"] = (-5).into();
+    let said = lesson_of_session(&file.to_string()).expect_err("no box");
+    assert!(said.contains("depth") && said.contains("-5"), "{said}");
 }
 
 #[test]
