@@ -75,11 +75,9 @@ impl OrbitPane<'_> {
         // The ground of the picture, so that nothing flashes before the first one is there.
         painter.rect_filled(self.rect, 0.0, self.palette.domain);
         if let Some(image) = self.orbit.image() {
-            let texture = texture(
-                ui,
-                Id::unique("balls").with(self.rect.min.x.to_bits()),
-                image,
-            );
+            // Not by the place of the canvas: while a panel grows each frame would keep a texture of its own.
+            let is_second = matches!(self.which, Which::Second);
+            let texture = texture(ui, Id::unique("balls").with(is_second), image);
             let whole = Rect::from_min_max(pos2(0.0, 0.0), pos2(1.0, 1.0));
             painter.image(texture, self.rect, whole, Color32::WHITE);
             return;
