@@ -47,6 +47,10 @@ fn a_ball_hides_one_behind_it_and_not_one_in_front() {
     assert_eq!(differing(&one, &behind), 0);
     behind = drawn(&[[4.0; 3], along(2.5)], false);
     assert!(differing(&one, &behind) > 50);
+
+    // A sample so far outside of the box that its row is beyond all numbers is in no picture.
+    let far = drawn(&[[4.0; 3], [1e300, 4.0, 4.0]], false);
+    assert_eq!(differing(&one, &far), 0);
 }
 
 #[test]
@@ -149,6 +153,9 @@ fn views_are_read_as_they_are_written_and_keep_their_limits() {
     for text in ["", "30", "30,NaN", "30,20,1,cut", "30,20,1,whole,1", "a,b"] {
         assert_eq!(OrbitView::read(text), None, "{text}");
     }
+
+    let heights = [-1.2, 0.3, 30.0].map(|elevation| OrbitView { elevation, ..view }.height_text());
+    assert_eq!(heights, ["1 degree below", "the side", "30 degrees above"]);
 
     // A turn comes back to where it began.
     let turn: Vec<_> = view.turn().collect();
