@@ -35,7 +35,7 @@ pub fn parse(text: &str) -> Result<OrbitView, String> {
     };
     let view = OrbitView::read(text).ok_or_else(wrong)?;
 
-    // Links and files are put within the limits; who types numbers gets no other picture than the one asked for.
+    // Links and files are put within the limits. A typed number gives the picture that it asks for, or none.
     let typed = |part: usize| {
         let part = text.split(',').nth(part)?;
         part.trim().parse::<f64>().ok()
