@@ -40,8 +40,9 @@ pub struct PictureStyle {
     pub dark: bool,
 }
 
-/// Returns a lesson's step at its moment, with its question open. `last` is the run of another step, which is used again if
-/// the parameters are equal, and afterwards the run of this one.
+/// Returns a lesson's step at its moment, with its question open. `last` has the run of another step, if there is one:
+/// it is used again if this step shows the same run. Afterwards `last` has the run of this step, and after an error
+/// none.
 ///
 /// # Errors
 ///

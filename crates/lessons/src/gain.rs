@@ -86,7 +86,8 @@ impl Gains {
     }
 
     /// Returns the gains as CSV, with a heading, to be opened in a spreadsheet: it begins with a byte-order mark, and no name
-    /// in it is a formula. A gain is "-" where nothing could be gained, and empty where answers are lacking.
+    /// in it is a formula. A gain is "-" where nothing could be gained, and empty where answers are lacking. `low` and
+    /// `high` are the ends of its interval, empty without one.
     ///
     /// # Errors
     ///

@@ -354,7 +354,7 @@ impl Learner {
 
         // A trace is done when its last event is answered rightly; until then each answer is about one event. A form
         // has no trace.
-        if let Some(events) = question.traced() {
+        if let Some(events) = question.trace_length() {
             if grade.is_right() {
                 attempt.traced += 1;
                 attempt.right_at_once += usize::from(!attempt.missed);

@@ -150,7 +150,7 @@ impl Question {
 
     /// Returns how many events of a trace are predicted; `None` for other questions.
     #[must_use]
-    pub fn traced(&self) -> Option<usize> {
+    pub fn trace_length(&self) -> Option<usize> {
         let count = self.interaction.events().len();
         (count > 0).then_some(count)
     }
@@ -172,7 +172,10 @@ impl Question {
     #[must_use]
     pub fn right_option(&self) -> Option<usize> {
         let right = self.interaction.right_options();
-        right.first().copied().filter(|_| self.traced().is_none())
+        right
+            .first()
+            .copied()
+            .filter(|_| self.trace_length().is_none())
     }
 
     /// Returns the texts of the options, in the order in which they are shown; none if the question has none.

@@ -118,7 +118,7 @@ impl Vote {
     }
 }
 
-/// Returns the votes for each of the given number of options, at least one, from the words `A 12 B 30` or `12 30`.
+/// Returns the votes for each option from the words `A 12 B 30` or `12 30`; there is at least one option.
 fn counts_of(words: &[&str], options: usize) -> Result<Vec<u32>, String> {
     let mut counts = vec![0; options];
     // The option of the next count: the first one, the one behind that of the last count, or the one that a letter has
@@ -162,8 +162,8 @@ fn counts_of(words: &[&str], options: usize) -> Result<Vec<u32>, String> {
         at += 1;
     }
 
-    // After letters without counts, or with counts of 0 alone, the counts were forgotten. Zeros without letters stay:
-    // a vote in which no learner took part.
+    // Letters alone, as in `A B`, leave all counts at 0, and are refused. `A 0 B 0` cannot be told from them here: a
+    // vote in which no learner took part is typed as zeros without letters, which stay.
     if is_named && counts.iter().all(|&count| count == 0) {
         return Err("A count follows each letter: A 12 B 30.".to_owned());
     }

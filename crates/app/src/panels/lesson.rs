@@ -274,7 +274,7 @@ impl LessonPanel<'_> {
         // A trace asks for one event after another. `predicted` is how many of them the learner has predicted; it is
         // 0 for other questions.
         let (_, predicted) = learner.tries();
-        if let Some(steps) = question.traced() {
+        if let Some(steps) = question.trace_length() {
             // Once all steps are traced, the last of them stays.
             let number = (predicted + 1).min(steps);
             let text = format!("{} {number} {} {steps}", labels.step, labels.of);

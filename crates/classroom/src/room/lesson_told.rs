@@ -227,7 +227,7 @@ impl QuestionTold {
 
         // The index of the event that a trace asks for, and how many it has.
         let (tries, event) = learner.tries();
-        let steps = question.traced();
+        let steps = question.trace_length();
 
         Some(Self {
             r#type: gate.kind_name,

@@ -122,7 +122,7 @@ fn score(
         // The time of an answer matters for results alone, and so does that of giving up.
         let feedback = learner.answer(&answer, 1.0)?;
         // Only a trace takes several answers; of other questions the first answer counts.
-        if feedback.is_done || question.traced().is_none() {
+        if feedback.is_done || question.trace_length().is_none() {
             break;
         }
     }

@@ -60,7 +60,8 @@ impl GateKind for ChoiceGate {
             return Err(asking.fault(format!("{which}; exactly one must be")));
         };
 
-        // Over the seeds each letter is right about equally often, so that no letter can be guessed.
+        // The index in the file of each option as it is shown. Over the seeds each letter is right about equally often,
+        // so that no letter can be guessed.
         let in_file = balanced(asking.name, self.options.len(), index, asking.seed());
         let right_shown = shown_at(&in_file, index);
         let options = Options::of(asking.scene, &self.options, in_file)?;
