@@ -52,13 +52,12 @@ impl Runs {
             CombineCommand::Nine => NINE.to_owned(),
             CombineCommand::Text(text) => text,
         };
-        // A link that waits for its run would wait in vain: the combination takes the run's place. A faulty layout ends
-        // the waiting, too.
-        self.arriving = None;
         context.ask(Effect::CloseNotice);
 
         match Layout::from_json(text.as_bytes()) {
             Ok(layout) => {
+                // A link that waits for its run would wait in vain: the combination takes the run's place.
+                self.arriving = None;
                 context.ask(Effect::RememberRun(UndoPart::Run));
                 context.ask(Effect::Make(Box::new(Made::Combination(layout))));
             }
