@@ -190,7 +190,7 @@ impl RunOrbit {
             }
             OrbitCommand::Cut(is_cut) => self.view = OrbitView { is_cut, ..view },
             OrbitCommand::Reset => self.view = OrbitView::default(),
-            // A screen may be wider than the widest picture, which is then enlarged.
+            // A picture has a pixel at least. A screen may be wider than the widest picture, which is then enlarged.
             OrbitCommand::Size(size) => {
                 self.size = size.map(|side| side.clamp(1, MAX_PICTURE_SIDE));
             }

@@ -261,7 +261,7 @@ impl LinkReader {
             order_within: order.unwrap_or_default(),
         };
 
-        // A link may ask for fewer samples than the program can make.
+        // A link may not ask for as many samples as the program can make.
         let refusal = if super::content::allows(&request) {
             request
                 .check(parameters)

@@ -533,7 +533,8 @@ impl State {
             });
         } else if self.runs.first.sampling.is_none() {
             // Borrowing the window sets the run aside, with what was being made. Only at the start of the program, when there is
-            // nothing to borrow, a run is still being made here: that of the default parameters.
+            // nothing to borrow, a run is still being made here. A tour that begins by itself does so only where that
+            // is the run of the default parameters.
             self.run();
         }
         self.in_scenes(|scenes, run, source, context| {

@@ -474,7 +474,7 @@ impl FileState {
                 Some(chosen.map_or_else(|| Ok(LessonCommand::File(sheet.path.into())), read_lesson))
             }
 
-            // A file that is opened by its path waits for a run, and then comes as a dropped one.
+            // None of these brings a lesson. A file of `Open` waits for a run, and then comes as one of `Dropped`.
             FileCommand::Sheet(_)
             | FileCommand::Close
             | FileCommand::Path(_)

@@ -39,6 +39,7 @@ impl ExportSource<'_> {
 
     /// Returns the view of a picture of balls, as on the canvas.
     pub(super) fn balls(&self, form: &ExportForm) -> Result<BallsView, ExportRefusal> {
+        // Callers have asked `shows_balls`, so that balls are shown and this refusal never comes.
         let orbit = self.run.orbit().ok_or(ExportRefusal::NoSession)?;
         if !self.run.viewport.is_positive() {
             return Err(ExportRefusal::NoCanvas);

@@ -83,8 +83,8 @@ impl Exports {
         };
 
         // A browser replaces no file: it chooses another name.
-        let replaces = delivery != Delivery::Download;
-        if let Some(form) = self.sheet.as_mut().filter(|_| replaces) {
+        let may_replace = delivery != Delivery::Download;
+        if let Some(form) = self.sheet.as_mut().filter(|_| may_replace) {
             // The file may have come to exist since the sheet was opened.
             form.look();
             if form.taken.is_some() && !form.asked {

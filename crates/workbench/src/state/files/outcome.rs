@@ -73,6 +73,7 @@ impl FileState {
         let system = order.system.name();
         context.tell(format!("The package for {system} is being made."));
 
+        // The job of one that is being made already is dropped, which stops it.
         self.packaging = Some(Packaging {
             stem: format!("{}-{}", order.lesson.name, order.system.file_name()),
             content: format!("The package has {questions}, for {system}."),
