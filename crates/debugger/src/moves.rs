@@ -148,7 +148,7 @@ pub fn arrive(
     found.map(|index| index + 1)
 }
 
-/// Returns whether an event matches `target`.
+/// Returns whether `event`, which has this index in the recording, matches `target`.
 #[must_use]
 pub fn matches_target(recording: &Recording, index: usize, event: &Event, target: Target) -> bool {
     match target {
@@ -166,7 +166,7 @@ pub fn matches_target(recording: &Recording, index: usize, event: &Event, target
     }
 }
 
-/// Returns whether an event inserts a sample that another inserted sample makes possible.
+/// Returns whether an event inserts a sample beside an inserted one, as [`Target::SecondInsertion`] has it.
 fn is_second(recording: &Recording, index: usize, event: &Event) -> bool {
     let Some(RunEvent::Insert { sample, .. }) = event.run_event() else {
         return false;
@@ -183,11 +183,13 @@ fn is_second(recording: &Recording, index: usize, event: &Event) -> bool {
             sites: Sites::Dart | Sites::Unrecorded,
             ..
         } => recording.point(sample).is_some_and(|point| {
+            // The cursor `index` is just before this event, when the sample itself is not there yet.
             let near = recording.valid_near(point, 2 * R, index);
             let z = recording.heights().map(|heights| heights[sample as usize]);
             let limit = 4 * i64::from(R) * i64::from(R);
             let touches = |other: &&u32| {
                 let above = z.and_then(|z| recording.above(**other, z)).unwrap_or(0);
+                // Samples that the search finds have places, so that `point` never stands in.
                 let at = recording.point(**other).unwrap_or(point);
                 let planar = recording.domain().distance_squared(at, point);
                 planar + i64::from(above) * i64::from(above) <= limit

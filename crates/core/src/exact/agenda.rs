@@ -141,6 +141,7 @@ impl Agenda {
     /// Returns the first of all questions that have the same first bits as a word, compared as a whole.
     #[cold]
     fn next_of_same(&mut self, word: u64) -> Option<Arriving> {
+        // Those that came up since the level began; the one of `word` is among them.
         let mut same = Vec::new();
         while let Some(&Reverse(other)) = self.sudden.peek()
             && other >> 32 == word >> 32

@@ -134,8 +134,9 @@ impl Words<'_> {
     /// Returns the sentence of a dart that lands or, if it is `ranked`, of one whose turn comes.
     pub(super) fn dart(&self, point: Point, ranked: bool, verdict: Verdict) -> String {
         let at = coordinates(point);
-        // These are darts of insertion by darts, which does not record which sample covers a place. Where there is no
-        // id, the sentence names no sample.
+        // These are darts of uniform insertion, which does not record which sample covers a place: their id is `NONE`,
+        // and no sample is named. Exact tilings record it, but have sentences of their own (`exact`). An id that is
+        // there after all is named.
         let by = |id: u32| match id {
             NONE => String::new(),
             id => format!(" by {}", self.sample(id)),

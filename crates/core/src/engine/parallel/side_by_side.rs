@@ -12,7 +12,7 @@ use crate::progress::{Observer, Progress};
 /// The pieces are taken in turn by all threads of the current pool. `observer` stays on the calling thread, which asks it
 /// before each piece that it takes itself, with the progress after all pieces taken so far. `compute` is given an observer,
 /// too, for pieces that take long: on the calling thread that one asks `observer`, and on the others it only looks whether
-/// `observer` has stopped the work.
+/// `observer` has stopped the work. Then an error is returned, and no result.
 pub(crate) fn compute_each<P: Sync, T: Send + Sync>(
     pieces: &[P],
     observer: &mut dyn Observer,

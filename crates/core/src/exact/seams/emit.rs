@@ -89,7 +89,9 @@ impl SeamTiling<'_> {
         for lost in self.lost.iter().filter(|lost| lost.is_deep) {
             region.remove(lost.place.x, lost.place.y);
         }
-        // Listed samples that are left out are lost or doubtful ones, and those that an interior has.
+        // Listed samples that are left out are lost or doubtful ones, and those that an interior has. A doubtful one
+        // may depend on the plane beyond the ground. In the window there is none in the end: a window with one is made
+        // again with a wider halo.
         for sample in self.samples.iter().filter(|sample| !sample.is_left_out) {
             let tag = if TAGS { self.tag(sample) } else { 0 };
             region.insert(sample.place.x, sample.place.y, tag);
