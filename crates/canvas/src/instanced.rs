@@ -117,6 +117,7 @@ impl InstancedCanvas {
     /// depth buffer.
     #[must_use]
     pub fn new(render_state: &RenderState) -> Self {
+        // A device that computes on the CPU draws less in a frame.
         let software = render_state.adapter.get_info().device_type == wgpu::DeviceType::Cpu;
         Self {
             gpu: Gpu::new(render_state),

@@ -76,6 +76,7 @@ fn words_of(name: Name) -> u64 {
 /// Returns the names of the columns of a buffer's rows, in the order of the numbers that [`meaning`] returns.
 fn columns(name: Name) -> Vec<String> {
     let named = |names: &[&str]| names.iter().map(|&name| name.to_owned()).collect();
+    // `FIELDS` has the structure's name, and its fields with their byte offsets and types.
     let fields = |fields: &[(&str, usize, &str)]| {
         let names = fields.iter().map(|&(name, ..)| name.to_owned());
         names.collect()

@@ -349,6 +349,7 @@ impl ExactWork {
                 if self.counter(counter::CHANGED) > 0 {
                     ExactStep::Rounds(index)
                 } else {
+                    // Only what was asked about may have turned out to be no sample.
                     self.is_mixed = self.counter(counter::QUESTIONS) > 0;
                     // Without another throw the samples are counted.
                     match index + 1 {

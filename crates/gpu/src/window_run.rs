@@ -184,6 +184,8 @@ impl WindowRun {
 
     /// Returns the last completed stage, or `None` before the first.
     pub(crate) fn last_stage(&self) -> Option<Stage> {
+        // A run that begins with iteration 1 first ends the elimination: its next step is of another stage before any
+        // stage is complete.
         if self.is_done() || self.is_between_stages() && !self.is_at_beginning() {
             return Some(self.stage);
         }
@@ -414,8 +416,8 @@ impl WindowRun {
         commands
     }
 
-    /// Reads the counters if the recorded step needs them, and decides by them what comes next; otherwise the step that
-    /// is next already stays. Returns the shortage for which the window must be computed again, if there is one.
+    /// Reads the counters if the recorded step needs them, and decides by them what comes next; otherwise that is what
+    /// `record` has set. Returns the shortage for which the window must be computed again, if there is one.
     async fn settle(&mut self) -> Result<Option<Shortage>, GpuError> {
         if !self.reads {
             return Ok(None);
