@@ -107,8 +107,8 @@ impl Histogram {
         }
     }
 
-    /// Returns the bin of a squared distance, and its part: 0 exactly where the bin begins, otherwise, and always in
-    /// the last bin, 1.
+    /// Returns the bin of a squared distance, and its part: 0 exactly where the bin begins, otherwise 1. In the last
+    /// bin, which is never shown, the part means nothing.
     #[inline]
     fn bin(&self, square: u64) -> (usize, usize) {
         let radius = f64::from(self.plane.radius);

@@ -52,7 +52,8 @@ impl PointTiles {
         self.along(1, place[1]) * self.counts[0] + self.along(0, place[0])
     }
 
-    /// Sorts the points that `each` calls its argument with: the same ones whenever it is called.
+    /// Sorts points into the tiles. `each` calls its argument with every point; as it is called twice, it gives the
+    /// same points in both calls.
     pub fn sort(&self, each: impl Fn(&mut dyn FnMut(Placed))) -> TiledPoints {
         let mut starts = vec![0; self.counts[0] * self.counts[1] + 1];
         each(&mut |point| starts[self.of(point.place) + 1] += 1);

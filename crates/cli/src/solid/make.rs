@@ -200,6 +200,7 @@ impl SolidOutcome {
             "radius": made.domain.radius(),
             // How many samples were made, where only the first of them were taken: null for a whole set.
             "made": made.made,
+            // Each stage of making a set in space throws darts, so that one entry has the seconds of all.
             "seconds": [{ "stage": "throw darts", "seconds": self.seconds }],
             "positions_digest": self.digest,
             "certificate": self.certificate.as_ref().map(|path| path.display().to_string()),

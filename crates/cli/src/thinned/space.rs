@@ -126,11 +126,13 @@ impl SpaceJudge<'_> {
         chosen: &SpaceFile<'_>,
         given: &SpaceFile<'_>,
     ) -> Result<Verdict, ThinFileError> {
+        // Of several points given at one place only the one of the least rank can have been kept.
         let with_ranks = true;
         let thinning = self.recipe.prepare(given, Some(self.region), with_ranks)?;
         let points = given.points();
         let mut differences: Vec<CertificateDifference> = Vec::new();
-        // After a point that is not one of the source, none counts as kept.
+        // If the file has a point that is not one of those given, or one twice, it is no choice from them: then none at
+        // all counts as kept.
         let kept =
             implied_kept(points, chosen.points(), thinning.ranks()).unwrap_or_else(|index| {
                 differences.push(stranger(index, &chosen.points()[index]));

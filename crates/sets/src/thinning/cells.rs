@@ -50,7 +50,8 @@ impl Place {
 type Span = (u32, u32);
 
 impl Grid {
-    /// Returns a grid of a rectangle, with cells in which points that are nearer than `reach` lie at most one cell apart.
+    /// Returns a grid over a rectangle: points that are nearer to each other than `reach` lie in one cell or in cells
+    /// beside each other.
     pub fn new(low: [f64; 2], size: [f64; 2], reach: f64, is_periodic: bool) -> Self {
         let wished = reach * (1.0 + MARGIN);
         let cells = size.map(|side| (side / wished).floor().clamp(1.0, MAX_CELLS));

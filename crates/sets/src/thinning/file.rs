@@ -397,6 +397,7 @@ fn refuse_contrast(radii: &[f64], name: &str) -> Result<(), ThinFileError> {
     if greatest / least <= MAX_COLUMN_CONTRAST {
         return Ok(());
     }
+    // Both extremes are radii of points, so that the default below never stands in.
     let first = |wanted: f64| {
         radii
             .iter()
