@@ -42,7 +42,8 @@ impl Bitmap {
         Self::new(columns, 3, colors.as_flattened().to_vec())
     }
 
-    /// Returns a bitmap of `depth` bytes for each pixel, or the error if these fill no whole rows or it is too large.
+    /// Returns a bitmap of `depth` bytes for each pixel, or the error if these fill no whole rows, or if a side is 0 or
+    /// too long.
     fn new(columns: usize, depth: usize, bytes: Vec<u8>) -> Result<Self, FigureError> {
         let sides = 1..=MAX_BITMAP_SIDE;
         let row = columns.saturating_mul(depth);

@@ -349,7 +349,7 @@ pub fn icon_button(
 /// Draws an icon around `at` in `color`; `ground` is the colour behind it. Lengths are in screen points.
 fn paint_icon(painter: &Painter, icon: Icon, at: Pos2, color: Color32, ground: Color32) {
     let stroke = Stroke::new(1.8, color);
-    // `way` is 1 for a figure that points to the right, and -1 to the left.
+    // In these two, `way` is 1 for a figure that points to the right, and -1 to the left.
     let triangle = |middle: Pos2, way: f32| {
         let corners = [
             vec2(-3.5 * way, -5.5),
@@ -404,6 +404,7 @@ fn paint_icon(painter: &Painter, icon: Icon, at: Pos2, color: Color32, ground: C
             }
         }
         Icon::Taller | Icon::Shorter => {
+            // The angle points up, or down.
             let way = if icon == Icon::Taller { 1.0 } else { -1.0 };
             let points = [vec2(-6.0, 3.0), vec2(0.0, -3.0), vec2(6.0, 3.0)];
             let line = points.map(|v| at + vec2(v.x, way * v.y)).to_vec();

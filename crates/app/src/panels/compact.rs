@@ -207,7 +207,8 @@ pub fn show(ui: &mut Ui, state: &State, canvas: &mut Canvas, commands: &mut Vec<
     }
 }
 
-/// Scrolls contents that are laid out for `high`, in a lower room; `add` receives that rectangle as it is scrolled.
+/// Scrolls contents that are higher than the room. They are laid out for the rectangle `high`, which `add` gets as the
+/// scrolling has moved it.
 fn scrolled(ui: &mut Ui, high: Rect, by_wheel: bool, add: impl FnOnce(&mut Ui, Rect)) {
     let source = ScrollSource {
         mouse_wheel: by_wheel,
@@ -264,7 +265,8 @@ impl CompactWindow<'_> {
         );
     }
 
-    /// Shows the time controls, the tabs and the open panel; during the tour its card instead.
+    /// Shows what lies below the canvas, or below the bar beside it in a landscape window: the time controls, the tabs
+    /// and the open panel; during the tour its card instead.
     fn below(&mut self, ui: &mut Ui, rects: &PartRects) {
         let fill = Palette::of(self.state.appearance().look).panel;
         if caption::is_below(self.state) {

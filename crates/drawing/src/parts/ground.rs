@@ -172,7 +172,7 @@ fn cells(scene: &Scene<'_>, surface: &mut impl Surface, number: u32) {
     let (fill, stroke) = (color.gamma_multiply(0.18), Stroke::new(1.0, color));
     let end = scene.session.size_radii();
 
-    // Of a set in space those count that the plane cuts.
+    // Of a set in space only the cubes are drawn that the plane cuts. All cubes of a throw have the same side.
     let side = iteration.cells.first().map_or(0, |cell| cell.side);
     let in_plane = scene.session.solid.as_ref().zip(scene.shown.plane);
     let cut: Option<Vec<usize>> =

@@ -70,7 +70,8 @@ fn selected(
     stroke: Stroke,
 ) {
     let at = scene.at(position);
-    // Before tiling there are no samples that cover a disk.
+    // Before tiling there are no samples yet, and so no disks. The lines stay, as does the ring that marks where the
+    // sample will be.
     if scene.stage >= Stage::Tile {
         let radius = scene.session.radius_of(id) as f32 * scene.scale();
         surface.circle(at, radius, None, Some(stroke));

@@ -28,6 +28,7 @@ impl Change {
     /// frame that changes nothing has one pixel, which stays.
     pub fn between(before: Option<&Pixels>, now: &Pixels) -> Self {
         let width = now.width as usize;
+        // For each pixel of the frame, whether it is as it was before.
         let stays: Vec<bool> = match before {
             Some(before) => {
                 let pairs = before.rgba.chunks_exact(4).zip(now.rgba.chunks_exact(4));

@@ -24,7 +24,7 @@ pub fn picture_of(all: &[ComparedImage]) -> Result<Picture> {
             TileContent::Cells(bitmap(|at| one.dark.pixels[one.dark.index(at)], &one.dark)?);
         let no_note = String::new();
         let mut tiles = vec![Panel::Tile(tile(side, one.subject.name(), no_note, image))];
-        // Independent dots are the control of the measure, and have no picture.
+        // Independent dots, the last of the four methods, are the control of the measure, and have no picture.
         for (method, made) in DotMethod::ALL.into_iter().zip(&one.by_method).take(3) {
             let content = TileContent::Cells(dotted(&one.dark, &made.dots)?);
             let note = format!("{} dots", made.dots.len());
