@@ -237,6 +237,7 @@ pub fn decode(bytes: &[u8], hint: &Hint<'_>) -> Result<ReadSet, FormatError> {
         degrees: raw.degrees,
         radii: radii.transpose()?.flatten(),
         certificate: raw.certificate,
+        // Callers set it where they have read a file again without its certificate.
         refused: None,
     })
 }

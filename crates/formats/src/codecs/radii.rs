@@ -10,8 +10,9 @@ use crate::format::Format;
 /// The name of the column, and of the property of features.
 pub(super) const RADIUS: &str = "radius";
 
-/// Returns the radius of each point, if the file has a column of that name. `columns` are those of x and y in a text table,
-/// where they are chosen: neither of them is a radius. Fails where a radius is no number or not above 0.
+/// Returns the radius of each point, if the file has a column, or features a property, called [`RADIUS`]. `columns` are
+/// those of x and y that were chosen in a text table: a column that is one of them is no radius. Fails where a radius
+/// is no number or not above 0.
 pub(super) fn read(
     bytes: &[u8],
     format: Format,

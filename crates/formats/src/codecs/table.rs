@@ -26,8 +26,8 @@ pub(super) fn read(
     Ok(Raw::new(points, Precision::Double))
 }
 
-/// Returns the table with only those of its rows that are kept. All other lines stay, and so does each row to the byte; a
-/// number of points that a line states is that of the new table.
+/// Returns the table with only those of its rows for which `kept`, in their order, is true. All other lines stay, and
+/// so does each row to the byte; a number of points that a line states is that of the new table.
 pub(super) fn keep(
     bytes: &[u8],
     format: Format,

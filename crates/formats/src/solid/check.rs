@@ -91,7 +91,8 @@ struct SolidFile {
 }
 
 impl SolidFile {
-    /// Reads a file, and what its certificate and the overrides say about it.
+    /// Reads a file, and what its certificate and the overrides say about it. `certificate` has the bytes of that
+    /// beside the file; a `depth` that is given takes the place of the third side that it states.
     fn read(
         data: &[u8],
         name: &str,
