@@ -195,7 +195,8 @@ impl Pool {
         self.send_waiting();
     }
 
-    /// Adds a worker if there may be one more.
+    /// Adds a worker if there are fewer than there may be. If the browser refuses it and there is no other, what waits
+    /// fails.
     fn add(&self) {
         let mut inner = self.0.borrow_mut();
         if inner.slots.len() >= inner.program.workers {

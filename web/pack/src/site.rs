@@ -541,7 +541,8 @@ fn sections(entry: &Entry, words: &Words) -> String {
     html
 }
 
-/// Returns a snippet for each question of a lesson: a frame for pages of others.
+/// Returns a snippet for each question of a lesson: a frame for pages of others. `address` is that of this site, empty
+/// where it is not known.
 fn snippets(entry: &Entry, words: &Words, address: &str) -> String {
     let sheet = entry.sheet(words);
     let site = if address.is_empty() {
@@ -554,7 +555,8 @@ fn snippets(entry: &Entry, words: &Words, address: &str) -> String {
 
     let mut html = String::new();
     for StepSheet { name, title, .. } in asked {
-        // HTML to be pasted: it is escaped for the page that it is pasted into, and once more for this one.
+        // HTML to be pasted: it is escaped for the page that it is pasted into, and once more for this one. The origin
+        // of that page, to which the frame reports answers, takes the place of `course.example`.
         let frame = format!(
             "<iframe src=\"{site}?embed=player&amp;origin=https://course.example#lesson={}&amp;step={name}{}\"\n  \
              title=\"Tilescope: {}\" width=\"100%\" height=\"640\" loading=\"lazy\" allow=\"fullscreen\"></iframe>",
