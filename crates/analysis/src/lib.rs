@@ -81,7 +81,7 @@ pub use solid::{
     verify_thinned_solid,
 };
 pub use squares::{
-    LatticeRegion, MAX_FACTOR, MAX_PITCH_BITS, MAX_RADIUS, Radii, Shape, SquaresError,
+    LatticeRegion, LiveSquares, MAX_FACTOR, MAX_PITCH_BITS, MAX_RADIUS, Radii, Shape, SquaresError,
     SquaresJudge, SquaresReport, UncoveredPlace, VaryingRegion,
 };
 pub use stream::{STREAM_LAG, StreamBand, StreamVerifier};

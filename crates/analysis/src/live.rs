@@ -19,5 +19,3 @@ pub use plane::Plane;
 pub use renewal::{LiveSample, Renew, Renewal};
 pub use spectrum::{LiveSpectrum, SpectrumWork};
 pub use verdict::LiveVerdict;
-
-pub use crate::squares::LiveSquares;

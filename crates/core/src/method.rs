@@ -37,6 +37,7 @@ pub fn sample_recorded<T: Recorder>(
 ) -> Result<Run, SampleError> {
     // Exact tiling, too, keeps the origin and fate of every sample here, so that both methods have the same limit.
     parameters.validate_sequential()?;
+
     match parameters.method {
         TilingMethod::Kdrt => {
             let pattern = Pattern::of_spec(&parameters.pattern, observer)?;

@@ -1,9 +1,8 @@
 //! A measure that is kept from moment to moment, with the number of changes that it has taken: it is never taken for
 //! that of another moment. A change is a sample that comes or goes, and a `Course` lists those of a run.
 
-use tilescope_analysis::live::{
-    LiveCover, LivePairs, LiveSample, LiveSpectrum, LiveSquares, Renew, Renewal,
-};
+use tilescope_analysis::LiveSquares;
+use tilescope_analysis::live::{LiveCover, LivePairs, LiveSample, LiveSpectrum, Renew, Renewal};
 use tilescope_analysis::measures::MeasureError;
 
 use crate::course::Course;

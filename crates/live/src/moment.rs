@@ -2,7 +2,8 @@
 
 use std::sync::Arc;
 
-use tilescope_analysis::live::{LiveCover, LivePairs, LiveSpectrum, LiveSquares};
+use tilescope_analysis::LiveSquares;
+use tilescope_analysis::live::{LiveCover, LivePairs, LiveSpectrum};
 use tilescope_analysis::measures::MeasureError;
 
 use crate::course::Course;

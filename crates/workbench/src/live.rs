@@ -5,7 +5,8 @@
 
 use std::sync::Arc;
 
-use tilescope_analysis::live::{LiveCover, LivePairs, LiveSpectrum, LiveSquares};
+use tilescope_analysis::LiveSquares;
+use tilescope_analysis::live::{LiveCover, LivePairs, LiveSpectrum};
 use tilescope_analysis::measures::MeasuredSet;
 use tilescope_live::{Course, FRAME_STEPS, LiveMoment, MAX_SAMPLES, Wanted};
 use tilescope_session::geometry::{Key, key_of};

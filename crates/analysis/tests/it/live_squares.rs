@@ -1,7 +1,8 @@
 //! The judge by squares for samples that come and go, against the judge of all of them, at every moment.
 
 use proptest::prelude::*;
-use tilescope_analysis::live::{LiveSample, LiveSquares, Renewal};
+use tilescope_analysis::LiveSquares;
+use tilescope_analysis::live::{LiveSample, Renewal};
 use tilescope_analysis::{LatticeRegion, Radii, Shape, SquaresJudge};
 
 use crate::squares::{cases, filled};

@@ -118,6 +118,7 @@ impl SolidThrow {
                     report(place, Verdict::Outside);
                     continue;
                 }
+
                 let is_covered = balls.covers(place);
                 report(place, verdict(is_covered));
                 if !is_covered {

@@ -484,6 +484,7 @@ impl VaryingRecipe {
             digest: mask_digest(columns, &pixels),
             pitch: frame.squares.map_or(1.0, |squares| squares.pitch),
         };
+
         let judged = if self.exact.is_some() {
             JudgedShape::Filling { columns, pixels }
         } else {

@@ -309,6 +309,7 @@ impl DiskLists {
                     visit(group.ids[lane] % DOUBTFUL);
                 }
             }
+
             index = self.nexts[index] as usize;
         }
     }

@@ -111,6 +111,7 @@ impl CellParcel {
             let last = ((at + R) >> R.ilog2() as i32).min(IVec3::splat(CELLS - 1));
             // From R below the sample to R above it there are at most three cells on an axis.
             let along_x = [0, 1, 2].map(|step| squared_beyond(at.x, first.x + step));
+
             for z in first.z..=last.z {
                 let deep = squared_beyond(at.z, z);
                 for y in first.y..=last.y {
