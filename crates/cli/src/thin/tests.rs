@@ -448,4 +448,14 @@ fn columns_without_a_radius_for_each_point_are_refused_by_row() {
         let found = refusal(&folder, line);
         assert!(found.contains(said), "{line}: {found}");
     }
+
+    // A single point has a region as wide as its radius, unless that is none.
+    let single = |radius: &str| {
+        let text = format!("x,y,w\n0,1,{radius}\n");
+        fs::write(folder.path().join("single.csv"), text).unwrap();
+        thin(&folder, "single.csv --radius-column w")
+    };
+    assert_eq!(single("0.5").unwrap().report.kept, 1);
+    let said = format!("{:#}", single("inf").err().expect("no radius"));
+    assert!(said.contains("line 2: \"inf\" in column w"), "{said}");
 }

@@ -219,12 +219,34 @@ pub enum ThinRadius {
     Column(String),
 }
 
-impl ThinRadius {
-    /// Returns the radius of all points, if there is one.
-    const fn constant(&self) -> Option<f64> {
+/// Radii before the rectangle around the points is known.
+enum ReadRadii<'a> {
+    /// Those of a column, and what certificates state of them.
+    Column(RadiusColumn, Vec<f64>),
+    /// Those that follow from the places of the points.
+    Source(&'a RadiusSource),
+}
+
+impl ReadRadii<'_> {
+    /// Returns the least radius, unless a field has to be evaluated before.
+    const fn least(&self) -> Option<f64> {
         match self {
+            Self::Column(stated, _) => Some(stated.least),
             Self::Source(source) => source.constant(),
-            Self::Column(_) => None,
+        }
+    }
+}
+
+impl ThinRadius {
+    /// Reads the radii of a column.
+    fn read(&self, file: &PointFile<'_>) -> Result<ReadRadii<'_>, ThinFileError> {
+        match self {
+            Self::Source(source) => Ok(ReadRadii::Source(source)),
+            Self::Column(name) => {
+                let radii = file.radii(name)?;
+                refuse_contrast(&radii, name)?;
+                Ok(ReadRadii::Column(column(&radii, name), radii))
+            }
         }
     }
 
@@ -238,7 +260,7 @@ impl ThinRadius {
 }
 
 /// The most that the greatest radius of a column is of the least one. Each octave of radii has a grid of its own, and each point
-/// looks around in all of them: in twelve at this limit. Chosen, not measured.
+/// looks around in all of them: in thirteen at this limit. Chosen, not measured.
 pub const MAX_COLUMN_CONTRAST: f64 = 4096.0;
 
 /// How the points of a file are thinned.
@@ -306,22 +328,21 @@ impl ThinRecipe {
         file: &PointFile<'_>,
         with_ranks: bool,
     ) -> Result<Thinning, ThinFileError> {
+        let points = file.points();
+        // A column is read before the rectangle is made, as its least radius is the least side of that.
+        let read = self.radius.read(file)?;
+
         // The rectangle around the points takes the place of a domain that is not given. It need not be covered: points are
         // judged, and not places.
-        let points = file.points();
         let (region, origin) = match self.domain {
             Some(domain) => domain,
-            None => around(points, self.radius.constant())?,
+            None => around(points, read.least())?,
         };
         refuse_outside(points, region, origin)?;
 
-        let (radius, radii) = match &self.radius {
-            ThinRadius::Column(name) => {
-                let radii = file.radii(name)?;
-                refuse_contrast(&radii, name)?;
-                (CertifiedRadius::Column(column(&radii, name)), Some(radii))
-            }
-            ThinRadius::Source(source) => match source.constant() {
+        let (radius, radii) = match read {
+            ReadRadii::Column(stated, radii) => (CertifiedRadius::Column(stated), Some(radii)),
+            ReadRadii::Source(source) => match source.constant() {
                 Some(radius) => (CertifiedRadius::Constant(radius), None),
                 None => of_field(source, points, region, origin)?,
             },
@@ -410,7 +431,7 @@ fn refuse_contrast(radii: &[f64], name: &str) -> Result<(), ThinFileError> {
     })
 }
 
-/// Returns the rectangle around some points. A side is at least a radius, so that points on a line have a region, too.
+/// Returns the rectangle around some points. A side is at least the least radius, so that points on a line have a region, too.
 fn around(points: &[[f64; 2]], radius: Option<f64>) -> Result<(Region, [f64; 2]), ThinFileError> {
     let (origin, size) = bounds(points);
     let longer = size[0].max(size[1]);
