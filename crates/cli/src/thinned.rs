@@ -131,7 +131,7 @@ fn verdict(
         ..hint
     };
     let given = PointFile::new(&source_bytes, source_hint).in_file(source)?;
-    against(&chosen, &given, &recipe, stated).in_file(source)
+    against((path, &chosen), (source, &given), &recipe, stated)
 }
 
 /// Judges what can be judged without the points that were given: the file, and that no two of its points are near.
@@ -162,15 +162,15 @@ fn alone(
     })
 }
 
-/// Judges the choice from the points that were given.
+/// Judges the choice from the points that were given. Both files come with their paths, which errors about them name.
 fn against(
-    chosen: &PointFile<'_>,
-    given: &PointFile<'_>,
+    (path, chosen): (&Path, &PointFile<'_>),
+    (source, given): (&Path, &PointFile<'_>),
     recipe: &ThinRecipe,
     stated: &Certificate,
-) -> Result<Verdict, ThinFileError> {
+) -> Result<Verdict> {
     let with_ranks = true;
-    let thinning = recipe.prepare(given, with_ranks)?;
+    let thinning = recipe.prepare(given, with_ranks).in_file(source)?;
     let points = given.points();
     let mut differences = Vec::new();
     let implied = implied_kept(points, chosen.points(), thinning.ranks());
@@ -183,13 +183,21 @@ fn against(
 
     // Other columns, and the order of the rows, are compared as bytes; not after the finding above, where no point
     // counts as kept.
-    if differences.is_empty() && keep_rows(given.bytes, &given.hint, &kept)?.bytes != chosen.bytes {
-        differences.push(other_rows());
+    if differences.is_empty() {
+        let rows = keep_rows(given.bytes, &given.hint, &kept).in_file(source)?;
+        if rows.bytes != chosen.bytes {
+            differences.push(other_rows());
+        }
     }
 
     // The certificate is made anew, and every number compared.
-    let report = verifying(|control| thinning.judge(points, &kept, control))?;
-    let made = thinning.certificate(points, chosen, &report)?;
+    let report = verifying(|control| thinning.judge(points, &kept, control))
+        .map_err(ThinFileError::from)
+        .in_file(source)?;
+    // Of radii in a column the chosen file's own are stated.
+    let made = thinning
+        .certificate(points, chosen, &report)
+        .in_file(path)?;
     differences.extend(stated.thinned_differences(&made));
     Ok(Verdict {
         report,

@@ -270,6 +270,21 @@ fn radii_of_a_column_are_judged_from_the_file() {
         assert_eq!(codes(), [EXIT_NEGATIVE; 2], "{field}");
     }
 
+    // Without the column the error names the file that lacks it, and not its source.
+    fresh();
+    let certified = fs::read(&beside).unwrap();
+    fs::write(folder.path().join("bare.csv"), "name,x,y\na,1,501\n").unwrap();
+    fs::write(folder.path().join("bare.csv.certificate.json"), &certified).unwrap();
+    let words = words(&folder, "verify", "bare.csv --source cloud.csv");
+    let Some(Command::Verify(arguments)) = Arguments::try_parse_from(words).unwrap().command else {
+        panic!("another command");
+    };
+    let said = format!("{:#}", verify::run(&arguments).expect_err("no column"));
+    assert!(
+        said.contains("bare.csv: ") && said.contains("\"reach\""),
+        "{said}"
+    );
+
     // A set that was not thinned has no such radii: nothing would judge the places between its points.
     fresh();
     let mut stated: Value = serde_json::from_slice(&fs::read(&beside).unwrap()).unwrap();
