@@ -80,6 +80,44 @@ fn a_change_that_is_left_out_shows() {
     assert_ne!(counts(&live)[1], judged(&judge, &samples[..2])[1]);
 }
 
+/// Of many samples the judge begins with squares that are smaller than the radius in a part of the region: each is a hole of its
+/// own there.
+#[test]
+fn many_samples_in_a_part_leave_as_many_holes_as_the_judge_counts() {
+    let region = LatticeRegion {
+        width: 1 << 12,
+        height: 1 << 11,
+        boundary: tilescope_analysis::Boundary::Periodic,
+    };
+    // Nodes of 16 columns and 8 rows: in the right half radii beyond 2^9, the side of the squares that few samples have.
+    let radius = |node: usize| {
+        if (9..15).contains(&(node % 16)) {
+            600
+        } else {
+            12
+        }
+    };
+    let nodes: Vec<i32> = (0..16 * 8).map(radius).collect();
+    let radii = Radii::Nodes {
+        pitch_bits: 8,
+        columns: 16,
+        nodes: &nodes,
+    };
+    let judge = SquaresJudge::new(region, radii, &Shape::Rectangle).expect("a judge");
+    let mut live = LiveSquares::new(&judge).expect("few squares");
+    let few = counts(&live)[1];
+    assert_eq!(few, judged(&judge, &[])[1]);
+
+    // 2^16 samples in the left half, 8 apart.
+    let place = |index: u32| [8 * (index % 256) as i32, 8 * (index / 256) as i32];
+    let samples: Vec<LiveSample> = (0..1 << 16).map(|index| (index, place(index))).collect();
+    live.rebuild(&samples);
+    let many = counts(&live)[1];
+    assert_eq!(many, judged(&judge, &samples)[1]);
+    // The control: the squares of few samples would count fewer holes than there are now.
+    assert!(many > few, "{many} {few}");
+}
+
 #[test]
 fn a_field_with_too_many_squares_is_not_followed() {
     // A large domain with a tiny radius: more than a million squares.

@@ -1,5 +1,6 @@
 //! The judge by squares for samples that come and go one by one: its squares are kept with what was found in each, and a change
-//! searches only those squares anew that the sample reaches. The counts are those of [`SquaresJudge::judge`].
+//! searches only those squares anew that the sample reaches. The counts are those of [`SquaresJudge::judge`], for at most
+//! [`MOST_SAMPLES`].
 
 use std::sync::Arc;
 
@@ -15,6 +16,10 @@ use super::{
 /// may need more.
 const MAX_SQUARES: usize = 1 << 20;
 
+/// Of more samples the judge may begin with squares that are smaller than those kept, and count more open places. A window follows
+/// runs of 200,000 at most.
+const MOST_SAMPLES: usize = 1 << 18;
+
 /// About the counted steps of a change: a sample reaches some 15 of the smallest squares, each of which is searched anew.
 const STEPS_OF_CHANGE: u64 = 800;
 
@@ -23,8 +28,8 @@ const STEPS_OF_SAMPLE: u64 = 300;
 
 /// The conflicts and the open places of samples that come and go, with the radius at each place.
 ///
-/// A square is kept down to where its side is at most the least radius in it: there the judge counts one uncovered place at most,
-/// so that it is searched as a whole.
+/// Squares are kept down to those with which the judge begins where samples are many, and on to where the side is at most the
+/// least radius in the square: there the judge counts one uncovered place at most, so that it is searched as a whole.
 #[derive(Clone, Debug)]
 pub struct LiveSquares {
     plan: Arc<Plan>,
@@ -44,6 +49,8 @@ struct Plan {
     judge: SquaresJudge,
     /// The squares with which the judge begins where samples are few.
     roots: Vec<u32>,
+    /// The sides of those with which it begins of [`MOST_SAMPLES`] are two to this power.
+    least_bits: u32,
     squares: Vec<PlannedSquare>,
     /// The numbers of the smallest squares, by those of their lists.
     smallest: Vec<u32>,
@@ -102,9 +109,11 @@ impl Plan {
         // With more samples the judge may begin with smaller squares, which are parts of these.
         let bits = tile_bits(&judge, 0);
         let [right, top] = judge.last();
+        let least_bits = tile_bits(&judge, MOST_SAMPLES);
         let mut plan = Self {
             judge,
             roots: Vec::new(),
+            least_bits,
             squares: Vec::new(),
             smallest: Vec::new(),
         };
@@ -153,7 +162,8 @@ impl Plan {
             range,
             parts: SquareParts::Whole(self.smallest.len() as u32),
         });
-        if side <= range.least || bits == 0 {
+        let is_searched_whole = side <= range.least && bits <= self.least_bits;
+        if is_searched_whole || bits == 0 {
             self.smallest.push(number);
             return Ok(Some(number));
         }
@@ -445,12 +455,18 @@ impl LiveSquares {
         let SquareParts::Quarters(quarters) = square.parts else {
             return;
         };
+        let quarters = quarters.into_iter().flatten();
+        let of_quarters: u64 = quarters.map(|quarter| self.open[quarter as usize]).sum();
+
         let is_hole = self.reached[number as usize] == 0 && square.share == Share::Everything;
+        // In a square no wider than the least radius in it, the judge looks for one uncovered place only.
+        let has_one = 1_i64 << square.bits <= square.range.least;
         self.open[number as usize] = if is_hole {
             1
+        } else if has_one {
+            of_quarters.min(1)
         } else {
-            let quarters = quarters.into_iter().flatten();
-            quarters.map(|quarter| self.open[quarter as usize]).sum()
+            of_quarters
         };
     }
 
