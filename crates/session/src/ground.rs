@@ -4,8 +4,8 @@
 use serde::{Deserialize, Serialize};
 use tilescope_core::Parameters;
 use tilescope_sets::{
-    Expression, Ground, PlanarPolygon, RadiusSource, ShapeSource, Stated, StippleRecipe,
-    VaryingError, VaryingRecipe,
+    ExactBlocks, Expression, Ground, PlanarPolygon, RadiusSource, ShapeSource, Stated,
+    StippleRecipe, VaryingError, VaryingRecipe,
 };
 
 use crate::stipple::{MadeStipple, StippleRequest};
@@ -186,6 +186,8 @@ pub struct MadeGround {
     pub stipple: Option<MadeStipple>,
     /// Whether the samples are those of the request. A lesson also shows what a wrong process makes of it.
     pub is_as_asked: bool,
+    /// Whether it was tiled exactly, as only certificates of files say: the lattice of a mask is then another one.
+    pub is_exact: bool,
 }
 
 impl MadeGround {
@@ -199,7 +201,11 @@ impl MadeGround {
         };
         let stipple = self.stipple_recipe().zip(self.stipple.as_ref());
         let settled = stipple.and_then(of_stipple);
-        settled.unwrap_or_else(|| request.recipe(parameters))
+        settled.unwrap_or_else(|| VaryingRecipe {
+            // Nothing is made by this recipe. Field and shape depend on the method, but not on its blocks.
+            exact: self.is_exact.then(|| ExactBlocks::from(parameters)),
+            ..request.recipe(parameters)
+        })
     }
 
     /// Returns what the dots were made from, if they are a stipple.

@@ -170,7 +170,18 @@ fn certified(
         origin: recipe.origin.unwrap_or_default(),
         stipple: None,
     };
-    Ok(with_ground(session, &recipe_of_form, &request))
+    let session = with_ground(session, &recipe_of_form, &request);
+    Ok(by_method(session, recipe.exact.is_some()))
+}
+
+/// Returns a session of a file with the method that made its set. Runs in a field or a shape are made by the reference sampler
+/// alone, so that no recipe makes an exact tiling again.
+fn by_method(mut session: Session, is_exact: bool) -> Session {
+    if let Some(ground) = &mut session.ground {
+        ground.is_exact = is_exact;
+        ground.is_as_asked = !is_exact;
+    }
+    session
 }
 
 /// Returns the stipple that a certificate states, and what it became; `None` for other sets.
@@ -230,6 +241,7 @@ pub fn with_ground(mut session: Session, recipe: &Recipe, request: &GroundReques
         radii,
         stipple: None,
         is_as_asked: true,
+        is_exact: false,
     });
     session
 }

@@ -9,9 +9,12 @@ use tilescope_sets::{Stated, facts_of_exact, stated};
 /// Returns how a session's set was made, as certificates name it.
 #[must_use]
 pub fn method(session: &Session) -> &str {
+    // The certificate of a file said so.
+    let is_tiled_shape = session.ground.as_ref().is_some_and(|made| made.is_exact);
     match (&session.combination, &session.nested) {
         (Some(_), _) => "combined",
         (None, Some(nested)) => &nested.method,
+        (None, None) if is_tiled_shape => "exact",
         (None, None) if session.has_own_disks() => "reference",
         (None, None) if session.is_exact() => "exact",
         (None, None) => "kdrt",

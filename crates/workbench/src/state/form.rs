@@ -74,9 +74,12 @@ impl Form {
         let session = run.session.as_ref().filter(|_| run.sampling.is_none())?;
 
         if !session.has_recipe() {
-            // Combinations have no recipe, nor have nested levels of a file and the sets of a lesson's wrong process.
+            // Combinations have no recipe, nor have nested levels and exact tilings of a shape, which come from a file,
+            // and the sets of a lesson's wrong process.
+            let is_tiled = session.ground.as_ref().is_some_and(|made| made.is_exact);
             let what = match session.kind() {
                 SessionKind::Combination => "A combination is",
+                SessionKind::Varying if is_tiled => "An exact tiling of a file is",
                 SessionKind::Varying => "A set of a lesson is",
                 SessionKind::Run
                 | SessionKind::Exact

@@ -603,6 +603,40 @@ fn a_dropped_image_is_covered_as_a_mask_and_its_export_is_that_of_the_command() 
     assert_eq!(session(&state).recipe(), shown.recipe());
 }
 
+/// In the lattice of a set that was tiled exactly, as a certificate may state, pixels need not be whole.
+#[test]
+fn a_tiled_mask_of_a_file_is_judged_in_the_lattice_of_its_method() {
+    let image = gradient(48, 24);
+    let made = of_command(&image, 0.05, 3).make(&mut Unobserved).unwrap();
+    let folder = tempfile::tempdir().unwrap();
+    let path = folder.path().join("mask.csv");
+    let go_on = |_: tilescope_analysis::Progress| std::ops::ControlFlow::Continue(());
+    tilescope_formats::export(&path, &made.set, &made.facts.context(), &go_on).unwrap();
+    let set = std::fs::read(&path).unwrap();
+    let stated = std::fs::read_to_string(tilescope_formats::certificate_path(&path)).unwrap();
+    assert!(stated.contains("\"reference\""), "{stated}");
+
+    for method in ["reference", "exact"] {
+        let certificate = stated.replace("\"reference\"", &format!("\"{method}\""));
+        let files = vec![
+            NamedBytes::new("mask.csv", set.clone()),
+            NamedBytes::new("mask.csv.certificate.json", certificate.into_bytes()),
+            NamedBytes::new("grey.png", image.clone()),
+        ];
+        let mut state = self::state();
+        state.apply(Command::File(FileCommand::DroppedBytes(files, Vec::new())));
+        state.settle();
+        state.settle();
+
+        let shown = session(&state);
+        let ground = shown.ground.as_ref().expect("a mask");
+        let (judged, _) = ground.ground().unwrap();
+        assert_eq!(*judged.field.domain(), shown.run().domain, "{method}");
+        // The form makes sets in a shape by the reference sampler alone.
+        assert_eq!(shown.has_recipe(), method == "reference");
+    }
+}
+
 #[test]
 fn a_mask_stays_beside_an_image_of_as_many_pixels_and_an_empty_one_is_refused() {
     let mut state = state();
