@@ -25,6 +25,7 @@ use crate::curve::CurveNumber;
 use crate::export::{ExportCommand, ExportKind};
 use crate::files::{Delivery, FileCommand};
 use crate::layout::Panel;
+use crate::orbit::OrbitCommand;
 use crate::scenes::SceneCommand;
 use crate::state::{Settings, State, Verification};
 
@@ -180,7 +181,21 @@ fn visit() -> Vec<String> {
     found.push(picture_of_a_scene(&mut state));
     found.extend(hand_over(&mut state));
     found.extend(present());
+    found.push(picture_of_balls());
     found
+}
+
+/// Makes a set in space and returns the picture of its balls.
+fn picture_of_balls() -> String {
+    let mut state = State::new(Arc::new(|| {}));
+    state.open_link("v=1&radius=0.5&width=3&height=3&depth=3");
+    state.settle();
+    for command in [OrbitCommand::Size([60, 40]), OrbitCommand::Show(true)] {
+        state.apply(Command::View(Which::First, ViewCommand::Orbit(command)));
+    }
+    state.settle();
+    let balls = state.runs().first.orbit().expect("balls");
+    format!("{:?}", balls.image().expect("a picture"))
 }
 
 /// Makes a scene and returns its small picture.
