@@ -34,7 +34,7 @@ pub fn round(parameters: &Parameters, dice: &Dice, options: &VerifyOptions) -> R
     let (size, radius) = (sides(dice), parameters.radius);
     let (boundary, seed) = (parameters.boundary, parameters.seed);
     let domain = SolidDomain::from_size(size, radius, boundary)?;
-    // The definition of the samples is that of one thread; all threads decide in rounds.
+    // The definition of the samples is the engine of one thread. All threads have an engine of their own, by parcels.
     let samples = solid_sample(domain, seed, &mut Unobserved)?;
     let on_threads = solid_sample_parallel(domain, seed, &mut Unobserved)?;
     let schedules_agree = samples == on_threads;
