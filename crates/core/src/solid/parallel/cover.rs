@@ -288,14 +288,14 @@ mod tests {
     #[test]
     fn a_place_is_covered_up_to_the_radius_and_not_a_unit_farther() {
         let level = InstructionSet::best().level();
-        // 12,288^2 + 12,288^2 + 27,647^2 is just below R^2, and (1, 0, R) is just beyond it.
+        // 12,288^2 + 12,288^2 + 27,780^2 is just below R^2. A unit more along z is just beyond it, and so is (1, 0, R).
         for (offset, expected) in [
             (IVec3::new(0, 0, R), true),
             (IVec3::new(1, 0, R), false),
             (IVec3::new(R, 0, 0), true),
             (IVec3::new(0, R + 1, 0), false),
-            (IVec3::new(12_288, 12_288, 27_647), true),
-            (IVec3::new(12_288, 12_288, 27_800), false),
+            (IVec3::new(12_288, 12_288, 27_780), true),
+            (IVec3::new(12_288, 12_288, 27_781), false),
             (IVec3::splat(2 * R - 1), false),
         ] {
             for at in [IVec3::ZERO, IVec3::splat(R - 1)] {
