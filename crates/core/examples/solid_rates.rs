@@ -32,7 +32,11 @@ fn main() -> Result<(), Box<dyn Error>> {
         [width, height, depth] => [width, height, depth],
         _ => return Err("one side or three are needed".into()),
     };
-    let is_periodic = argument(2, "periodic") != "bounded";
+    let is_periodic = match argument(2, "periodic") {
+        "periodic" => true,
+        "bounded" => false,
+        other => return Err(format!("{other}: no such boundary").into()),
+    };
     let seed = argument(3, "1").parse()?;
     let domain = SolidDomain::from_size(size, 1.0, Boundary::of(is_periodic))?;
 
