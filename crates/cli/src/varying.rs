@@ -47,8 +47,18 @@ pub fn make(arguments: &SampleArguments) -> Result<Worked> {
 fn refuse_tiling(arguments: &SampleArguments) -> Result<()> {
     // One option of the ground is always given: without one, other code makes the set.
     let option = arguments.ground.option().unwrap_or_default();
-    let why = format!("{option} needs the reference sampler, whose darts need no pattern");
     let is_exact = matches!(arguments.method, Some(SamplingMethod::Exact));
+    let why = if is_exact {
+        format!("exact tiling of {option} has no use for it")
+    } else {
+        // Exact tiling has some of the options, and covers shapes on request.
+        let unless = if arguments.ground.field_option().is_some() {
+            ""
+        } else {
+            ", unless --method is exact"
+        };
+        format!("{option} needs the reference sampler, whose darts need no pattern{unless}")
+    };
     match arguments.method {
         None | Some(SamplingMethod::Reference) => {}
         Some(SamplingMethod::Kdrt) => bail!("--method kdrt: {why}; leave it out"),

@@ -327,13 +327,15 @@ def sample(
         request = None
         # A pattern has one radius, so that exact tiling covers shapes alone.
         if method == "exact" and field.has_one_radius:
-            _refuse_tiling(field.name, **others)
+            _refuse_tiling(field.name, "which exact tiling covers without it", **others)
             # Blocks and patterns have their lengths in radii, so that any radius serves to check them.
             request = _request(
                 count=None, radius=0.01, seed=seed, **blocks, pattern=None, levels=None, exactly=None, order_within=order_within
             )
         else:
-            _refuse_tiling(field.name, method=method, **blocks, **others)
+            unless = ", unless method is 'exact'" if field.has_one_radius else ""
+            why = f"which needs the reference sampler, whose darts need no pattern{unless}"
+            _refuse_tiling(field.name, why, method=method, **blocks, **others)
         given = _Given(None, width, height, boundary, at)
         with following(progress) as told:
             return PointSet._made(*_tilescope.sample_field(given, field, count, seed, request, told))
@@ -372,17 +374,14 @@ def _refuse_planar(**given: Any) -> None:
             )
 
 
-def _refuse_tiling(name: str, **given: Any) -> None:
-    """Raises ``ValueError`` for arguments of other ways to make a set."""
+def _refuse_tiling(name: str, why: str, **given: Any) -> None:
+    """Raises ``ValueError`` for arguments of other ways to make a set. ``why`` says why ``name`` has none of them."""
     parameters = inspect.signature(sample).parameters
     for argument, value in given.items():
         if argument == "method" and value == "reference":
             continue
         if value is not parameters[argument].default and value != parameters[argument].default:
-            raise ValueError(
-                f"{argument} is given with {name}, which needs the reference sampler, whose darts need no pattern; leave "
-                f"{argument} out"
-            )
+            raise ValueError(f"{argument} is given with {name}, {why}; leave {argument} out")
 
 
 def curve(
