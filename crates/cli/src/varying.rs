@@ -94,7 +94,7 @@ fn refuse_tiling(arguments: &SampleArguments) -> Result<()> {
         "the reference sampler"
     };
     arguments.engine.check_on_cpu(method)?;
-    // `exact` refuses by name what exact tiling has no use for.
+    // What exact tiling has no use for, `recipe` refuses by name.
     let is_used = |typed: &Parameter| {
         USED.contains(typed)
             || is_exact && (USED_BY_EXACT.contains(typed) || NOT_OF_EXACT.contains(typed))

@@ -404,7 +404,7 @@ fn what_was_tampered_with_is_found() {
 }
 
 /// What is asked for, and what of the refusal names it.
-const REFUSED: [(&str, &str); 23] = [
+const REFUSED: [(&str, &str); 26] = [
     (
         "--radius-expression 0.02 --method kdrt",
         "--method kdrt: --radius-expression needs",
@@ -433,6 +433,18 @@ const REFUSED: [(&str, &str); 23] = [
     (
         "--shape park.geojson --radius 1 --search 2",
         "--search: --shape needs",
+    ),
+    (
+        "--shape park.geojson --radius 1 --method kdrt",
+        "no pattern, unless --method is exact",
+    ),
+    (
+        "--shape park.geojson --radius 1 --method exact --search 2",
+        "--search is for KDRT",
+    ),
+    (
+        "--shape park.geojson --radius 1 --method exact --resume",
+        "--resume: exact tiling of --shape has no use",
     ),
     (
         "--radius-expression 0.02 --radius 0.1",
