@@ -200,7 +200,7 @@ fn the_longest_boxes_are_equal() {
     }
 }
 
-/// Parcels without a side of the box, and batches of them, are only in larger sets.
+/// Parcels between others on every axis are only in larger sets.
 #[test]
 fn larger_sets_are_equal_on_any_number_of_threads() {
     let domain = SolidDomain::from_size([22.3, 19.0, 24.6], 1.0, Boundary::Periodic).unwrap();

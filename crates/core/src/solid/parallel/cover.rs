@@ -353,6 +353,11 @@ mod tests {
             };
             let cube = [along(0), along(1), along(2)];
             let found: u8 = dispatch!(level, simd => lists.covered_octants(simd, list, &cube));
+            for set in InstructionSet::available() {
+                let again: u8 =
+                    dispatch!(set.level(), simd => lists.covered_octants(simd, list, &cube));
+                assert_eq!(again, found, "{set:?}");
+            }
 
             for octant in 0..8 {
                 let [x, y, z] = [octant & 1, octant >> 1 & 1, octant >> 2];
