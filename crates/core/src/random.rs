@@ -226,7 +226,10 @@ pub(crate) fn threefry2x32_20_by_eight<S: Simd>(
 
 #[cfg(test)]
 mod tests {
+    use fearless_simd::dispatch;
+
     use super::*;
+    use crate::instructions::InstructionSet;
 
     /// Known answers published with Random123 (threefry2x32, 20 rounds).
     #[test]
@@ -238,6 +241,21 @@ mod tests {
             threefry2x32_20([0x1319_8a2e, 0x0370_7344], [0x243f_6a88, 0x85a3_08d3]),
             [0xc492_3a9c, 0x483d_f7a0]
         );
+    }
+
+    #[test]
+    fn eight_draws_are_those_of_each_key_on_every_instruction_set() {
+        let keys: [Key; DRAW_LANES] =
+            std::array::from_fn(|lane| Key::from_seed(lane as u64 * 0x1234_5678_9abc));
+        let counters: [[u32; 2]; DRAW_LANES] =
+            std::array::from_fn(|lane| [lane as u32, u32::MAX - lane as u32]);
+        let expected: [[u32; 2]; DRAW_LANES] =
+            std::array::from_fn(|lane| threefry2x32_20(keys[lane].words(), counters[lane]));
+        for set in InstructionSet::available() {
+            let drawn: [[u32; 2]; DRAW_LANES] =
+                dispatch!(set.level(), simd => draw_by_eight(simd, keys, counters));
+            assert_eq!(drawn, expected, "{set:?}");
+        }
     }
 
     #[test]
