@@ -470,6 +470,37 @@ mod tests {
     }
 
     #[test]
+    fn rectangles_at_any_place_have_the_class_of_their_places() {
+        let domain = Domain::from_units(41, 31, Boundary::Periodic);
+        // Pixels are narrower than a unit, so that some have no place. Bands of 19 rows of them are inside and outside in turn.
+        let narrow: Vec<bool> = (0..100 * 70).map(|pixel| pixel / 1_900 % 2 == 0).collect();
+        let mask = Shape::filling(&domain, 100, &narrow).unwrap();
+        let polygon = Shape::polygon(&[ring([[3, 2], [38, 9], [20, 29]])]).unwrap();
+        for shape in [mask, polygon] {
+            let mut seen = [0; 3];
+            for [width, height] in [[1, 1], [2, 5], [7, 3], [12, 12]] {
+                for (x, y) in (0..41 - width).flat_map(|x| (0..31 - height).map(move |y| (x, y))) {
+                    let rect = Rect {
+                        min: Point::new(x, y),
+                        max: Point::new(x + width, y + height),
+                    };
+                    let places =
+                        (y..y + height).flat_map(|y| (x..x + width).map(move |x| Point::new(x, y)));
+                    let inside = places.filter(|&place| shape.inside(place)).count();
+                    let class = shape.class_of(&rect);
+                    match class {
+                        Class::Outside => assert_eq!(inside, 0),
+                        Class::Inside => assert_eq!(inside, (width * height) as usize),
+                        Class::Mixed => {}
+                    }
+                    seen[class as usize] += 1;
+                }
+            }
+            assert!(seen.iter().all(|&count| count > 100), "{seen:?}");
+        }
+    }
+
+    #[test]
     fn what_is_no_shape_is_refused_in_words() {
         let short = Shape::polygon(&[ring([[0, 0], [5, 5]])]).unwrap_err();
         assert_eq!(
