@@ -136,7 +136,7 @@ def test_windows_of_space_agree_and_are_valid():
     ("corners", "text"),
     [
         ((0, 0, 0, 1, 0, 1), "the window's height runs from 0 to 0"),
-        ((0, 0, 0, 1, 1, 1e6), "it must begin between -32,640 and 32,640"),
+        ((0, 0, 0, 1, 1, 1e6), "depth reaches 1,000,000; it must lie between -32,640 and 32,640"),
         ((0, 0, 0, 1e4, 1e4, 1e4), "samples lie in the window; it may have 2e8"),
         ((0, 0, 0, 1, 1, float("nan")), "the window's depth"),
     ],

@@ -34,8 +34,11 @@ impl SolidSurroundings {
     ) -> Result<Self, SampleError> {
         let wide = window.widened(MARGIN);
         // From the corner of the part on, where positions are not rounded.
-        let local = |place: [i32; 3]| [0, 1, 2].map(|axis| place[axis] - wide.min[axis]);
-        let user = |place: [i32; 3]| space.users_from_lattice(&[local(place)])[0];
+        // In doubles: two places may be farther apart than the largest 32-bit integer.
+        let unit = space.radius() / f64::from(R);
+        let local =
+            |place: [i32; 3], axis: usize| f64::from(place[axis]) - f64::from(wide.min[axis]);
+        let user = |place: [i32; 3]| [0, 1, 2].map(|axis| local(place, axis) * unit);
         let places = space.samples(&wide, observer)?;
 
         let [width, height, depth] = user(wide.max);

@@ -199,6 +199,19 @@ pub enum ParameterError {
         /// The limit on either side of 0.
         limit: f64,
     },
+    /// A corner of a window in space lies farther from the origin than lattice points are counted.
+    #[error(
+        "the window's {name} reaches {}; it must lie between {} and {}",
+        Number(*.at), Number(-.limit), Number(*.limit)
+    )]
+    FarCorner {
+        /// The name of the side: "width", "height" or "depth".
+        name: &'static str,
+        /// Where the corner lies, in user units.
+        at: f64,
+        /// The limit on either side of 0.
+        limit: f64,
+    },
     /// More samples than the engine can hold.
     #[error(
         "about {samples:.3e} samples would result; the sequential engine takes at most {maximum:.0e}: choose a larger radius"

@@ -25,8 +25,8 @@ use piece::{Arrived, SpacePiece};
 /// widest halo needs room beyond.
 pub const MAX_REACH_RADII: f64 = 65_280.0;
 
-/// The longest side of a piece in cells; larger windows are made in pieces. A piece of this side with its halo has two and a half
-/// times its volume, and its cells take 30 MB.
+/// The longest side of a piece in cells; larger windows are made in pieces. A piece of this side with its halo has almost
+/// three times its volume, and its cells take 30 MB.
 const MAX_SIDE: i32 = 48;
 
 /// Space without end, filled by one process of a radius and a seed. Any window of it can be made alone, and windows agree: a sample
@@ -72,7 +72,9 @@ impl SolidWindow {
     /// Returns the volume in cubed radii.
     #[must_use]
     pub fn volume_radii(&self) -> f64 {
-        let radii = |axis: usize| f64::from(self.max[axis] - self.min[axis]) / f64::from(R);
+        // In doubles: two places may be farther apart than the largest 32-bit integer.
+        let radii =
+            |axis: usize| (f64::from(self.max[axis]) - f64::from(self.min[axis])) / f64::from(R);
         radii(0) * radii(1) * radii(2)
     }
 
@@ -130,9 +132,9 @@ impl SolidSpace {
             }
             let range = -limit..=limit;
             if let Some(&far) = [low, high].iter().find(|corner| !range.contains(*corner)) {
-                return Err(ParameterError::FarWindow {
+                return Err(ParameterError::FarCorner {
                     name,
-                    low: far,
+                    at: far,
                     limit,
                 });
             }

@@ -129,8 +129,16 @@ fn pieces_tile_a_window_and_impossible_windows_are_refused() {
     );
     assert!(said([0.0; 3], [1.0, 1.0, f64::NAN]).contains("the window's depth"));
     let far = said([0.0; 3], [1.0, 1.0, 7e4]);
-    assert!(far.contains("between -65,280 and 65,280"), "{far}");
+    assert_eq!(
+        far,
+        "the window's depth reaches 70,000; it must lie between -65,280 and 65,280"
+    );
     assert!(SolidSpace::new(0.0, 1).is_err() && SolidSpace::new(f64::INFINITY, 1).is_err());
+    // The widest window: its side has more lattice units than a 32-bit integer holds.
+    let widest = space
+        .window([-MAX_REACH_RADII, 0.0, 0.0], [MAX_REACH_RADII, 1.0, 2.0])
+        .unwrap();
+    assert!((widest.volume_radii() - 4.0 * MAX_REACH_RADII).abs() < 1e-6);
     // Nothing between two lattice planes.
     let thin = space.window([0.5, 0.5, 1e-7], [1.0, 1.0, 2e-7]).unwrap();
     assert_eq!(
