@@ -50,7 +50,8 @@ pub fn verify_solid_cut(
     let pairs = pairs::search(&question, &monitor)?;
     let window = Cube {
         middle: [0, 1, 2].map(|axis| low[axis] + (high[axis] - low[axis]) / 2.0),
-        half: [0, 1, 2].map(|axis| (high[axis] - low[axis]) / 2.0),
+        // A negative half would make a cube seem nearer to all samples than it is. Exchanged corners are of the same window.
+        half: [0, 1, 2].map(|axis| (high[axis] - low[axis]).abs() / 2.0),
     };
     let cubes = search_in(&question, &window, &monitor)?;
     Ok(question.report(Judge::Subdivision, pairs, cubes.gaps, &cubes.places))
@@ -63,9 +64,13 @@ mod tests {
     use super::*;
     use crate::region::Boundary;
 
-    /// Judges the window from 3 to 5 of a cubic lattice of spacing 1.1 in a box of 8, without the sample at `hole` and with one at
-    /// `extra`. The box is not covered at its sides.
-    fn judged(hole: Option<usize>, extra: Option<[f64; 3]>) -> SolidReport {
+    /// Judges a window of a cubic lattice of spacing 1.1 in a box of 8, without the sample at `hole` and with one at `extra`.
+    /// The box is not covered at its sides.
+    fn judged_in(
+        window: [[f64; 3]; 2],
+        hole: Option<usize>,
+        extra: Option<[f64; 3]>,
+    ) -> SolidReport {
         let axis = |at: usize, step: usize| 0.6 + 1.1 * (at / step % 7) as f64;
         let lattice = (0..343).filter(|at| Some(*at) != hole);
         let points: Vec<[f64; 3]> = lattice
@@ -79,7 +84,6 @@ mod tests {
             boundary: Boundary::Bounded,
         };
         let options = VerifyOptions::default();
-        let window = [[3.0; 3], [5.0; 3]];
         verify_solid_cut(&points, (region, 1.0), window, &options, &|_| {
             ControlFlow::Continue(())
         })
@@ -88,12 +92,17 @@ mod tests {
 
     #[test]
     fn gaps_count_in_the_window_and_conflicts_everywhere() {
+        let window = [[3.0; 3], [5.0; 3]];
+        let judged = |hole, extra| judged_in(window, hole, extra);
         let whole = judged(None, None);
         assert!(whole.valid(), "{whole:?}");
         // 3 * 57 is the sample in the middle of the box, at 3.9; the first lies at a corner of the box.
         let middle = 3 * (1 + 7 + 49);
         assert!(!judged(Some(middle), None).maximal());
         assert!(judged(Some(0), None).valid());
+        // Corners that are exchanged hide no gap.
+        let [low, high] = window;
+        assert!(!judged_in([high, low], Some(middle), None).maximal());
         assert_eq!(judged(None, Some([0.7, 0.6, 0.6])).conflicts, 1);
     }
 }
