@@ -83,6 +83,15 @@ pub fn decode(bytes: &[u8], hint: &Hint<'_>) -> Result<SolidRaw, FormatError> {
     if points.is_empty() {
         return Err(FormatError::Empty { format });
     }
+    // Only UTK's files have several sets, and their readers refuse one that is not there.
+    let has_several = matches!(format, Format::UtkText | Format::UtkBinary);
+    if hint.set.is_some_and(|index| index > 0) && !has_several {
+        return Err(FormatError::Sets {
+            format,
+            found: 1,
+            chosen: hint.set,
+        });
+    }
     Ok(SolidRaw {
         points,
         detection,
@@ -222,5 +231,17 @@ mod tests {
         let mut short = encode(&POINTS, Format::Npy, Precision::Double).expect("bytes");
         short.pop();
         assert!(said(&short, Format::Npy).contains("72 bytes are needed"));
+
+        // A file of one set has no second one.
+        let of_set = |index| {
+            let hint = Hint {
+                format: Some(Format::Csv),
+                set: Some(index),
+                ..Hint::default()
+            };
+            decode(b"x,y,z\n1,2,3\n", &hint)
+        };
+        assert!(of_set(0).is_ok());
+        assert!(matches!(of_set(1), Err(FormatError::Sets { found: 1, .. })));
     }
 }
