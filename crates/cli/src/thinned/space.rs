@@ -8,12 +8,13 @@ use tilescope_formats::{
     Certificate, CertificateDifference, CertificateUse, Depth, Hint, Thinned, implied_kept,
     in_space, keep_rows, read_whole, solid_certificate,
 };
-use tilescope_sets::thinning::{SpaceFile, SpaceRecipe, ThinFileError};
+use tilescope_sets::thinning::{SpaceFile, SpaceRecipe, SpaceThinning, ThinFileError};
 
 use crate::ground::{GroundArguments, file_name};
 use crate::options::SetArguments;
 use crate::paths::InFile;
 use crate::progress::verifying;
+use crate::solid::box_text;
 use crate::thin::SET;
 use crate::{output, verdict_code};
 
@@ -113,8 +114,10 @@ impl SpaceJudge<'_> {
         // The certificate is made anew, and every number compared.
         let (source, given) = (self.thinned.source.clone(), self.thinned.given);
         let made = thinning.certificate_of(chosen, &report, source, given);
+        let mut differences = self.stated.thinned_differences(&made);
+        differences.extend(self.too_small_box(&thinning, points));
         Ok(Verdict {
-            differences: self.stated.thinned_differences(&made),
+            differences,
             report,
             has_source: false,
         })
@@ -147,10 +150,24 @@ impl SpaceJudge<'_> {
         let report = verifying(|control| thinning.judge(points, &kept, control))?;
         let made = thinning.certificate(points, chosen, &report);
         differences.extend(self.stated.thinned_differences(&made));
+        differences.extend(self.too_small_box(&thinning, points));
         Ok(Verdict {
             report,
             differences,
             has_source: true,
+        })
+    }
+
+    /// Returns the finding that the stated box does not hold some points, if it is so. A larger box holds them, too.
+    fn too_small_box(
+        &self,
+        thinning: &SpaceThinning,
+        points: &[[f64; 3]],
+    ) -> Option<CertificateDifference> {
+        (!thinning.has_room_for(points)).then(|| CertificateDifference {
+            field: "region",
+            stated: box_text(&self.region),
+            found: "points that reach over more".to_owned(),
         })
     }
 }

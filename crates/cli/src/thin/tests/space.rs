@@ -145,6 +145,28 @@ fn changed_sets_in_space_do_not_verify() {
     assert_eq!(judged(&doubled, source), EXIT_NEGATIVE);
 }
 
+/// Control: a larger box holds the points, too.
+#[test]
+fn stated_boxes_hold_the_points() {
+    let folder = space_folder();
+    thin(&folder, "cloud.csv --radius 0.5 --out thinned.csv").unwrap();
+    let beside = folder.path().join("thinned.csv.certificate.json");
+    let whole: Value = serde_json::from_slice(&fs::read(&beside).unwrap()).unwrap();
+    for (factor, code) in [(2.0, EXIT_FINE), (0.5, EXIT_NEGATIVE)] {
+        let mut stated = whole.clone();
+        // The density follows from the sides.
+        stated["depth"] = json!(whole["depth"].as_f64().unwrap() * factor);
+        stated["density"] = json!(whole["density"].as_f64().unwrap() / factor);
+        fs::write(&beside, stated.to_string()).unwrap();
+        assert_eq!(verified(&folder, "thinned.csv"), code, "{factor}");
+        assert_eq!(
+            verified(&folder, "thinned.csv --source cloud.csv"),
+            code,
+            "{factor}"
+        );
+    }
+}
+
 #[test]
 fn what_cannot_be_thinned_in_space_is_refused_by_name() {
     let folder = space_folder();

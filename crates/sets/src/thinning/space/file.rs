@@ -229,6 +229,14 @@ impl SpaceThinning {
         self.ranks.as_deref()
     }
 
+    /// Returns whether points fit into a box of the sides of the region, wherever it lies.
+    #[must_use]
+    pub fn has_room_for(&self, points: &[[f64; 3]]) -> bool {
+        let (_, size) = bounds(points);
+        let sides = self.region.size();
+        (0..3).all(|axis| size[axis] <= sides[axis])
+    }
+
     /// Returns which points are kept, as [`thin_space`] does.
     ///
     /// # Errors
