@@ -173,6 +173,8 @@ impl SolidSpace {
                 .collect();
             arrived.extend(made?.into_iter().flatten());
             meter.count(batch.len() as u64)?;
+            // A piece takes as long as thousands of those after which the meter asks by itself.
+            meter.ask()?;
         }
         meter.end()?;
 

@@ -1,6 +1,8 @@
+use std::ops::ControlFlow;
+
 use super::*;
 use crate::lattice::Boundary;
-use crate::progress::Unobserved;
+use crate::progress::{Progress, Unobserved};
 use crate::solid::{SolidDomain, solid_sample_parallel};
 
 fn samples(space: &SolidSpace, low: [f64; 3], high: [f64; 3]) -> Vec<Place> {
@@ -145,4 +147,19 @@ fn pieces_tile_a_window_and_impossible_windows_are_refused() {
         space.samples(&thin, &mut Unobserved).unwrap(),
         Vec::<Place>::new()
     );
+}
+
+/// Without a call between them, work of minutes could not be stopped.
+#[test]
+fn the_observer_is_called_between_the_pieces_of_a_window() {
+    let space = SolidSpace::new(1.0, 1).unwrap();
+    let window = space.window([47.0, 0.0, 0.0], [49.0, 1.0, 1.0]).unwrap();
+    let mut calls = 0;
+    let mut count = |_: Progress| {
+        calls += 1;
+        ControlFlow::Continue(())
+    };
+    space.samples(&window, &mut count).unwrap();
+    // At the beginning, at the end, and at least once between.
+    assert!(calls > 2, "{calls}");
 }
