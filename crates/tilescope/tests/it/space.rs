@@ -59,7 +59,7 @@ fn windows_of_space_are_made_judged_and_saved() {
         ),
         (
             "--window 0 0 0 5 5 7e4",
-            "it must begin between -65,280 and 65,280",
+            "it must lie between -65,280 and 65,280",
         ),
         (
             "--window 0 0 0 5 5 5 --out a.bin",
