@@ -17,7 +17,7 @@
 //!
 //! *In a shape* ([`exact_in_shape`]) darts outside do not exist. A sample of the pattern outside of the shape is missing in its
 //! block as one that is lost: the darts that it refused are decided again. So the shape's border is one more seam, and the set
-//! is distributed as the reference sampler's in the shape.
+//! is distributed as the reference sampler's in the shape, but for the pattern that blocks share.
 
 mod agenda;
 mod agreement;

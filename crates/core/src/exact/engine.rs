@@ -327,9 +327,11 @@ impl<'a> ExactTiling<'a> {
         // second blocker, too, which is not needed: whether another sample covers the dart is decided in its turn.
         history.each_waiting_in(&rect, pattern, place, symmetry, |mut dart, _| {
             dart.place = self.present.in_domain(tile, dart.place);
+            // Outside of the shape there are no darts.
             if !self.shape.inside(dart.place) {
                 return;
             }
+
             self.agenda.add(dart, What::Dart(tile));
             recorder.record(RunEvent::Wake {
                 point: dart.place,
@@ -556,9 +558,11 @@ impl<'a> ExactTiling<'a> {
                 source,
                 place: piece.place(source),
             };
+            // A cell at the border of the shape reaches beyond it, where there are no darts.
             if !self.shape.inside(dart.place) {
                 continue;
             }
+
             // `after` is the dart of a lost sample, which refused later darts alone: other samples cover the earlier ones.
             if after.is_some_and(|after| dart <= *after) {
                 continue;

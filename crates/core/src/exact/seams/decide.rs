@@ -41,11 +41,12 @@ impl SeamTiling<'_> {
         history.each_waiting_in(&rect, number, place, symmetry, |mut dart, second| {
             let IVec2 { x, y } = symmetry.turn(second.offset());
             let blocker = Point::new(dart.place.x + x, dart.place.y + y);
-            let is_outside = is_cut && !self.shape.inside(in_domain(moved, dart.place));
-            if is_outside {
+            dart.place = in_domain(moved, dart.place);
+            // Outside of the shape there are no darts.
+            if is_cut && !self.shape.inside(dart.place) {
                 return;
             }
-            dart.place = in_domain(moved, dart.place);
+
             // While its second blocker is present, it stays refused. In doubt the dart goes on the agenda, and is
             // decided again in its turn.
             let is_refused =
