@@ -420,8 +420,9 @@ fn sample(id: u32) -> Option<i64> {
     (id != NONE).then_some(i64::from(id))
 }
 
-/// Registers the functions that [`Evaluator`] lists. A number that is no sample's id gives `()` instead of an error, as a
-/// condition is evaluated for all samples of a run.
+/// Registers the functions that [`Evaluator`] lists. A number that is no sample's id gives `()` instead of an error.
+/// Lessons evaluate one expression for many samples in turn, and an error at one of them would end the evaluation for
+/// all.
 fn register(engine: &mut Engine, recording: &Arc<Recording>) {
     // A number that cannot be an id becomes `NONE`, which no sample has.
     let id = |s: i64| u32::try_from(s).unwrap_or(NONE);

@@ -60,17 +60,20 @@ impl Recording {
         ))
     }
 
-    /// Returns the recording of the first `count` samples of nested levels, or of all if there are fewer; `None` if it
-    /// has no levels.
+    /// Returns the recording of the first `count` samples of nested levels, or of all samples if there are fewer. A
+    /// `count` of 0 gives the first sample. `None` if this recording has no levels.
     pub(crate) fn first_of_levels(&self, count: usize) -> Option<Self> {
         let levels = self.levels()?;
-        // Of a set without samples nothing could be shown or asked: a count of 0 leaves one sample, too.
+        // Of a set without samples nothing could be shown or asked, so that at least one sample is left.
         let count = count.max(1).min(levels.ranks.len());
+
+        // `ends` lists only levels that are there whole. A level that ends behind the cut has lost some of its samples.
         let ends = levels.ends.iter().copied();
+        let ends_of_whole = ends.filter(|&end| end <= count).collect();
 
         let cut = RecordedLevels {
             ranks: levels.ranks[..count].to_vec(),
-            ends: ends.filter(|&end| end <= count).collect(),
+            ends: ends_of_whole,
             ..*levels
         };
         let first = self.run().samples.points[..count].to_vec();

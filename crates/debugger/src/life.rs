@@ -55,7 +55,7 @@ pub(crate) fn note_change(lives: &mut [Life], run_event: RunEvent, index: u32) {
         RunEvent::Tiled { sample, inside, .. } => {
             let life = &mut lives[sample as usize];
             life.born = index;
-            // A sample outside a closed domain is dropped as it is tiled, without an event of its own.
+            // A sample outside a bounded domain is dropped as it is tiled, without an event of its own.
             if !inside {
                 life.lost = index;
             }

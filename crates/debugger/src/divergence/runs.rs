@@ -140,8 +140,8 @@ impl Pair<'_> {
         found.or_else(|| (0..last).find_map(|k| self.iteration(k)))
     }
 
-    /// Returns the difference of the first block that gets another clip. Which samples are in the clips is compared
-    /// afterwards, by their places.
+    /// Returns the difference of the first block to which the two runs give different clips. The samples in the clips
+    /// are compared afterwards, by their places.
     fn tiles(&self) -> Option<Divergence> {
         let mut pairs = self
             .a
@@ -234,18 +234,20 @@ impl Pair<'_> {
     /// are equal, unless the engine of a run lists no candidates: then there is no difference of their sites.
     fn sites(&self, stage: Stage, k: usize) -> Option<Divergence> {
         let in_order = |run: &Run| {
-            // As the points are equal, their order pairs the candidates of the two runs.
             let mut all = run
                 .iterations
                 .get(k)
                 .map_or_else(Vec::new, |i| i.candidates.clone());
-            all.sort_unstable_by_key(|c| (c.point.row_major(), c.sites));
+            // An iteration has at most one candidate at each point, and the points are the same in both runs. Their
+            // order therefore pairs the candidates.
+            all.sort_unstable_by_key(|c| c.point.row_major());
             all
         };
 
         let (a, b) = (in_order(self.a), in_order(self.b));
         a.iter().zip(&b).find_map(|(one, other)| {
-            // Sites that one of the engines did not record are not compared.
+            // A sample may have different ids in the two runs, so that the points of the sites are compared. Sites
+            // that one of the engines did not record are not compared.
             let (of_a, of_b) = (
                 points_of_sites(self.a, one)?,
                 points_of_sites(self.b, other)?,

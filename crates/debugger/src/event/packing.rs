@@ -36,7 +36,7 @@ macro_rules! events {
             }
         }
 
-        /// Returns the run event that an event was packed from, or `None` for the notice that tests were left out here.
+        /// Returns the run event that an event was packed from, or `None` for a notice that events were left out.
         pub(super) fn unpack(event: &Event) -> Option<RunEvent> {
             let [a, b, c, d, e] = event.words;
             // The last word of a dart and of a cell is their place on the third axis.
@@ -151,8 +151,10 @@ fn pack_candidate(detector: u32, sites: Sites, IVec2 { x, y }: IVec2, verdict: V
     let (words, extra) = match by {
         None => ([ids[0], ids[1], ids[2], x as u32, y as u32], 0),
         Some(by) => {
-            // The verdict's sample takes a word from the offset. Only a place within reach has such a verdict, at most
-            // 3.5r = 7 * 2^14 away, so that 20 signed bits hold a coordinate: 16 in the last word and 4 in the extra byte.
+            // The sample that the verdict names takes a word from the offset. Only a place within the reach of
+            // detection (`Reach::radius`) has such a verdict, and that reach is at most 3.5r = 7 * 2^14 units. Thus
+            // 20 signed bits hold each coordinate of the offset: 16 of them are in the last word, and 4 in the extra
+            // byte.
             let low = (x as u32 & 0xffff) | (y as u32) << 16;
             let high = (x >> 16 & 15) | (y >> 16 & 15) << 4;
             ([ids[0], ids[1], ids[2], by, low], high as u8)
