@@ -203,7 +203,9 @@ impl Listings {
     }
 }
 
-/// Reads a line of a listing; `None` if it has another form.
+/// Reads a line of a listing: its number, indentation, text and explanation, and an erratum if there is one. `None`
+/// if it has fewer than four or more than five parts, if the number or the indentation is no number, or if the text
+/// is empty.
 fn parse_line(name: &str, row: &str) -> Option<ListingLine> {
     let parts: Vec<&str> = row.split(" | ").map(str::trim).collect();
     let (&[number, indentation, text, explanation], rest) = parts.split_first_chunk()?;

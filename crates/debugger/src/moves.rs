@@ -129,12 +129,13 @@ pub fn arrive(
         return run_to(recording, cursor, target, direction);
     }
 
-    // The cursor already stands behind the event that has just happened. `run_to` looks beyond the event that it begins at,
-    // so that it begins at this one.
     let found = match (cursor.checked_sub(1), direction) {
+        // `last` is the event that happened last, just before the cursor. `run_to` looks after `last` or, backwards,
+        // before it, so that a run from a target leads to another one.
         (Some(last), _) => run_to(recording, last, target, direction),
+        // Before the start there is no event.
         (None, Direction::Backwards) => None,
-        // At the start no event has happened. `run_to` would skip event 0, which is therefore asked first.
+        // At the start no event has happened. `run_to` looks only behind event 0, which is therefore asked first.
         (None, Direction::Forwards) => {
             let first = recording.event(0);
             let is_first = first.is_some_and(|event| matches_target(recording, 0, event, target));
@@ -178,8 +179,8 @@ fn is_second(recording: &Recording, index: usize, event: &Event) -> bool {
     match &origins[sample as usize] {
         Origin::Tiled { .. } => false,
         Origin::Inserted {
-            // Without sites, as of a dart, the disk must touch that of an inserted sample: within 2r. Of a set in space it is the
-            // ball.
+            // A sample without sites, such as a dart, is second if its disk touches the disk of an inserted sample.
+            // In a set in space their balls must touch. Both touch where the samples are within 2r of each other.
             sites: Sites::Dart | Sites::Unrecorded,
             ..
         } => recording.point(sample).is_some_and(|point| {
@@ -188,11 +189,13 @@ fn is_second(recording: &Recording, index: usize, event: &Event) -> bool {
             let z = recording.heights().map(|heights| heights[sample as usize]);
             let limit = 4 * i64::from(R) * i64::from(R);
             let touches = |other: &&u32| {
-                let above = z.and_then(|z| recording.above(**other, z)).unwrap_or(0);
+                // Samples in the plane have no heights: the difference counts as 0.
+                let height_difference = z.and_then(|z| recording.above(**other, z)).unwrap_or(0);
+                let height_squared = i64::from(height_difference) * i64::from(height_difference);
                 // Samples that the search finds have places, so that `point` never stands in.
                 let at = recording.point(**other).unwrap_or(point);
                 let planar = recording.domain().distance_squared(at, point);
-                planar + i64::from(above) * i64::from(above) <= limit
+                planar + height_squared <= limit
             };
             near.iter().filter(touches).any(inserted)
         }),
@@ -200,7 +203,7 @@ fn is_second(recording: &Recording, index: usize, event: &Event) -> bool {
     }
 }
 
-/// Returns whether a sample that is kept or inserted here covers another that stays.
+/// Returns whether the event keeps or inserts a sample that covers another one, which stays.
 fn violates(recording: &Recording, index: usize, event: &Event) -> bool {
     if !matches!(event.kind(), EventKind::Keep | EventKind::Insert) {
         return false;

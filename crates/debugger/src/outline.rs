@@ -55,8 +55,8 @@ impl Outline {
         outline
     }
 
-    /// Stores the open events at every `STRIDE`th event: those with descendants at or behind it. From them the
-    /// ancestors of any event are found in few steps.
+    /// Stores a row for every `STRIDE`th event: the open events there, which are the ancestors of that event. `parent`
+    /// reads the row where it finds no ancestor behind the row's event.
     fn keep_ancestors(&mut self) {
         let mut open: Vec<u32> = Vec::with_capacity(LEVELS);
         for index in 0..self.ends.len() {
@@ -73,7 +73,8 @@ impl Outline {
                 self.ancestors.push(row);
             }
 
-            // Events without children are no ancestors, so that at most four are open at a time.
+            // Each open event is deeper than the open one before it, and the deepest events have no children. So at
+            // most four events are open at a time.
             if self.has_children(index) {
                 open.push(index as u32);
             }

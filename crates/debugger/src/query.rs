@@ -336,7 +336,8 @@ pub fn verdict_name(event: &Event) -> Option<&'static str> {
     })
 }
 
-/// Returns a query without blanks around comparisons and with blanks for `&&`, as people write it in watches.
+/// Returns a query without the blanks around its comparisons, and with a blank in place of each `&&`. People write
+/// both in watches, and may write them in queries.
 fn joined(text: &str) -> String {
     let text = text.replace("&&", " ");
     let mut written = String::with_capacity(text.len());

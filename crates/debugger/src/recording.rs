@@ -199,7 +199,8 @@ impl Recording {
     /// Fills the lists that follow from the events, in one walk along the tape.
     fn index(&mut self) {
         let (mut context, mut tally) = (Context::default(), Density::default());
-        // Its events change the recording, so that the tape is taken out meanwhile; an empty one stands in for it.
+        // `note` changes the recording while its tape is read. The tape is therefore taken out meanwhile, and an
+        // empty tape stands in for it.
         let tape = std::mem::replace(&mut self.tape, Tape::new(&self.run.parameters, 0));
 
         for (index, event) in (0..).zip(tape.iter()) {
@@ -211,7 +212,7 @@ impl Recording {
 
             context.apply(event, index);
             tally.add(event);
-            // A notice of tests that were left out has no run event, and changes no list.
+            // A notice that events were left out has no run event, and changes no list.
             if let Some(run_event) = event.run_event() {
                 self.note(run_event, index);
             }
@@ -222,7 +223,7 @@ impl Recording {
         // `gap` finds the sites by a binary search, and then the last event before a cursor: the order is by both.
         self.gaps.sort_unstable();
 
-        // Only in exact tiling do darts wait for their turn.
+        // The list is for `expected` and `waiting`, which are about exact tilings alone.
         if self.is_exact() {
             self.expect_darts();
         }

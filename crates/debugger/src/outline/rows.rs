@@ -94,14 +94,18 @@ impl Node {
                 // How many rows the wanted one lies below that of the expanded child.
                 let below = k - open.index - open.before;
                 // The rows inside the expanded child follow its own row at once.
-                if below > 0 && below <= open.rows {
+                if (1..=open.rows).contains(&below) {
                     return open.node.row(below - 1, level + 1);
                 }
-                // It is the row of the child itself, or lies behind the rows inside it, which have moved it down.
-                (
-                    k - open.before - if below > 0 { open.rows } else { 0 },
-                    below == 0,
-                )
+
+                if below == 0 {
+                    // The wanted row is that of the expanded child itself.
+                    (open.index, true)
+                } else {
+                    // The wanted row is that of a later child, which is collapsed. The rows inside this expanded
+                    // child and inside the earlier ones stand before it.
+                    (k - open.before - open.rows, false)
+                }
             }
         };
 
