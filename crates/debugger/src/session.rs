@@ -237,14 +237,15 @@ pub enum SessionError {
 #[derive(Deserialize)]
 struct Head {
     version: u32,
-    /// Sessions that this program writes have their method among the parameters. One that names it here must not be
-    /// read as a run by the method that parameters without one stand for, KDRT.
+    /// The method, if the session names it beside the parameters. Sessions that this program writes have it among the
+    /// parameters. Parameters without a method stand for KDRT, so that without this field another method would be
+    /// taken for KDRT.
     method: Option<String>,
 }
 
 impl Session {
-    /// Parses a session. Fails if the version is newer, the steps of the method are not shown, a line is unknown, or a limit
-    /// is exceeded.
+    /// Parses a session. Fails if the text is no session, if its version is newer, if the steps of its method are not
+    /// shown, if a breakpoint's line is unknown, or if a limit is exceeded.
     pub fn from_json(text: &str) -> Result<Self, SessionError> {
         within("bytes", text.len(), MAX_BYTES)?;
         // The size, the version and the method come first: what follows may be unreadable for reasons that they explain.

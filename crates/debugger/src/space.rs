@@ -32,8 +32,8 @@ impl Recording {
         budget: usize,
         observer: &mut dyn Observer,
     ) -> Result<Self, SampleError> {
-        // By the insertion of the parameters the tape finds each event's line of the pseudocode, and that of uniform
-        // insertion is of darts.
+        // The tape finds the lines of events by the parameters. Here their kind of insertion must say that darts are
+        // thrown.
         let parameters = &Parameters {
             insertion: tilescope_core::Insertion::Uniform,
             ..*parameters

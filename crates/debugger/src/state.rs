@@ -107,7 +107,8 @@ impl State {
     }
 
     /// Moves the sample that an event changes from the count of its status at the first cursor to that at the second.
-    /// Only four kinds of events change one: a sample outside a bounded domain is dropped when it is tiled.
+    /// Only four kinds of events change a status. Dropping has no event of its own: a sample outside a bounded domain
+    /// is dropped when it is tiled.
     fn change_counts(&mut self, recording: &Recording, event: &Event, cursors: [usize; 2]) {
         if !matches!(
             event.kind(),

@@ -38,6 +38,8 @@ impl Counts {
             }
             RunEvent::IterationEnd { .. } => self.is_within_iteration = false,
             RunEvent::Detect { .. } => self.detectors += 1,
+            // The list of an iteration's candidates is there once the last of them is found. The event that puts them
+            // in order follows at once, and has their number.
             RunEvent::Rank { candidates } => self.candidates = candidates as usize,
 
             // Algorithm 4 as printed inserts in iteration 1 without an event that begins it: the insertion shows that

@@ -27,8 +27,8 @@ impl Words<'_> {
                 )
             }
 
-            // The bisectors with the neighbours bound the detector's Voronoi cell. It lies within the detector's disk:
-            // no place of the cell is bare.
+            // The bisectors with the neighbours bound the detector's Voronoi cell. The event says that the cell lies
+            // within the detector's disk, so that no place of the cell is bare.
             RunEvent::NoGap { sample } => {
                 format!(
                     "the neighbours of {} leave no gap around it",
@@ -134,9 +134,9 @@ impl Words<'_> {
     /// Returns the sentence of a dart that lands or, if it is `ranked`, of one whose turn comes.
     pub(super) fn dart(&self, point: Point, ranked: bool, verdict: Verdict) -> String {
         let at = coordinates(point);
-        // These are darts of uniform insertion, which does not record which sample covers a place: their id is `NONE`,
-        // and no sample is named. Exact tilings record it, but have sentences of their own (`exact`). An id that is
-        // there after all is named.
+        // These are darts of uniform insertion, which does not record the sample that covers a place. Instead of the
+        // sample's id the event has `NONE`, and the sentence names no sample. Exact tilings record the id, but have
+        // sentences of their own (`exact`).
         let by = |id: u32| match id {
             NONE => String::new(),
             id => format!(" by {}", self.sample(id)),

@@ -5,8 +5,9 @@ use tilescope_core::{Locality, Point, RunEvent, Verdict};
 
 use super::{Words, count, grouped, significant};
 
-/// Returns the words for a covered dart that lands or, if it is `ranked`, whose turn comes: those before its place, and
-/// those after it where the sample that covers it is named, and where none can be named.
+/// Returns three parts of the sentence of a covered dart, which lands or, if it is `ranked`, has its turn. The first
+/// part stands before the dart's place. The second stands behind the place if the sentence names the sample that
+/// covers the dart, and the third stands there if no such sample is known.
 pub(super) const fn covered_words(ranked: bool) -> [&'static str; 3] {
     if ranked {
         [
@@ -25,7 +26,8 @@ pub(super) const fn covered_words(ranked: bool) -> [&'static str; 3] {
 
 impl Words<'_> {
     /// Returns the sentence of a dart, a throw, an insertion or a cut in a run whose radius depends on the place.
-    /// `None` for other events and runs, and for a sample without a place in the recording.
+    /// `None` for other events and runs, for verdicts that no dart gets, and for a sample without a place in the
+    /// recording.
     pub(super) fn local(&self, run_event: RunEvent, index: usize) -> Option<String> {
         let locality = self.0.run().locality.as_deref()?;
 
@@ -48,8 +50,8 @@ impl Words<'_> {
                 )
             }
 
-            // Such a run has no detectors: the event counts the active cells, in which darts are thrown, in their
-            // place.
+            // Such a run has no detectors. Instead of them the event counts the active cells, in which darts are
+            // thrown.
             RunEvent::Iteration { number, detectors } => format!(
                 "throw {} begins with {}",
                 grouped(number.into()),

@@ -6,7 +6,8 @@ use super::local::covered_words;
 use super::{Words, count, fraction, grouped, radii};
 
 impl Words<'_> {
-    /// Returns the sentence of an event of darts in a run in space; `None` for all others.
+    /// Returns the sentence of a dart, a throw, an insertion or a cut in a run in space. `None` for other events and
+    /// runs, for verdicts that no dart gets in space, and for a sample without a place in the recording.
     pub(super) fn space(&self, run_event: RunEvent, index: usize) -> Option<String> {
         let heights = self.0.heights()?;
 
@@ -28,6 +29,8 @@ impl Words<'_> {
                 )
             }
 
+            // Such a run has no detectors. Instead of them the event counts the active cubes, in which darts are
+            // thrown.
             RunEvent::Iteration { number, detectors } => format!(
                 "throw {} begins with {}",
                 grouped(number.into()),
