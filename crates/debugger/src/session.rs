@@ -355,8 +355,10 @@ impl Session {
             self.pattern.iter().map(|p| p.path.as_str()),
         )?;
 
-        // A maximal set has about this many samples; of a run in a field or a shape this is the number for the whole
-        // rectangle at the parameters' radius. Faults of the parameters are left to the run, which reports them.
+        // A maximal set in the plane has about this many samples. For a run in a field or a shape this is the number
+        // for the whole rectangle at the parameters' radius. For a set in space it is the number for the base of its
+        // box; the window, which opens such sets, limits the number of their balls. Faults of the parameters are left
+        // to the run, which reports them.
         if let Ok(domain) = self.parameters.validate() {
             let samples = MAXIMAL_DENSITY * domain.area_radii();
             within("expected samples", samples as usize, MAX_SAMPLES)?;

@@ -26,8 +26,9 @@ pub fn cause(recording: &Recording, index: usize) -> Option<usize> {
         RunEvent::Clip { block } => at(&recording.leaves, block),
         RunEvent::Tiled { block, .. } => at(&recording.clips, block),
 
-        // In elimination a sample's turn follows from its tiling. It is kept because of its turn, tests others because
-        // it was kept, and eliminates one because of the test just before or, without a test, because it was kept.
+        // In elimination a sample's turn follows from its tiling. The sample is kept because of its turn, and tests
+        // others because it was kept. It eliminates another because of the test just before or, where no test is
+        // recorded there, because it was kept.
         RunEvent::Take { sample, .. } => Some(life(sample)?.born),
         // A sample kept without a turn (`rest`), and each sample that arrives in exact tiling, has only its tiling as a cause.
         RunEvent::Keep { sample, rest } if rest || recording.is_exact() => Some(life(sample)?.born),
@@ -49,7 +50,7 @@ pub fn cause(recording: &Recording, index: usize) -> Option<usize> {
         RunEvent::Candidate { .. } => recording.context(index).search.map(|search| search.event),
         RunEvent::Pass { by, .. } => Some(life(by)?.born),
 
-        // A blocker without an id lies beyond the border of its block, which lacks it since the clip was laid.
+        // A blocker without an id was never laid down. The clip of the dart's block left it out, and so is the cause.
         RunEvent::Wake { behind: NONE, .. } => {
             recording.last_of(EventKind::Clip, index).map(|i| i as u32)
         }

@@ -2,8 +2,8 @@
 
 use tilescope_figures::{Group, Scene, Shape, Style, View};
 
-/// Returns the picture of dots, each a place and a radius in the unit of a domain of this size. The picture is as many pixels
-/// wide as there are to be columns; the domain's y points up.
+/// Returns the picture of dots, each a place and a radius in the unit of a domain of this size. The picture is
+/// `columns` pixels wide. The domain's y points up.
 #[must_use]
 pub fn on_paper(
     size: [f64; 2],

@@ -145,8 +145,8 @@ impl Figure<'_> {
 
     /// Returns three samples, and the edges between their cells.
     fn voronoi(&self) -> Vec<SymbolShape> {
-        // Edges lead from the middle of the gap halfway between two samples each. One points down, and ends at the
-        // border.
+        // Each edge leads from the middle of the gap outwards, at the same angle from two samples. The edge that points
+        // down would leave the figure, and ends at the figure's border.
         let between = [1.57, 3.67, 5.76].map(|angle: f32| 1.9 * R * Vec2::angled(angle));
         let stroke = Self::thin(self.0.detector);
         let mut shapes: Vec<SymbolShape> = between

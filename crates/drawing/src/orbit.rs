@@ -177,7 +177,7 @@ impl<'a> OrbitPicture<'a> {
 
     /// Draws the picture, opaque, on all threads.
     ///
-    /// Besides the pixels it holds 20 bytes for each ball, and some for each pixel of the bands in work.
+    /// Besides the pixels it holds some 40 bytes for each ball, and some for each pixel of the bands in work.
     ///
     /// # Errors
     ///
@@ -243,11 +243,13 @@ fn by_bands(
 
     for (index, ball) in balls.iter().enumerate() {
         let [above, below] = [ball.row - projection.radius, ball.row + projection.radius];
-        // A ball above or below the picture is in no band. A cast of a negative number gives 0, and that of one which is
-        // beyond all numbers, of a sample far outside of the box, the greatest.
+        // A ball that ends above the picture is in no band.
         if below < 0.0 {
             continue;
         }
+        // A ball that begins above the picture is in the first band, since the cast of a negative number gives 0. A
+        // ball that begins below the picture is in no band, since `skip` passes over all bands. Even of a sample far
+        // outside of the box this is true: the cast of a row beyond all whole numbers gives the greatest.
         let first = (above / rows) as usize;
         let last = (below / rows) as usize;
         for band in bands.iter_mut().take(last.saturating_add(1)).skip(first) {

@@ -79,9 +79,9 @@ impl Band {
                 let mut face = 0;
                 if let Some(signs) = signs {
                     let opening = projection.opening(signs, across, height);
-                    // The sphere itself is seen if its near side is outside of the octant.
+                    // If the near side of the sphere lies in the octant, it is cut away. Otherwise it is seen.
                     if opening.far < near && near < opening.near {
-                        // Nothing is left of the ball where its far side lies in the octant, too.
+                        // If the far side lies in the octant as well, the ray meets nothing of the ball.
                         if ball.near - bulge >= opening.far {
                             continue;
                         }
@@ -119,6 +119,7 @@ impl Band {
                 let share = ((dx * along_x + dy * along_y) / (length * length)).clamp(0.0, 1.0);
                 let near = edge.ends[0][2] + share * (edge.ends[1][2] - edge.ends[0][2]);
                 let at = row * self.columns + column;
+                // The lift only decides whether the edge is seen. The nearness that is kept is that of the edge itself.
                 if near + edge.lift > self.nearness[at] {
                     self.nearness[at] = near;
                     self.surfaces[at] = code;

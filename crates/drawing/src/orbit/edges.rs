@@ -20,20 +20,22 @@ const WIDTH_SHARE: f32 = 1.0 / 640.0;
 impl Edge {
     /// Returns the edges of the box, and of the octant that is cut out.
     pub fn all(set: &OrbitSet<'_>, open: Option<[f64; 3]>, projection: &Projection) -> Vec<Self> {
-        // Corners by signs from the middle of the box.
+        // A place of the box, by -1, 0 or 1 for each axis: the lower end of the axis, its middle, or the upper end.
         let place = |signs: [f64; 3]| {
             projection.of([0, 1, 2].map(|axis| set.size[axis] * (1.0 + signs[axis]) / 2.0))
         };
         let width = (projection.longer_side() * WIDTH_SHARE).max(1.0);
-        let edge = |from, to, is_notch| Self {
+        let edge_of_box = |from, to| Self {
             ends: [place(from), place(to)],
             width,
-            lift: if is_notch {
-                projection.radius / 8.0
-            } else {
-                0.0
-            },
-            is_notch,
+            lift: 0.0,
+            is_notch: false,
+        };
+        let edge_of_cut = |from, to| Self {
+            // An eighth of a ball's radius: chosen, not measured.
+            lift: projection.radius / 8.0,
+            is_notch: true,
+            ..edge_of_box(from, to)
         };
 
         let mut edges = Vec::new();
@@ -44,7 +46,7 @@ impl Edge {
                 (from[first], from[second]) = (one, other);
                 let mut to = from;
                 to[axis] = 1.0;
-                edges.push(edge(from, to, false));
+                edges.push(edge_of_box(from, to));
             }
         }
 
@@ -55,11 +57,11 @@ impl Edge {
             // From the middle of the box to the middle of a side, and there along the borders of the square that is cut out.
             let mut side = [0.0; 3];
             side[axis] = signs[axis];
-            edges.push(edge([0.0; 3], side, true));
+            edges.push(edge_of_cut([0.0; 3], side));
             for other in others(axis) {
                 let mut border = side;
                 border[other] = signs[other];
-                edges.push(edge(side, border, true));
+                edges.push(edge_of_cut(side, border));
             }
         }
         edges

@@ -5,8 +5,10 @@ use super::{OrbitSet, OrbitView};
 
 /// The share of the picture that the box fills at a magnification of 1. The rest is a margin, which was chosen by eye.
 const FILLED: f64 = 0.94;
-/// Stands for a direction across the view in a division; beside it a picture is of no width.
-const LEAST_SLOPE: f64 = 1e-6;
+/// The slopes of the plane across an axis are divided by the axis's part towards the eye. If the plane is seen edge-on,
+/// that part is 0, and this number stands for it. The plane then passes the whole depth of the box within a small part
+/// of a pixel.
+const LEAST_TOWARDS: f64 = 1e-6;
 
 /// A ball in the picture. Lengths are in rays.
 #[derive(Clone, Copy, Debug)]
@@ -37,7 +39,8 @@ pub(super) struct Projection {
     pub radius: f32,
     /// The greatest nearness of a corner of the box, in rays.
     pub depth: f32,
-    /// For each axis, the nearness of the plane through the middle of the box: its slope along columns, and along rows.
+    /// For each axis, the plane across it through the middle of the box: how much its nearness grows from column to
+    /// column, and from row to row.
     slopes: [[f32; 2]; 3],
 }
 
@@ -48,12 +51,14 @@ impl Projection {
 
         let ball = set.radius / 2.0;
         let half = set.size.map(|side| side / 2.0);
-        // The reach of the box from whichever side it is seen, so that a turn keeps its scale.
-        let across = (half[0] * half[0] + half[1] * half[1]).sqrt();
-        // The vertical axis is as long in the picture as the picture's upward direction is along it, and the others the rest.
+        // The box reaches to the side by half of the diagonal of its base at most. This bound counts for all azimuths,
+        // so that a turn keeps its scale.
+        let half_diagonal = (half[0] * half[0] + half[1] * half[1]).sqrt();
+        // The picture shows a vertical length times the cosine of the elevation, `up[2]`. A horizontal length reaches
+        // upwards by itself times the elevation's sine, `eye[2]`, at most.
         let reach = [
-            across + ball,
-            eye[2].abs() * across + up[2] * half[2] + ball,
+            half_diagonal + ball,
+            eye[2].abs() * half_diagonal + up[2] * half[2] + ball,
         ];
         let fits = |axis: usize| f64::from(size[axis]) / 2.0 / reach[axis];
         let scale = FILLED * view.zoom * fits(0).min(fits(1)) * rays as f64;
@@ -61,12 +66,15 @@ impl Projection {
         let depth: f64 = (0..3).map(|axis| eye[axis].abs() * half[axis]).sum();
         let slopes = [0, 1, 2].map(|axis: usize| {
             let towards: f64 = eye[axis];
-            // Across the view a plane has no nearness: the steep one below is nearer or farther than any ball.
-            let towards = if towards.abs() < LEAST_SLOPE {
-                LEAST_SLOPE.copysign(towards)
+            // A plane that is seen edge-on has no nearness. A steep plane stands for it, which is nearer than all
+            // balls on one side of the edge and farther than all balls on the other.
+            let towards = if towards.abs() < LEAST_TOWARDS {
+                LEAST_TOWARDS.copysign(towards)
             } else {
                 towards
             };
+            // From the middle of the picture the plane is right * column - up * row + eye * nearness = 0: rows are
+            // counted downwards.
             [(-right[axis] / towards) as f32, (up[axis] / towards) as f32]
         });
 
@@ -137,8 +145,8 @@ impl Projection {
         placed
     }
 
-    /// Returns the part of a ray that lies in the open octant, by nearness, and the axes of the planes at its far and its near
-    /// end; the part is empty where its near end is not above its far one.
+    /// Returns the part of a ray that lies in the open octant, by nearness, and the axis of the plane at its far end.
+    /// The part is empty where its near end is not above its far end.
     pub fn opening(&self, signs: [f64; 3], column: f32, row: f32) -> Opening {
         let x = column - self.center[0] as f32;
         let y = row - self.center[1] as f32;
