@@ -79,6 +79,7 @@ fn counts(leaf: f64, run: &Run) -> LeafShares {
         found.alone += (width - 2.0) * (height - 2.0);
     }
 
+    // There is a value for each tiled sample. Tiled samples come first, so that the loop ends with the last of them.
     let are_in_conflict = conflicts(run);
     let samples = run.samples.origins.iter().zip(&run.samples.fates);
     for ((origin, fate), in_conflict) in samples.zip(are_in_conflict) {
@@ -308,7 +309,7 @@ const SHARES: [Share; 6] = [
     ("result that was inserted", LeafShares::inserted_share),
 ];
 
-/// Returns all shares by leaf, and their products with it.
+/// Returns two charts by leaf: all shares, and each share times the leaf.
 fn curves(found: &[LeafShares]) -> Result<Picture> {
     let points_of = |value: &dyn Fn(&LeafShares) -> f64| {
         found.iter().map(|one| [one.leaf, value(one)]).collect()
@@ -329,7 +330,7 @@ fn curves(found: &[LeafShares]) -> Result<Picture> {
 
     let percent = 100.0;
     let shares = chart("eq4/shares", all_series(&|_| percent));
-    // Times N, a share that is inversely proportional to N is level.
+    // A share that is inversely proportional to the leaf is a level line in this chart.
     let products = chart("eq4/products", all_series(&|one| one.leaf));
     let rows = vec![vec![Panel::Lines(shares)], vec![Panel::Lines(products)]];
     picture("eq4/shares", &json!({}), rows)

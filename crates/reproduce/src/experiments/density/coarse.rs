@@ -36,7 +36,8 @@ impl CoarseSets {
             if control.flow().is_break() {
                 return Err(ReproduceError::Cancelled);
             }
-            // All lattices have the same seeds, and draws of their own. Any stream of the key will do.
+            // The radius goes into the key, so that sets of one seed on two lattices have different draws. Any other stream
+            // would do as well.
             let key = Key::from_seed(seed).derive(Stream::Order, radius.into());
             Ok(CountSums::of(count(i32::from(SIDE * radius), &disk, key)))
         });

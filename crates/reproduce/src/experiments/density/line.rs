@@ -10,7 +10,8 @@ pub struct FittedLine {
 }
 
 impl FittedLine {
-    /// Returns the line through places, each as `(x, [y, standard error of y])`. At least two must have different x.
+    /// Returns the line through places, each as `(x, [y, standard error of y])`. At least two must have different
+    /// x, and all errors must be above 0.
     pub fn through(places: impl IntoIterator<Item = (f64, [f64; 2])>) -> Self {
         let [mut weights, mut x_sum, mut xx_sum, mut y_sum, mut xy_sum] = [0.0; 5];
         for (x, [y, error]) in places {

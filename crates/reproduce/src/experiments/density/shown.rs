@@ -13,6 +13,9 @@ use crate::texts::{chart, table};
 
 /// The charts show densities in millionths.
 const MILLION: f64 = 1e6;
+/// The numbers of the curves' looks. The measured curve looks the same in both charts.
+const MEASURED_LOOK: usize = 0;
+const HALVING_LOOK: usize = 1;
 
 /// Returns the charts: the density by the number of samples, and what each level inserts.
 pub fn picture_of(found: &DensityResults) -> Result<Picture> {
@@ -24,7 +27,7 @@ pub fn picture_of(found: &DensityResults) -> Result<Picture> {
     picture("density/density", &values, rows)
 }
 
-/// Returns all batches up to each, as one.
+/// Returns an entry for each batch: this batch joined with all batches before it.
 fn growing(batches: &[TorusSets]) -> Vec<TorusSets> {
     let mut all: Vec<TorusSets> = Vec::new();
     for batch in batches {
@@ -36,12 +39,12 @@ fn growing(batches: &[TorusSets]) -> Vec<TorusSets> {
     all
 }
 
-/// Returns the chart of the density of all batches up to each, less the published one, in millionths. What the lattice
-/// leaves out of the density is added.
+/// Returns the chart of how the density settles: a point after each batch, which stands for all batches so far. It shows
+/// the density, with what the lattice leaves out added, less the published density, in millionths.
 fn so_far(found: &DensityResults) -> LineChart {
     // The quantile of a normal variable, as for the verdict.
     let quantile = student_quantile(MISSED, f64::INFINITY);
-    // Of two estimates of what the lattice leaves out, the one that counts, and its error.
+    // There are two estimates of what the lattice leaves out. This is the one that the verdict uses, with its error.
     let [left_out, doubt] = found.lattice.used();
     let (mut points, mut band) = (Vec::new(), Vec::new());
 
@@ -62,7 +65,7 @@ fn so_far(found: &DensityResults) -> LineChart {
     };
     let here = Series {
         band: Some(band),
-        ..curve("here", 0, points)
+        ..curve("here", MEASURED_LOOK, points)
     };
 
     // The interval of the first few batches is far wider than the differences in the chart: it would press all else
@@ -87,12 +90,11 @@ fn by_level(all: &TorusSets) -> LineChart {
     // level to insert half as much as the one before.
     let [first, _] = halving(all).terms;
     let halved = (0..all.by_level.len()).map(|level| [level as f64, first.log2() - level as f64]);
-    // "here" has the look 0 in both charts.
     let mut drawn = chart(
         "density/levels",
         vec![
-            curve("halving", 1, halved.collect()),
-            curve("here", 0, points.collect()),
+            curve("halving", HALVING_LOOK, halved.collect()),
+            curve("here", MEASURED_LOOK, points.collect()),
         ],
     );
     drawn.x.range = Some([0.0, all.by_level.len() as f64 - 1.0]);

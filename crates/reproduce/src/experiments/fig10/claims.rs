@@ -138,13 +138,17 @@ fn horizon_alike(
     // alone: chosen, not measured.
     let ratio = Ratio::of(&kdrt.overall(), &reference.overall());
     let better = [kdrt, reference].map(|one| Ratio::of(&random.densest(), &one.densest()));
-    let densest = kdrt.horizons.last().and_then(|sets| sets.first());
+    let most_per_pixel = kdrt
+        .horizons
+        .last()
+        .and_then(|sets| sets.first())
+        .map_or(0, |one| one.per_pixel);
     // A claim of two parts: the two samplers are alike, and each is better than random samples.
     let verdict = Verdict::of_all([alike(ratio), clearly(&better)]);
 
     let values = json!({
         "ratio": words(ratio), "better": better.map(words), "alike": ALIKE, "clearly": CLEARLY,
-        "per_pixel": densest.map_or(0, |one| one.per_pixel),
+        "per_pixel": most_per_pixel,
         "undecided": undecided(verdict, &[ratio, better[0], better[1]]),
     });
     claim("fig10/horizon-alike", verdict, &values)

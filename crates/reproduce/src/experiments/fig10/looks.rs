@@ -26,7 +26,7 @@ pub struct MeanSpectrum {
     pub power: Vec<[f64; 2]>,
     /// Mean power at relative frequencies up to [`LOW`].
     pub low: f64,
-    /// Powers in rows of as many, for a picture; that at zero is 0.
+    /// Powers of a picture of [`CELLS`] x [`CELLS`] squares, row by row. A square whose power has no value has 0.
     pub picture: Vec<f64>,
     /// How far the picture reaches from its middle, as a relative frequency.
     pub reach: f64,
@@ -63,7 +63,7 @@ pub fn spectrum(
     let nothing = || ReproduceError::Engine("a sampler without a set has no spectrum".to_owned());
     let mean = periodograms.mean().ok_or_else(nothing)?;
     let spectrum = Spectrum::of(&mean)?;
-    // At the frequency zero there may be no value: as the power 0 it is white in a picture.
+    // The square at the frequency zero may have no value. With the power 0 it is white in a picture.
     let finite = |power: &f64| if power.is_finite() { *power } else { 0.0 };
 
     Ok(MeanSpectrum {
