@@ -179,10 +179,10 @@ fn maximal(found: &[LayoutResult], last: &LayoutResult) -> Claim {
         _ => format!("{} conflicts and gaps", count(faults)),
     };
 
-    // The text of the claim ends with "in it", in the set that it has just named, or with "in 3 layouts".
+    // The claim's text names the last set, and ends with "in" and these words. With one layout, "it" is that set.
     let layouts = match found.len() {
         1 => "it".to_owned(),
-        layouts => format!("{layouts} layouts"),
+        number => format!("{number} layouts"),
     };
 
     let values = json!({ "samples": last.after, "faults": words, "layouts": layouts });
@@ -230,7 +230,8 @@ const CROSS: f64 = 13.0;
 /// Sides of the part that is shown large, in radii.
 const PART: f64 = 36.0;
 
-/// Pieces in a sequence in which no two neighbours, across borders either, have one tint of six.
+/// The nine pieces in the order in which they are the picture's blocks. The blocks take six tints in turn. In this order
+/// no two pieces that share a side have the same tint, and none that share a side across the domain's borders.
 const TINTED: [usize; 9] = [0, 1, 2, 3, 4, 5, 8, 6, 7];
 
 /// Returns the picture of the whole, and that of a part from near.
@@ -262,10 +263,10 @@ fn scene(glued: &Glued, rects: &[Cells], window: Option<Rect>, title: String) ->
     let combined = &glued.combined;
     let user = |p: Point| combined.domain.user_from_lattice(p);
     let points = combined.positions();
-    // A block's index decides its tint, so that blocks stand in the order of `TINTED`.
-    let tint = |piece: u32| TINTED.iter().position(|other| *other == piece as usize);
+    // The source of a sample calls its piece a block. The picture numbers blocks otherwise, by their places in `TINTED`.
+    let place_of = |piece: u32| TINTED.iter().position(|other| *other == piece as usize);
     let block = |source: &Source| match *source {
-        Source::Tiled { block, .. } => tint(block).map(|at| at as u32),
+        Source::Tiled { block: piece, .. } => place_of(piece).map(|at| at as u32),
         // An inserted sample belongs to none of the nine.
         Source::Inserted { .. } => None,
     };

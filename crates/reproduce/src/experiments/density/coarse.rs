@@ -36,8 +36,8 @@ impl CoarseSets {
             if control.flow().is_break() {
                 return Err(ReproduceError::Cancelled);
             }
-            // The radius goes into the key, so that sets of one seed on two lattices have different draws. Any other stream
-            // would do as well.
+            // The radius goes into the key, so that sets of one seed on two lattices have different draws. Any other
+            // stream would do as well.
             let key = Key::from_seed(seed).derive(Stream::Order, radius.into());
             Ok(CountSums::of(count(i32::from(SIDE * radius), &disk, key)))
         });

@@ -39,8 +39,8 @@ fn growing(batches: &[TorusSets]) -> Vec<TorusSets> {
     all
 }
 
-/// Returns the chart of how the density settles: a point after each batch, which stands for all batches so far. It shows
-/// the density, with what the lattice leaves out added, less the published density, in millionths.
+/// Returns the chart of how the density settles: a point after each batch, which stands for all batches so far. The
+/// point is the density, with what the lattice leaves out added, less the published density, in millionths.
 fn so_far(found: &DensityResults) -> LineChart {
     // The quantile of a normal variable, as for the verdict.
     let quantile = student_quantile(MISSED, f64::INFINITY);

@@ -128,7 +128,7 @@ fn comparison(all: &[SamplerResults], corners: &[Vec<[f64; 2]>]) -> Result<Pictu
         row.into_iter().map(Panel::Tile).collect()
     };
 
-    // The scale of the spectra's powers is drawn at the right of the figure's title, above the first row.
+    // A scale takes no room in its row: the figure draws it beside the title. Any row could hold the scale of powers.
     let mut rows = tiles.map(row);
     rows[0].push(power_scale(BLACK));
 
@@ -170,16 +170,16 @@ fn horizon_content(one: &SamplerResults, side: f64) -> Result<(String, TileConte
     Ok((note, shades(image, side, lower)?))
 }
 
-/// Returns the tile of a spectrum: no power is white, and [`BLACK`] and more are black. Its note states the edge if
-/// that is not the axis's, `shown`.
-fn spectrum_tile(spectrum: &MeanSpectrum, shown: f64) -> Result<TileChart> {
+/// Returns the tile of a spectrum: no power is white, and [`BLACK`] and more are black. Its note states how far the
+/// spectrum reaches, if that differs from the reach of the axis by more than `OFF_AXIS`.
+fn spectrum_tile(spectrum: &MeanSpectrum, axis_reach: f64) -> Result<TileChart> {
     let mut note = if spectrum.low < NOTHING {
         format!("no power to \u{3bd} = {LOW}")
     } else {
         format!("power to \u{3bd} = {LOW}: {}", number(spectrum.low, 2))
     };
 
-    if (spectrum.reach / shown - 1.0).abs() > OFF_AXIS {
+    if (spectrum.reach / axis_reach - 1.0).abs() > OFF_AXIS {
         note = format!("{note}; edge at \u{3bd} = {}", number(spectrum.reach, 3));
     }
     // Rows of the spectrum go upwards, those of a picture downwards. Shades are those of values from -1, black, to 1,
@@ -188,7 +188,7 @@ fn spectrum_tile(spectrum: &MeanSpectrum, shown: f64) -> Result<TileChart> {
     let image: Vec<u8> = powers
         .map(|power| shade(1.0 - 2.0 * power / BLACK))
         .collect();
-    // The tile holds all rows, so that the lower ones are the upper ones.
+    // The tile has room for all rows, so that both values of `lower` give the same tile.
     let lower = true;
     Ok(tile(Some(TILE), "", note, shades(&image, TILE, lower)?))
 }

@@ -95,8 +95,8 @@ pub fn stages(rows: &[LeafTimes]) -> Table {
     )
 }
 
-/// Returns how many samples the procedures of the first round worked on. Those of the other rounds differ by their
-/// seeds alone.
+/// Returns how many blocks, samples and detectors the procedures of the first round had. The other rounds repeat the
+/// first one with other seeds, and have no rows.
 pub fn counts(rounds: &[StageRound]) -> Table {
     // A set may need fewer iterations than there are columns.
     let at = |values: &[usize], index: usize| values.get(index).copied();
