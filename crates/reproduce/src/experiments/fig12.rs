@@ -230,8 +230,8 @@ const CROSS: f64 = 13.0;
 /// Sides of the part that is shown large, in radii.
 const PART: f64 = 36.0;
 
-/// The nine pieces in the order in which they are the picture's blocks. The blocks take six tints in turn. In this order
-/// no two pieces that share a side have the same tint, and none that share a side across the domain's borders.
+/// The nine pieces in the order in which they are the picture's blocks. The blocks take six tints in turn. In this
+/// order no two pieces that share a side, inside the domain or across its borders, have the same tint.
 const TINTED: [usize; 9] = [0, 1, 2, 3, 4, 5, 8, 6, 7];
 
 /// Returns the picture of the whole, and that of a part from near.
@@ -263,7 +263,7 @@ fn scene(glued: &Glued, rects: &[Cells], window: Option<Rect>, title: String) ->
     let combined = &glued.combined;
     let user = |p: Point| combined.domain.user_from_lattice(p);
     let points = combined.positions();
-    // The source of a sample calls its piece a block. The picture numbers blocks otherwise, by their places in `TINTED`.
+    // The source of a sample calls its piece a block. The picture's blocks have other numbers: places in `TINTED`.
     let place_of = |piece: u32| TINTED.iter().position(|other| *other == piece as usize);
     let block = |source: &Source| match *source {
         Source::Tiled { block: piece, .. } => place_of(piece).map(|at| at as u32),

@@ -112,8 +112,8 @@ fn similar(each: &[Against]) -> Claim {
     let judged = |one: &&Against| one.tiled() && one.chance <= 2.0 * SIMILAR;
     let quiet: Vec<Against> = each.iter().filter(judged).copied().collect();
 
-    // The words name the set whose difference is the most times that of chance. The verdict is about the largest
-    // remainder, which may be that of another set.
+    // The words name the leaf and radius with the largest ratio of difference to chance. The verdict is about the
+    // largest remainder, which may be that of another leaf or radius.
     let (verdict, words) = match worst(&quiet, Against::ratio) {
         None => (Verdict::NotComparable, text("fig13/loud", &json!({}))),
         Some((ratio, named)) => {
@@ -213,8 +213,8 @@ fn detectable(each: &[Against], apart: f64) -> String {
     } else {
         "fig13/detectable"
     };
-    // The excess is a ratio in decibels: of the variance that is the set's anisotropy to that of reference sets. The first is
-    // larger by this share of the second.
+    // The excess is a ratio in decibels: the anisotropy of a tiling over the anisotropy of reference sets. The first is
+    // larger than the second by `more` times the second.
     let more = 10_f64.powf(0.1 * most) - 1.0;
     text(
         id,

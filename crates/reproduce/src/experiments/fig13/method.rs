@@ -12,8 +12,8 @@ use crate::sets::{Set, exact, pattern_side};
 pub const PATTERN: f64 = 100.0;
 /// Copies of one set along each side of the control.
 const COPIES: i32 = 4;
-/// Is added to the seeds of [`Method::Reference`] to give those of [`Method::Again`]: the seeds of a group ten further on, as no
-/// picture has this many groups.
+/// The seeds of [`Method::Again`] are those of [`Method::Reference`] plus this number. A group has fewer sets than this
+/// number, so that the two methods share no seed.
 const APART: u64 = 10_000;
 
 /// A method of making sets.
@@ -134,8 +134,8 @@ impl SetGroup {
 
     /// Returns the set of a method by its number.
     pub fn set(&self, method: Method, number: u64, control: &Control<'_>) -> Result<Set> {
-        // The sets of a group have consecutive seeds. Groups with consecutive seeds of their own share none, as each has room
-        // for a thousand.
+        // The seeds of a group's sets begin at a thousand times the group's seed. A group has fewer than a thousand
+        // sets, so that groups with consecutive seeds share no set.
         let seed = self.seed.wrapping_mul(1000).wrapping_add(number);
         let base = Parameters {
             radius: self.radius,

@@ -58,21 +58,22 @@ fn warm(control: &Control<'_>) -> Result<Engines> {
 fn round(base: &Parameters, open: &Engines, control: &Control<'_>) -> Result<RateRound> {
     let (mut all, mut patterns) = (Vec::new(), Vec::new());
 
-    let mut pattern = |leaf: f64| -> Result<Arc<Pattern>> {
+    let mut make_pattern = |leaf: f64| -> Result<Arc<Pattern>> {
         let spec = fitting(leaf);
         let (pattern, seconds) = timed(|| Pattern::generate(&spec, &mut control.observer()));
         patterns.push((spec.side, seconds));
         Ok(Arc::new(pattern?))
     };
 
-    let of_base = pattern(base.leaf)?;
-    // The references make different sets. As groups of one engine each, every set is verified.
+    let of_base = make_pattern(base.leaf)?;
+    // A call of `times` verifies the set of its first engine, and expects the same set from its other engines. The
+    // references make different sets, so that each has a call of its own.
     for engine in references() {
         all.extend(times(open, &[engine], base, &of_base, control)?);
     }
 
     for leaf in LEAVES {
-        let (parameters, pattern) = (Parameters { leaf, ..*base }, pattern(leaf)?);
+        let (parameters, pattern) = (Parameters { leaf, ..*base }, make_pattern(leaf)?);
         all.extend(times(open, &engines(), &parameters, &pattern, control)?);
     }
 

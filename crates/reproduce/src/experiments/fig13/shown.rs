@@ -55,7 +55,7 @@ pub fn regular() -> Vec<(Method, Method)> {
 /// A method, and what its curves are drawn over.
 type MethodColumn<'a> = (&'a MethodSpectra, &'a MethodSpectra);
 
-/// Returns the figure of a radius: a column for each method with its set.
+/// Returns the figure of a radius: a column for each method with its set. Fails without columns.
 pub fn spectra(
     name: &str,
     title: &str,

@@ -137,15 +137,15 @@ impl GapCounts {
             }
 
             // A centre that lies in no hole of the tessellation has no samples, and so no sites.
-            let hole = parts.gap_at(gap.center);
-            let samples = hole.map_or(&[][..], |hole| &parts.gaps[hole].sites);
+            let hole_index = parts.gap_at(gap.center);
+            let samples = hole_index.map_or(&[][..], |hole| &parts.gaps[hole].sites);
             let witness = Witness::of(gap, set, samples);
             self.out_of_sight += usize::from(witness.out_of_sight(set.radius));
 
             // The verifier lists the largest circles first: the first one in a hole is the largest of the hole. All
             // centres outside of holes count as one hole here.
-            if self.worst.len() < KEPT && !seen.contains(&hole) {
-                seen.push(hole);
+            if self.worst.len() < KEPT && !seen.contains(&hole_index) {
+                seen.push(hole_index);
                 self.worst.push(witness);
             }
         }

@@ -136,8 +136,8 @@ fn triangle(witness: &Witness, middle: DVec2, radius: f64, palette: &Palette) ->
     for (k, length) in witness.sides().iter().enumerate() {
         // Side k joins the two sites other than site k, as `Witness::sides` orders them.
         let corners = [1, 2, 3].map(|next| sites[(k + next) % 3]);
-        let what = format!("{} r", number(length / radius, 4));
-        shapes.extend(side(corners, &what, radius, palette));
+        let in_radii = format!("{} r", number(length / radius, 4));
+        shapes.extend(side(corners, &in_radii, radius, palette));
     }
 
     // The dots of the sites come last, over the ends of the lines. Sizes are in points and were set by eye.
@@ -149,16 +149,16 @@ fn triangle(witness: &Witness, middle: DVec2, radius: f64, palette: &Palette) ->
     shapes
 }
 
-/// Returns the side from the first to the second of three sites. The side's length is written beside its middle, away
-/// from the third site, on a ground of its own.
-fn side([from, to, third]: [DVec2; 3], what: &str, radius: f64, palette: &Palette) -> [Shape; 3] {
+/// Returns the side from the first to the second of three sites. The text `length` is written beside the side's middle,
+/// away from the third site, on a ground of its own.
+fn side([from, to, third]: [DVec2; 3], length: &str, radius: f64, palette: &Palette) -> [Shape; 3] {
     let middle = from.midpoint(to);
     // The distance and the sizes of the text and of its ground were set by eye.
     let at = middle + 0.4 * radius * (middle - third).normalize_or_zero();
     let [x, y] = [0.33, 0.11].map(|half| half * radius);
-    let corners = [[-x, -y], [x, -y], [x, y], [-x, y]].map(|to| at + DVec2::from(to));
+    let corners = [[-x, -y], [x, -y], [x, y], [-x, y]].map(|offset| at + DVec2::from(offset));
     let ground = Style::filled(with_alpha(palette.background, 215));
-    let mut text = Text::new(at, what, 18.0, palette.text);
+    let mut text = Text::new(at, length, 18.0, palette.text);
     (text.anchor, text.baseline, text.font) = (Anchor::Middle, Baseline::Middle, Font::SemiBold);
     [
         Shape::line(from, to, Stroke::new(palette.text, 1.2)),

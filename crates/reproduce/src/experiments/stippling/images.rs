@@ -66,15 +66,16 @@ fn photograph(side: usize) -> Result<GrayImage> {
     let corner = size.map(|length| 0.5 * (length - square));
 
     let pixel = |x: f64, y: f64| {
-        // Beyond the outermost middles of pixels it is as at the nearest one.
+        // There are no pixels beyond the borders of the photograph: the nearest pixel stands in for them.
         let at = |index: f64, count: f64| index.clamp(0.0, count - 1.0) + 0.5;
         photo.darkness_at([at(x, size[0]), at(y, size[1])], size)
     };
     grey(side, |x, y| {
         let [u, v] = [corner[0] + x * square - 0.5, corner[1] + y * square - 0.5];
-        let ([left, low], [right, up]) = ([u.floor(), v.floor()], [u - u.floor(), v - v.floor()]);
-        let along = |row: f64| (1.0 - right) * pixel(left, row) + right * pixel(left + 1.0, row);
-        (1.0 - up) * along(low) + up * along(low + 1.0)
+        // The pixel whose middle lies left of the place and below it, and the place's distance from that middle.
+        let ([left, low], [dx, dy]) = ([u.floor(), v.floor()], [u - u.floor(), v - v.floor()]);
+        let along = |row: f64| (1.0 - dx) * pixel(left, row) + dx * pixel(left + 1.0, row);
+        (1.0 - dy) * along(low) + dy * along(low + 1.0)
     })
 }
 

@@ -189,35 +189,37 @@ fn centroids(dark: &Darkness, sites: &[[f64; 2]]) -> Vec<[f64; 2]> {
         sum[1] += weight * y;
         sum[2] += weight;
     }
-    // A site without a pixel stays where it is.
+    // A site stays where it is if it is nearest to no pixel, or to white ones alone.
     let moved = sites.iter().zip(sums);
     moved
         .map(|(&site, [x, y, all])| if all > 0.0 { [x / all, y / all] } else { site })
         .collect()
 }
 
-/// Returns the dots of error diffusion on the raster on which black pixels are about as many as the dots asked for.
+/// Returns the dots of error diffusion: the middles of the black cells of a raster. About `dots` cells are black.
 fn diffused(dark: &Darkness, dots: usize) -> Vec<[f64; 2]> {
-    // The raster has so many cells that, times the mean darkness, they are as many as the dots: so many become black.
+    // The share of cells that become black is the mean darkness of the image. The raster has as many cells as `dots`
+    // divided by this share.
     let length = dark.side as f64;
     let columns = (dots as f64 * length * length / dark.sum())
         .sqrt()
         .round()
         .max(1.0) as usize;
     let pitch = length / columns as f64;
-    let part = |index: usize| (index as f64 + 0.5) / PARTS as f64;
+    let part_middle = |part: usize| (part as f64 + 0.5) / PARTS as f64;
+    let place = |cell: usize, part: usize| (cell as f64 + part_middle(part)) * pitch;
     let tone = |index: usize| {
-        let corner = [index % columns, index / columns];
-        let parts = (0..PARTS * PARTS).map(|of| {
-            let place = [(corner[0], of % PARTS), (corner[1], of / PARTS)];
-            dark.pixels[dark.index(place.map(|(cell, of)| (cell as f64 + part(of)) * pitch))]
+        let [column, row] = [index % columns, index / columns];
+        let parts = (0..PARTS * PARTS).map(|part| {
+            let at = [place(column, part % PARTS), place(row, part / PARTS)];
+            dark.pixels[dark.index(at)]
         });
         parts.sum::<f64>() / (PARTS * PARTS) as f64
     };
     let tones: Vec<f64> = (0..columns * columns).map(tone).collect();
 
-    // Ink that goes beyond a border is lost, so that some dots are missing: the image is made a little darker, until their
-    // number is met.
+    // Ink that goes beyond a border is lost, so that some dots are missing. A factor makes all tones a little darker.
+    // Each try corrects the factor by the number of dots that it gave.
     let (mut factor, mut best) = (1.0, Vec::new());
     for _ in 0..TRIES {
         let found = black_cells(&tones, columns, factor);

@@ -293,9 +293,9 @@ fn once(
     let base = seeded(square(plan.samples, LEAF), seed);
     let domain = base.validate()?;
 
-    // A high bit sets the seeds of each kind of reference sets apart, from each other and from those of the tiled sets: no
-    // two kinds share a draw.
-    let scratch = |apart: u32| Set::reference(domain, seed ^ (1 << apart), control);
+    // Each kind of reference sets has a high bit of its own in its seeds. So no set of one kind has the seed of a set of
+    // another way. KDRT and exact tiling share their seeds, as each is compared with reference sets alone.
+    let scratch = |high_bit: u32| Set::reference(domain, seed ^ (1 << high_bit), control);
     let set = match way {
         AveragedWay::Reference => scratch(40)?,
         AveragedWay::Again => scratch(41)?,
