@@ -52,6 +52,7 @@ fn methods_of(is_last_radius: bool) -> Vec<Method> {
 
     // Exact tiling is measured with the smallest leaf, with which it has the most seams.
     methods.push(Method::Exact { leaf: LEAVES[0] });
+    // Sets of one pattern show how much more regular sets are that have parts in common.
     methods.push(Method::OnePattern { leaf: ONE_LEAF });
     if is_last_radius {
         methods.push(Method::Copies);
@@ -154,8 +155,8 @@ fn spectra_pictures(study: &Study<'_>, found: &[MethodSpectra]) -> Result<Vec<Pi
     Ok(pictures)
 }
 
-/// Returns the notes: how it was measured, which results are no evidence, how long patterns take to be made, and why no
-/// GPU was measured, if none was.
+/// Returns the notes: how sets were made and measured, which results are no evidence, how long patterns take to be
+/// made, and why no GPU was measured, if none was.
 fn notes(found: &[MethodSpectra], rounds: &[RateRound]) -> Vec<String> {
     let mut notes = vec![text("fig13/how", &json!({}))];
 

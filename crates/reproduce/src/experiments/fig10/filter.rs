@@ -16,7 +16,8 @@ pub const MARGIN: usize = 3;
 
 /// Rows of pixels that one thread computes at once.
 const BAND: usize = 16;
-/// Pixels that are looked at for a sample along an axis: it reaches the centres of five at most.
+/// Pixels that are looked at for a sample along an axis. A sample reaches the centres of five at most. The sixth is for
+/// the case that rounding makes the first a pixel too early.
 const TOUCHED: usize = 6;
 
 /// An image, and how many of its pixels have no value of their own.

@@ -64,8 +64,8 @@ fn horizons(all: &[SamplerResults]) -> Table {
                 (per_pixel, errors.map(|errors| errors.mean))
             });
 
-        // Images are in the order of the samples per pixel, so that the first is the sparsest. The share of empty
-        // pixels is that of its first set alone.
+        // Horizons are in the order of the samples per pixel, so that the first has the fewest. The share of empty
+        // pixels is that of the first set with this number.
         let mut row = json!({
             "sampler": one.sampler.name(), "empty_percent_sparsest": 100.0 * one.horizons[0][0].empty,
             "rmse_{n}_per_pixel": rmse.collect::<Vec<_>>(),

@@ -66,6 +66,7 @@ pub fn rows(rounds: &[StageRound]) -> Vec<LeafTimes> {
 fn row(times: &[&StageTimes]) -> Option<LeafTimes> {
     let whole = |one: &StageTimes| one.seconds.iter().map(|(_, seconds)| seconds).sum::<f64>();
     let each = times.iter().flat_map(|one| &one.seconds).map(|(of, _)| *of);
+    // The order of procedures is that in which a run carries them out.
     let procedures: BTreeSet<Procedure> = each.collect();
 
     let with_summaries = |procedure: Procedure| {

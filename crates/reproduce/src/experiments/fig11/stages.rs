@@ -145,7 +145,8 @@ fn verified(
 
     loop {
         let began = Instant::now();
-        // The last step first looks for gaps in vain. The observer notes when it goes over to finishing.
+        // The last step looks for gaps, finds none, and then finishes the set. The observer notes when finishing
+        // begins, so that the time of each of these two parts is known.
         let mut finishing = None;
         let mut observer = |progress: Progress| -> ControlFlow<()> {
             if progress.stage == Stage::Finish {

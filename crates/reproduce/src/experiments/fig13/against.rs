@@ -3,7 +3,7 @@
 use super::method::Method;
 use super::spectra::{MethodSpectra, difference, find};
 
-/// A leaf size at a radius against the reference sampler.
+/// A method at a radius against the reference sampler.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Against {
     pub radius: f64,

@@ -25,6 +25,8 @@ struct Measure {
     of: fn(&Against) -> f64,
     limit: f64,
     unit: &'static str,
+    /// Writes a value with two decimals, without the unit.
+    digits: fn(f64) -> String,
 }
 
 fn anisotropy() -> Measure {
@@ -32,6 +34,7 @@ fn anisotropy() -> Measure {
         of: |one| one.excess,
         limit: 10.0 * SERIOUS.log10(),
         unit: " dB",
+        digits: signed,
     }
 }
 
@@ -39,6 +42,8 @@ const PEAK: Measure = Measure {
     of: |one| one.peak,
     limit: SERIOUS,
     unit: " times",
+    // A peak is a multiple and never negative, so that it has no sign.
+    digits: |peak| format!("{peak:.2}"),
 };
 
 /// Returns the claims about rates and spectra.
@@ -255,13 +260,10 @@ fn leaves(each: &[Against]) -> Vec<f64> {
 /// value.
 fn by_leaf(each: &[Against], measure: &Measure) -> String {
     let value = |one: &Against| {
-        if !one.tiled() {
-            "one block".to_owned()
-        } else if measure.unit == PEAK.unit {
-            // A peak is a multiple and never negative, unlike an anisotropy in decibels.
-            format!("{:.2}", (measure.of)(one))
+        if one.tiled() {
+            (measure.digits)((measure.of)(one))
         } else {
-            signed((measure.of)(one))
+            "one block".to_owned()
         }
     };
 

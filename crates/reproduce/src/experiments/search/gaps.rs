@@ -36,9 +36,9 @@ pub struct Witness {
 }
 
 impl Witness {
-    /// Returns the centre of a gap with three of the `samples`, given by their indices, that lie on the circle about
-    /// it: if there are more, the first by angle. Where there are fewer than three, the missing sites are NaN, which
-    /// counts as in sight.
+    /// Returns the centre of a gap with three sites. Sites are those of the `samples`, given by their indices, that lie
+    /// on the empty circle about the centre. If there are more than three sites, the first three by angle are taken. If
+    /// there are fewer, the missing ones are NaN, which counts as in sight.
     pub fn of(gap: &Gap, set: &Set, samples: &[usize]) -> Self {
         let [x, y] = gap.center;
         let away = |index: &usize| {
@@ -254,7 +254,7 @@ pub fn bars(found: &[GapStatistics]) -> Result<Picture> {
     bar_picture("search/gaps", &json!({}), groups)
 }
 
-/// Returns the sums of a row of a table over sets, of which there is one at least.
+/// Returns a row of a table: the sums over `sets`, which must not be empty.
 fn sums(sets: &[&GapStatistics]) -> Value {
     let total =
         |count: fn(&GapCounts) -> usize| sets.iter().map(|one| count(&one.two)).sum::<usize>();

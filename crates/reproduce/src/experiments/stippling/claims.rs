@@ -83,10 +83,14 @@ fn by_errors(
     blurs: &[f64],
     is_judged: impl Fn(StippledImage) -> bool,
 ) -> Claim {
-    let numbers = (0..BLURS.len()).filter(|&number| blurs.contains(&BLURS[number]));
+    let judged_blurs = (0..BLURS.len()).filter(|&index| blurs.contains(&BLURS[index]));
     // A case is an image at a blur: the claim holds if it holds in all cases.
     let judged = all.iter().filter(|one| is_judged(one.subject));
-    let gains = judged.flat_map(|one| numbers.clone().map(move |blur| one.gain(methods, blur)));
+    let gains = judged.flat_map(|one| {
+        judged_blurs
+            .clone()
+            .map(move |blur| one.gain(methods, blur))
+    });
     let gains: Vec<f64> = gains.collect();
 
     let verdicts = gains

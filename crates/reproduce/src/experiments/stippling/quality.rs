@@ -102,7 +102,7 @@ fn blurred(pixels: &[f64], side: usize, deviation: f64) -> Vec<f64> {
 
 /// Returns the peak signal to noise of an error in the middle of a square image, in decibels; black is the peak.
 fn decibels(error: &[f64], side: usize, margin: usize) -> f64 {
-    // Blurs of all sizes leave out the same border, so that they are of the same part.
+    // All blurs have the same margin, so that their errors are those of the same part of the image.
     let inside = margin..side.saturating_sub(margin);
     let (mut sum, mut count) = (0.0, 0_u32);
     for row in inside.clone() {

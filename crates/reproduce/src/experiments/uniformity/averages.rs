@@ -293,8 +293,8 @@ fn once(
     let base = seeded(square(plan.samples, LEAF), seed);
     let domain = base.validate()?;
 
-    // Each kind of reference sets has a high bit of its own in its seeds. So no set of one kind has the seed of a set of
-    // another way. KDRT and exact tiling share their seeds, as each is compared with reference sets alone.
+    // Each kind of reference sets has a high bit of its own in its seeds, so that no set of another way has these
+    // seeds. KDRT and exact tiling share their seeds, as each is compared with reference sets alone.
     let scratch = |high_bit: u32| Set::reference(domain, seed ^ (1 << high_bit), control);
     let set = match way {
         AveragedWay::Reference => scratch(40)?,
