@@ -78,10 +78,16 @@ impl Words<'_> {
             ),
 
             RunEvent::Cut { side, kept, .. } => {
+                // A cell is cut in four in the plane, and in eight in space.
+                let part = if self.0.heights().is_some() {
+                    "octant"
+                } else {
+                    "quarter"
+                };
                 format!(
                     "cut a cell of {}: {}",
                     fraction(side),
-                    count(kept.into(), "quarter")
+                    count(kept.into(), part)
                 )
             }
             RunEvent::Pass { by, .. } => format!("pass over a candidate: {} covers it", number(by)),

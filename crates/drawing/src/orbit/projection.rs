@@ -106,9 +106,10 @@ impl Projection {
         (2.0 * self.center[0].max(self.center[1])) as f32
     }
 
-    /// Returns 1 if an axis of the box leads towards the eye, and -1 otherwise.
+    /// Returns 1 if an axis of the box leads towards the eye, and -1 otherwise. An axis across the view has the sign of its
+    /// 0, as in `slopes`.
     pub fn towards_eye(&self, axis: usize) -> f32 {
-        if self.axes[2][axis] < 0.0 { -1.0 } else { 1.0 }
+        1.0_f32.copysign(self.axes[2][axis] as f32)
     }
 
     /// Returns a direction of the box in the picture: to the right, upwards and towards the eye.
@@ -158,7 +159,7 @@ impl Projection {
         for (axis, [along_x, along_y]) in self.slopes.into_iter().enumerate() {
             let plane = along_x * x + along_y * y;
             // The octant lies on the eye's side of a plane, or behind it where the set was turned since it was cut.
-            if signs[axis] * self.axes[2][axis] >= 0.0 {
+            if signs[axis] * f64::from(self.towards_eye(axis)) > 0.0 {
                 if plane > opening.far {
                     (opening.far, opening.far_axis) = (plane, axis);
                 }

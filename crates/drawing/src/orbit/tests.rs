@@ -3,6 +3,7 @@
 use std::ops::ControlFlow;
 
 use super::*;
+use crate::orbit::projection::Projection;
 use crate::orbit::scene::to_the_end;
 use crate::palette::{DARK, LIGHT};
 
@@ -76,6 +77,32 @@ fn the_open_corner_has_no_balls_and_those_at_its_border_have_flat_faces() {
     };
     let [cut, whole] = [true, false].map(from_above);
     assert!(2 * cut < whole, "{cut} and {whole} colours");
+}
+
+#[test]
+fn a_plane_that_is_seen_edge_on_has_the_octant_on_its_own_side() {
+    // The eye is straight in front of the side of x, so that the plane across y is seen edge-on. Columns grow with y.
+    let view = OrbitView {
+        azimuth: 0.0,
+        elevation: 30.0,
+        ..view(true)
+    };
+    let [_, _, eye] = view.axes();
+    assert_eq!(eye[1].to_bits(), 0);
+
+    let projection = Projection::new(&set(&[]), view, [100, 100], 1);
+    let is_open = |y: f64, column: f32| {
+        let opening = projection.opening([1.0, y, 1.0], column, 50.0);
+        opening.far < opening.near
+    };
+    assert_eq!(
+        [25.0, 75.0].map(|column| is_open(1.0, column)),
+        [false, true]
+    );
+    assert_eq!(
+        [25.0, 75.0].map(|column| is_open(-1.0, column)),
+        [true, false]
+    );
 }
 
 #[test]

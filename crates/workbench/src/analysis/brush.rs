@@ -317,7 +317,7 @@ fn describe(cause: &Cause) -> String {
             strongest,
             ..
         } => format!(
-            "{}, mean power {mean_power:.3}. Large orange samples add more than the mean sample, small blue ones less; the strongest differs by {strongest:.1} of white noise's share.",
+            "{}, mean power {mean_power:.3}. Large orange samples add more than the mean sample, small blue ones less; 95% of the samples differ from it by at most {strongest:.1} times white noise's share.",
             counted(*frequencies as usize, "frequency", "frequencies"),
         ),
     }
