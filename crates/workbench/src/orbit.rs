@@ -106,19 +106,19 @@ impl Task for OrbitTask {
         let points = solid.positions(session.run());
         let set = drawn_set(session, solid, &points);
         // The window enlarges a coarse picture to the room that the full one has.
-        let size = if is_coarse {
+        let drawn_size = if is_coarse {
             size.map(|side| side.div_ceil(COARSER))
         } else {
             size
         };
         let picture = OrbitPicture {
             is_coarse,
-            ..OrbitPicture::new(set, view, size, palette(is_dark))
+            ..OrbitPicture::new(set, view, drawn_size, palette(is_dark))
         };
         let drawn = picture.draw(&|| monitor.go_on());
         let pixels = drawn.map_err(|error| error.to_string())?;
         Ok(OrbitImage {
-            size: size.map(|side| side as usize),
+            size: drawn_size.map(|side| side as usize),
             rgba: pixels.rgba,
         })
     }
@@ -190,7 +190,8 @@ impl RunOrbit {
             }
             OrbitCommand::Cut(is_cut) => self.view = OrbitView { is_cut, ..view },
             OrbitCommand::Reset => self.view = OrbitView::default(),
-            // A picture has a pixel at least. A screen may be wider than the widest picture, which is then enlarged.
+            // A picture has at least one pixel along each side. If the screen has more pixels than the largest picture, the
+            // window enlarges that picture.
             OrbitCommand::Size(size) => {
                 self.size = size.map(|side| side.clamp(1, MAX_PICTURE_SIDE));
             }

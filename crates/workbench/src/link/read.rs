@@ -186,8 +186,8 @@ impl LinkReader {
     /// Reads the run and its moment.
     fn run(&mut self, content: &mut LinkContent) {
         content.combination = self.combination();
+        // The layout of a combination has the parameters of each of its sets, so that it needs none of these parts.
         if content.combination.is_none() {
-            // The layout of a combination has the parameters of each of its sets.
             let texts = |key: &str| self.pairs.get(key).map(|text| tidy(text));
             content.parameters =
                 parameters::read(texts, &Parameters::default(), "", &mut self.warnings);
@@ -211,7 +211,8 @@ impl LinkReader {
 
         let at = self.take("at", |text| text.parse().ok());
         let stage = self.take("stage", name);
-        // The samples below this rank are shown. Theirs go from 0 to below 1: 0 would show none, and 1 shows all.
+        // The samples with ranks below the link's rank are shown. All ranks of samples are at least 0 and below 1, so that 0
+        // would show no sample, and 1 shows all samples.
         let is_rank = |rank: &f64| *rank > 0.0 && *rank <= 1.0;
         let rank = self.take("rank", |text| finite(text).filter(is_rank));
         // An event, or a number of samples, is more exact than a rank, and a rank more than a stage.
@@ -302,7 +303,8 @@ impl LinkReader {
         let checked = portable.request().and_then(|request| {
             let samples = match &request {
                 Some(request) => request.recipe(parameters).glance()?,
-                // Only an empty list of rings, which is refused before, would ask for nothing.
+                // There is no request if there is no formula and the list of rings is empty. This does not occur, because
+                // `rings_of` returns no empty list.
                 None => 0.0,
             };
             Ok((request, samples))
@@ -343,8 +345,8 @@ impl LinkReader {
         content.view.plane = self.take("plane", |text| finite(text.strip_prefix("z:")?));
         content.view.orbit = self.take("orbit", OrbitView::read);
 
-        if let Some(layers) = self.take("layers", |text| Some(text.to_owned())) {
-            let (layers, unknown) = read_layers(&layers);
+        if let Some(names) = self.take("layers", |text| Some(text.to_owned())) {
+            let (layers, unknown) = read_layers(&names);
             content.view.appearance.chosen_layers = layers;
             for name in unknown.into_iter().map(quoted) {
                 self.warnings
@@ -405,12 +407,8 @@ impl LinkReader {
             return;
         };
 
-        if content.combination.is_some() {
-            // The second run's parameters are given by their differences from the first run's. A combination has no parameters of one
-            // run, so that the differences are from the default ones.
-            content.parameters = Parameters::default();
-        }
-
+        // The link has the parameters in which the second run differs from the first. If a combination is shown instead of
+        // a first run, `content` still has the default parameters, and the second run differs from those.
         let pairs = &self.pairs;
         let texts = |key: &str| pairs.get(&format!("b.{key}")).map(|text| tidy(text));
         let second = parameters::read(texts, &content.parameters, " of run B", &mut self.warnings);
@@ -434,7 +432,8 @@ impl LinkReader {
     fn stops(&mut self, content: &mut LinkContent) {
         content.breakpoints = self.list("break", "breakpoint", MAX_STOPS, breakpoint);
         content.watches = self.list("watch", "watch", MAX_STOPS, short);
-        // An invalid scene keeps its position until the views have gone to theirs.
+        // A view belongs to the scene at the same position of the list of scenes; a scene without a view has a placeholder
+        // there. So invalid scenes and views keep their positions, as errors, until each scene has its view.
         let mut scenes = self.list("mark", "scene", MAX_SCENES, |text| {
             Some(scene(text).ok_or_else(|| quoted(text)))
         });
@@ -442,8 +441,6 @@ impl LinkReader {
         let views = self.list("mark-view", "view of a scene", MAX_SCENES, |text| {
             Some(read_scene_view(text).ok_or_else(|| quoted(text)))
         });
-        // Views are in the order of the scenes, with a placeholder where a scene has none. An invalid view keeps its
-        // position in the list, so that the later ones still go to their scenes.
         for (scene, view) in scenes.iter_mut().zip(views) {
             match (scene, view) {
                 (Ok(scene), Ok(view)) => scene.view = view,
@@ -536,24 +533,29 @@ fn short(text: &str) -> Option<String> {
     (text.chars().count() <= MAX_TEXT).then(|| text.to_owned())
 }
 
-/// Reads an event and its note; a scene of another run has the run and an anchor between them.
+/// Reads a scene: its event and its caption. A scene of another run has that run between them, and perhaps an anchor behind
+/// the run. `None` if any of these is invalid.
 fn scene(text: &str) -> Option<SavedScene> {
-    let (mark, note) = text.split_once(':').unwrap_or((text, ""));
+    let (mark, caption) = text.split_once(':').unwrap_or((text, ""));
     let mut parts = mark.split('@');
     let event = parts.next()?.parse().ok()?;
     let run = short(parts.next().unwrap_or_default())?;
-    let anchor = parts.next().map(|anchor| anchor.parse().ok());
+    let anchor = match parts.next() {
+        None => None,
+        Some(anchor) => Some(anchor.parse().ok()?),
+    };
+    // Nothing may follow the anchor.
+    if parts.next().is_some() {
+        return None;
+    }
 
     Some(SavedScene {
         event,
-        caption: short(note)?,
+        caption: short(caption)?,
         run,
-        // An anchor that is there but invalid makes the whole scene invalid.
-        anchor: anchor.map_or(Some(None), |read| read.map(Some))?,
+        anchor,
         ..SavedScene::default()
     })
-    // A part behind the anchor makes it invalid, too.
-    .filter(|_| parts.next().is_none())
 }
 
 /// Reads a line and its condition; a mark before them says that the breakpoint is off.

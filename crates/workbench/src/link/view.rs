@@ -75,8 +75,8 @@ pub(super) fn scene_view_text(view: &Value) -> String {
         let mut numbers = vec![rounded(camera.radii)];
         if let Some(center) = camera.center {
             numbers.extend(center.to_array().map(rounded));
-            // The place of the event is the second one in a link, so that it needs a middle before it. Without a middle, the view is
-            // around the event of the run that it is shown in, wherever that is.
+            // A link has the place of the event behind the middle, and so only together with a middle. A view without a middle
+            // does not need that place: the event is then the middle, wherever it is in the run that is shown.
             let event = camera.event.map(|event| event.to_array().map(exact));
             numbers.extend(event.into_iter().flatten());
         }
@@ -133,7 +133,8 @@ pub(super) fn read_scene_view(text: &str) -> Option<Value> {
     Some(Value::Object(parts))
 }
 
-/// Reads the width of a view in r, perhaps its middle, and perhaps the place of its event.
+/// Reads the width of a view in r, perhaps its middle, and behind a middle perhaps the place of its event. `None` if a
+/// number is invalid, or is none of these.
 fn read_camera(text: &str) -> Option<SceneCamera> {
     // One number more than a camera can have, so that a longer list is refused.
     let numbers: Vec<f64> = text.split(',').take(6).map(finite).collect::<Option<_>>()?;
@@ -146,8 +147,9 @@ fn read_camera(text: &str) -> Option<SceneCamera> {
         center: place(1),
         event: place(3),
     };
-    // A place that is incomplete or too far away counts as none, so that there are more numbers than the places have.
     let places = [camera.center, camera.event].into_iter().flatten().count();
+    // A place that is incomplete or too far away is not counted in `places`. Its numbers are then too many, and the camera
+    // is invalid.
     let is_valid = numbers.len() == 1 + 2 * places && camera.radii > 0.0;
     is_valid.then_some(camera)
 }
