@@ -236,7 +236,8 @@ pub(crate) fn refusal(session: &Session) -> Option<String> {
     if session.solid.is_some() {
         return Some(IN_SPACE.to_owned());
     }
-    // A set in a field or a shape without events is not measured at rest either, so that the reason does not offer that.
+    // A set in a field or a shape without events is not measured at rest either, so that the reason does not offer
+    // that.
     if session.ground.is_some() && session.recording().is_none() {
         let why = "This run has no events, so that its moments are not measured; its verdict is by subdivision, with the radius at each place.";
         return Some(why.to_owned());

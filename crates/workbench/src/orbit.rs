@@ -190,8 +190,8 @@ impl RunOrbit {
             }
             OrbitCommand::Cut(is_cut) => self.view = OrbitView { is_cut, ..view },
             OrbitCommand::Reset => self.view = OrbitView::default(),
-            // A picture has at least one pixel along each side. If the screen has more pixels than the largest picture, the
-            // window enlarges that picture.
+            // A picture has at least one pixel along each side. If the screen has more pixels than the largest
+            // picture, the window enlarges that picture.
             OrbitCommand::Size(size) => {
                 self.size = size.map(|side| side.clamp(1, MAX_PICTURE_SIDE));
             }

@@ -355,7 +355,7 @@ fn lesson(fields: &Map<String, Value>) -> Result<LessonRequest, RequestError> {
 
     // The field is present, so that the default is never used.
     let value = text(field)?.unwrap_or_default();
-    let refuse_unless_one_of = |names: &[&str]| {
+    let refuse_as_none_of = |names: &[&str]| {
         let names = choices(names.iter().copied());
         Err(wrong(field, &fields[field], format!("one of {names}")))
     };
@@ -380,7 +380,7 @@ fn lesson(fields: &Map<String, Value>) -> Result<LessonRequest, RequestError> {
         ("language", _) => LessonCommand::Language(value),
         ("learner", _) => LessonCommand::Name(value),
         ("save", name) if RESULT_FORMATS.contains(&name) => LessonCommand::SaveResults(value),
-        ("save", _) => return refuse_unless_one_of(&RESULT_FORMATS),
+        ("save", _) => return refuse_as_none_of(&RESULT_FORMATS),
         ("act", "list") => LessonCommand::ToggleList,
         ("act", "leave") => LessonCommand::Leave,
         ("act", "hint") => LessonCommand::Hint,
@@ -390,7 +390,7 @@ fn lesson(fields: &Map<String, Value>) -> Result<LessonRequest, RequestError> {
         // The number draws the run on which the question is asked again; it is 0 if a page names none.
         ("act", "again") => LessonCommand::Practise(seed("practice")?.unwrap_or(0)),
         // Only "act" is left, with a word that is none of those above.
-        _ => return refuse_unless_one_of(&ACTS),
+        _ => return refuse_as_none_of(&ACTS),
     }))
 }
 
@@ -528,15 +528,16 @@ fn read_parameters(value: &Value) -> Result<Parameters, RequestError> {
         Parameters::deserialize(&all)
             .map_err(|error| RequestError::Parameters(format!("the parameters: {error}")))
     };
-    // The usual pattern depends on the other parameters, so that all are read first. Read once more, the given parts of
-    // the pattern replace those of the usual one.
+    // The usual pattern depends on the other parameters, so that all parameters are read first. The second reading
+    // begins with the usual pattern, and replaces only the parts of it that are given.
     let asked = laid_over(Parameters::default())?;
     let parameters = laid_over(Parameters {
         pattern: asked.usual_pattern(),
         ..Parameters::default()
     })?;
 
-    // The window shows the origin and the fate of every sample, as only the sequential engines keep them.
+    // The window shows the origin and the fate of every sample. Only the sequential engines keep these, so that the
+    // parameters must be within the limits of those engines.
     let domain = parameters
         .validate_sequential()
         .map_err(|error| RequestError::Parameters(error.to_string()))?;
@@ -559,17 +560,19 @@ fn read_parameters(value: &Value) -> Result<Parameters, RequestError> {
     Ok(parameters)
 }
 
-/// Replaces fields of `all` by those of `given`, which must be known and of the same kind of value. Errors name `action`, the object
-/// that the fields are in.
+/// Replaces fields of `all` by those of `given`. Fails if `all` does not have a field of `given`, or has another kind
+/// of value in it. `object` is the name in errors of the object that has the fields.
 fn lay_over(
     all: &mut Value,
     given: &Map<String, Value>,
-    action: &'static str,
+    object: &'static str,
 ) -> Result<(), RequestError> {
     for (field, value) in given {
         let Some(current) = all.get_mut(field) else {
-            let field = quoted(field);
-            return Err(RequestError::UnknownField { action, field });
+            return Err(RequestError::UnknownField {
+                action: object,
+                field: quoted(field),
+            });
         };
 
         match (current.is_object(), value.as_object()) {
@@ -580,15 +583,15 @@ fn lay_over(
                 // Seeds may be given as text, since JavaScript would round large numbers.
                 let seed_text = value.as_str().filter(|_| field == "seed");
                 let seed = seed_text.and_then(|text| text.parse::<u64>().ok());
-                let value = &seed.map_or_else(|| value.clone(), Value::from);
+                let new = seed.map_or_else(|| value.clone(), Value::from);
 
-                // Deserializing would refuse it as well, but its message would not name the field.
-                if !same_kind(current, value) {
+                // Deserializing would refuse another kind as well, but its message would not name the field.
+                if !same_kind(current, &new) {
                     let wanted = format!("of the kind of {current}");
-                    return Err(wrong(field, value, wanted));
+                    return Err(wrong(field, &new, wanted));
                 }
 
-                *current = value.clone();
+                *current = new;
             }
         }
     }

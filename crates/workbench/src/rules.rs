@@ -382,15 +382,19 @@ const fn view(which: Which, command: &ViewCommand) -> Rules {
         // Frames have no panels.
         ViewCommand::Inspect => NOT_IN_FRAME,
 
+        // If the cameras of two runs are linked, the second run shows the plane of the first. The first run never
+        // takes the plane of the second.
         ViewCommand::Plane(_)
         | ViewCommand::StepPlane(_)
         | ViewCommand::PinPlane(_) => rules,
         ViewCommand::Orbit(command) => orbit(*command, rules),
 
-        // An event, a verdict or a selection belongs to one run alone, so that a linked camera stays where it is.
-        ViewCommand::GoToCurrent
-        | ViewCommand::FlyToWitness(_)
-        | ViewCommand::SelectMiddle
+        // The last event and the witness of a verdict belong to one run alone, so that a linked camera does not go
+        // there.
+        ViewCommand::GoToCurrent | ViewCommand::FlyToWitness(_) => rules,
+
+        // Each of two runs has a selection and a canvas of its own.
+        ViewCommand::SelectMiddle
         | ViewCommand::Pick(Selection::Nothing | Selection::Place(_))
         | ViewCommand::Viewport(_)
         | ViewCommand::CopyPosition(_)
@@ -418,7 +422,8 @@ const fn orbit(command: OrbitCommand, rules: Rules) -> Rules {
 /// Returns the rules of a command of the appearance.
 const fn appearance(command: AppearanceCommand) -> Rules {
     match command {
-        // The page around a frame chooses its look.
+        // The page around a frame chooses its look. Keys issue these two commands. `ToggleTheme` comes only from
+        // buttons, which a frame does not show.
         AppearanceCommand::Look(_) | AppearanceCommand::ToggleProjector => NOT_IN_FRAME,
         AppearanceCommand::Curve(_) | AppearanceCommand::CurveHeight(_) => Rules {
             undo: Some(UndoPart::Curve),
@@ -520,7 +525,8 @@ const fn analysis(command: &AnalysisCommand) -> Rules {
 
 /// Returns the rules of a command of files.
 const fn file(command: &FileCommand) -> Rules {
-    // Pages choose files of their visitors by dialogs of their own, not by those of a frame.
+    // Pages choose files of their visitors by dialogs of their own, not by those of a frame. While a question is open,
+    // all commands of files are refused: a file may bring another run, or take the answer with the whole run.
     match command {
         FileCommand::Sheet(_)
         | FileCommand::Close
@@ -539,6 +545,7 @@ const fn file(command: &FileCommand) -> Rules {
 
 /// Returns the rules of a command of the export sheet.
 const fn export(command: &ExportCommand) -> Rules {
+    // While a question is open, the whole sheet is refused, because an export may show what comes after the question.
     match command {
         ExportCommand::Open(_)
         | ExportCommand::Close

@@ -59,7 +59,8 @@ pub(crate) fn lesson_of(
                 .any(|other| step_name(other) == step_name(title))
         };
         let own = Some(sentence).filter(|own| !name.is_empty() && is_free(own));
-        // An earlier caption may be "Scene 3": the next number is taken then. Of one number more than titles one is free.
+        // An earlier caption may be "Scene 3"; the next number is tried then. The titles so far take at most as many
+        // numbers as there are titles, and there is one number more than that, so that one is free.
         let numbers = index + 1..=index + 1 + titles.len();
         let numbered = || {
             let mut all = numbers.map(|number| format!("Scene {number}"));
@@ -72,11 +73,7 @@ pub(crate) fn lesson_of(
         if index == 0 {
             write_run(&mut text, parameters, depth);
         }
-        write_moment(
-            &mut text,
-            scene,
-            depth.map(|depth| [depth, parameters.radius]),
-        );
+        write_moment(&mut text, scene, depth, parameters.radius);
         text.push_str("```\n");
 
         for paragraph in paragraphs(&rest) {
@@ -100,7 +97,7 @@ pub(crate) fn lesson_of(
 /// Those of the session's file; a box that cannot be, no scenes, or a run that a lesson cannot name.
 pub fn lesson_of_session(text: &str) -> Result<String, String> {
     let saved = Session::from_json(text).map_err(|error| error.to_string())?;
-    // A file may have any numbers, and planes are put within the box.
+    // A file may have any numbers, but the planes of scenes can be put only within a box that is possible.
     if let Some(depth) = saved.depth {
         let Parameters {
             width,
@@ -167,9 +164,9 @@ fn write_run(text: &mut String, parameters: &Parameters, depth: Option<f64>) {
     }
 }
 
-/// Writes the moment, the plane, the layers and the camera of a scene. `sides` are the third side and the radius of a set in
-/// space, in user units.
-fn write_moment(text: &mut String, scene: &SavedScene, sides: Option<[f64; 2]>) {
+/// Writes the moment, the plane, the layers and the camera of a scene. `depth` is the third side of a set in space,
+/// `None` for a planar set. It and the radius are in user units.
+fn write_moment(text: &mut String, scene: &SavedScene, depth: Option<f64>, radius: f64) {
     let ended_stage = &scene.ends;
     let moment = match (ended_stage, &scene.anchor) {
         // The pattern is made before the first event. A scene with neither a stage nor an anchor is at the start of its
@@ -188,8 +185,9 @@ fn write_moment(text: &mut String, scene: &SavedScene, sides: Option<[f64; 2]>) 
 
     // Invalid parts of the view have their defaults, so that their names are not needed.
     let (saved, _invalid) = SavedView::from_json(&scene.view, &SavedView::default());
-    // A plane that the scene does not have follows the events, as in a lesson.
-    if let (Some([depth, radius]), Some(plane)) = (sides, saved.plane) {
+    // If the scene has no plane of its own, its plane follows the events. A step of a lesson that names no plane does
+    // so too.
+    if let (Some(depth), Some(plane)) = (depth, saved.plane) {
         let place = plane.clamp(0.0, depth) / radius;
         let _ = writeln!(text, "plane: {place:.4}");
     }
@@ -203,8 +201,8 @@ fn write_moment(text: &mut String, scene: &SavedScene, sides: Option<[f64; 2]>) 
     let _ = writeln!(text, "layers: {}", layers.as_deref().unwrap_or("automatic"));
 
     let camera = SceneCamera::of(&scene.view);
-    // In another run a camera moves by as much as the scene's event is elsewhere. The lesson makes the run of the scene
-    // again, in which that event is where it was.
+    // In another run, the camera would move with the scene's event. The lesson makes the run of the scene again, in
+    // which that event is where it was.
     let is_same_run = true;
     let placed = camera.and_then(|camera| {
         let center = camera.placed(camera.event, is_same_run)?;

@@ -202,14 +202,15 @@ impl State {
             self.messages.drop_brief();
         }
 
-        // After these commands the camera may follow the event, if the cursor is no longer where it is now.
-        // `Some(None)` is no cursor at all, so that the camera goes to the event in any case.
-        let before = match command {
-            Command::Time(_) | Command::Debug(_) => Some(self.runs.first.cursor()),
-            Command::Appearance(AppearanceCommand::ToggleFollow) => Some(None),
-            // No other command has the camera follow the event.
-            _ => None,
-        };
+        // After a move in time, the camera may follow the event if the cursor is no longer where it was before. When
+        // the user switches following on, no cursor counts as the one before, so that the camera goes to the event in
+        // any case.
+        let switches_follow = matches!(
+            command,
+            Command::Appearance(AppearanceCommand::ToggleFollow)
+        );
+        let may_follow = switches_follow || matches!(command, Command::Time(_) | Command::Debug(_));
+        let before = self.runs.first.cursor().filter(|_| !switches_follow);
         let looks_for_place = matches!(&command, Command::Time(TimeCommand::RunTo(target, _)) if is_at_a_place(*target));
 
         match command {
@@ -229,18 +230,14 @@ impl State {
             },
         }
 
-        match before {
-            // An event that was looked for, such as a conflict, is shown from near: at the scale of the whole domain it
-            // would be too small to be seen.
-            Some(before) if looks_for_place && self.runs.first.cursor() != before => {
-                self.on(Which::First, |run, context| run.lead_to_event(context));
-            }
-            Some(before) if self.appearance.follows_events => {
-                self.on(Which::First, |run, context| {
-                    run.follow_event(before, context);
-                });
-            }
-            Some(_) | None => {}
+        // An event that was looked for, such as a conflict, is shown from near: at the scale of the whole domain it
+        // would be too small to be seen.
+        if looks_for_place && self.runs.first.cursor() != before {
+            self.on(Which::First, |run, context| run.lead_to_event(context));
+        } else if may_follow && self.appearance.follows_events {
+            self.on(Which::First, |run, context| {
+                run.follow_event(before, context);
+            });
         }
 
         self.follow();
@@ -343,9 +340,9 @@ impl State {
     fn step_in_history(&mut self, step: HistoryStep) {
         let now = Memento::of(self);
         let session = self.runs.first.session.as_ref();
-        // Redo makes the run of the form as it is now, which may differ from the session's: that run may still be in
-        // the making. If the session was not made from a form, as a combination is not, redo brings back the session
-        // itself.
+        // After an undo, redo makes the run of the form as it is now. The run of the form may still be in the making,
+        // and then the session is of an older form. If the session was not made from a form, as a combination is not,
+        // redo brings back the session itself.
         let is_of_form = session.is_none_or(|session| session.has_recipe());
         let typed = is_of_form.then(|| self.form.recipe());
         // The notice may be the question whether to make a large run again, which the same step answers.

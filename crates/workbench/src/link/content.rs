@@ -117,8 +117,8 @@ fn linked_radius(recipe: &Recipe) -> f64 {
     if is_used || suits {
         return radius;
     }
-    // Otherwise the radius is a hundredth of the shorter side, with four digits. A square of that radius has about 7,000
-    // samples; chosen, not measured.
+    // Otherwise the radius is a hundredth of the shorter side, with four digits. A square of that radius has about
+    // 7,000 samples; chosen, not measured.
     let suited = format!("{:.3e}", width.min(height) / 100.0).parse();
     suited.unwrap_or(radius)
 }

@@ -77,8 +77,8 @@ fn changed(p: &Parameters, parameter: Parameter, text: &str) -> Option<Parameter
         ParameterKind::Real { unit, limits, .. } => {
             // All of these are lengths.
             let number = finite(text).filter(|number| *number > 0.0)?;
-            // A length in r is corrected to the nearest limit later. The limits of lengths in user units are so far away
-            // that the nearest limit would be of no use: a length beyond them is refused.
+            // A length in r is corrected to the nearest limit later. The limits of lengths in user units are so far
+            // away that the nearest limit would be of no use: a length beyond them is refused.
             let [least, largest] = *limits;
             let is_allowed = *unit == "r" || (least..=largest).contains(&number);
             json!(is_allowed.then_some(number)?)
@@ -144,8 +144,8 @@ fn name_of(parameter: Parameter) -> String {
     }
 }
 
-/// Corrects parameters to the nearest ones that a link may ask for. Where the corrected ones cannot be used together, all
-/// become the default ones.
+/// Corrects parameters to the nearest ones that a link may ask for. Where the corrected ones cannot be used together,
+/// all become the default ones.
 fn fit(p: &mut Parameters, run: &str, warnings: &mut LinkWarnings) {
     // A leaf has no upper limit: a leaf longer than the domain makes a single block.
     if p.leaf < MIN_LEAF_RADII {
@@ -206,8 +206,8 @@ pub(crate) fn excess(p: &Parameters, depth: Option<f64>) -> Vec<String> {
     let mut excess = Vec::new();
     if samples > MAX_SAMPLES {
         let most = grouped(MAX_SAMPLES as usize);
-        // If a link asks for too many samples, the program that opens it enlarges the radius of a planar run, and leaves
-        // out the depth of a box.
+        // If a link asks for too many samples, the program that opens it enlarges the radius of a planar run, and
+        // leaves out the depth of a box.
         let what = if depth.is_some() { "depth" } else { "radius" };
         excess.push(format!(
             "the {what}, as a link asks for at most {most} samples"
@@ -284,8 +284,8 @@ fn down(number: f64) -> f64 {
 /// that side of `number`; a number that has three digits is therefore not returned itself.
 fn three_digits(number: f64, toward: f64) -> f64 {
     let exponent = number.log10().floor() as i32 - 2;
-    // Powers of ten from 1 to 1e22 are exact, and those below 1 are not. So the unit is never below 1, and small numbers
-    // are multiplied by it instead of divided.
+    // Powers of ten from 1 to 1e22 are exact, and those below 1 are not. So the unit is never below 1, and small
+    // numbers are multiplied by it instead of divided.
     let unit = 10_f64.powi(exponent.abs());
     let scaled = if exponent < 0 {
         number * unit

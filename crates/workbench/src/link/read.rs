@@ -211,8 +211,8 @@ impl LinkReader {
 
         let at = self.take("at", |text| text.parse().ok());
         let stage = self.take("stage", name);
-        // The samples with ranks below the link's rank are shown. All ranks of samples are at least 0 and below 1, so that 0
-        // would show no sample, and 1 shows all samples.
+        // The samples with ranks below the link's rank are shown. All ranks of samples are at least 0 and below 1, so
+        // that 0 would show no sample, and 1 shows all samples.
         let is_rank = |rank: &f64| *rank > 0.0 && *rank <= 1.0;
         let rank = self.take("rank", |text| finite(text).filter(is_rank));
         // An event, or a number of samples, is more exact than a rank, and a rank more than a stage.
@@ -303,8 +303,8 @@ impl LinkReader {
         let checked = portable.request().and_then(|request| {
             let samples = match &request {
                 Some(request) => request.recipe(parameters).glance()?,
-                // There is no request if there is no formula and the list of rings is empty. This does not occur, because
-                // `rings_of` returns no empty list.
+                // There is no request if there is no formula and the list of rings is empty. This does not occur,
+                // because `rings_of` returns no empty list.
                 None => 0.0,
             };
             Ok((request, samples))
@@ -407,8 +407,8 @@ impl LinkReader {
             return;
         };
 
-        // The link has the parameters in which the second run differs from the first. If a combination is shown instead of
-        // a first run, `content` still has the default parameters, and the second run differs from those.
+        // The link has the parameters in which the second run differs from the first. If a combination is shown
+        // instead of a first run, `content` still has the default parameters, and the second run differs from those.
         let pairs = &self.pairs;
         let texts = |key: &str| pairs.get(&format!("b.{key}")).map(|text| tidy(text));
         let second = parameters::read(texts, &content.parameters, " of run B", &mut self.warnings);
@@ -432,8 +432,9 @@ impl LinkReader {
     fn stops(&mut self, content: &mut LinkContent) {
         content.breakpoints = self.list("break", "breakpoint", MAX_STOPS, breakpoint);
         content.watches = self.list("watch", "watch", MAX_STOPS, short);
-        // A view belongs to the scene at the same position of the list of scenes; a scene without a view has a placeholder
-        // there. So invalid scenes and views keep their positions, as errors, until each scene has its view.
+        // A view belongs to the scene at the same position of the list of scenes; a scene without a view has a
+        // placeholder there. So invalid scenes and views keep their positions, as errors, until each scene has its
+        // view.
         let mut scenes = self.list("mark", "scene", MAX_SCENES, |text| {
             Some(scene(text).ok_or_else(|| quoted(text)))
         });
@@ -533,8 +534,8 @@ fn short(text: &str) -> Option<String> {
     (text.chars().count() <= MAX_TEXT).then(|| text.to_owned())
 }
 
-/// Reads a scene: its event and its caption. A scene of another run has that run between them, and perhaps an anchor behind
-/// the run. `None` if any of these is invalid.
+/// Reads a scene: its event and its caption. A scene of another run has that run between them, and perhaps an anchor
+/// behind the run. `None` if any of these is invalid.
 fn scene(text: &str) -> Option<SavedScene> {
     let (mark, caption) = text.split_once(':').unwrap_or((text, ""));
     let mut parts = mark.split('@');

@@ -75,8 +75,9 @@ pub(super) fn scene_view_text(view: &Value) -> String {
         let mut numbers = vec![rounded(camera.radii)];
         if let Some(center) = camera.center {
             numbers.extend(center.to_array().map(rounded));
-            // A link has the place of the event behind the middle, and so only together with a middle. A view without a middle
-            // does not need that place: the event is then the middle, wherever it is in the run that is shown.
+            // A link has the place of the event behind the middle, and so only together with a middle. A view without
+            // a middle does not need that place: the event is then the middle, wherever it is in the run that is
+            // shown.
             let event = camera.event.map(|event| event.to_array().map(exact));
             numbers.extend(event.into_iter().flatten());
         }
@@ -148,8 +149,8 @@ fn read_camera(text: &str) -> Option<SceneCamera> {
         event: place(3),
     };
     let places = [camera.center, camera.event].into_iter().flatten().count();
-    // A place that is incomplete or too far away is not counted in `places`. Its numbers are then too many, and the camera
-    // is invalid.
+    // A place that is incomplete or too far away is not counted in `places`. Its numbers are then too many, and the
+    // camera is invalid.
     let is_valid = numbers.len() == 1 + 2 * places && camera.radii > 0.0;
     is_valid.then_some(camera)
 }

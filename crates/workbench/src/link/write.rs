@@ -312,8 +312,8 @@ impl Writer {
     }
 
     /// Writes as many items as the limits allow, and returns how many. `what` names the items where some are left out;
-    /// `item` gives the text of one, or `None` for one that no link can have. For scenes and their views, whose positions
-    /// count, `item` is never `None`.
+    /// `item` gives the text of one, or `None` for one that no link can have. For scenes and their views, whose
+    /// positions count, `item` is never `None`.
     fn list<T>(
         &mut self,
         key: &str,
@@ -325,8 +325,8 @@ impl Writer {
         let (mut text, mut taken, room) = (String::new(), 0, self.room(key));
 
         for written in all.iter().filter_map(item).take(most) {
-            // The first item that does not fit ends the list. If only that item were left out, later scenes would be at other
-            // positions, and would get the views of other scenes. The 1 is for the semicolon.
+            // The first item that does not fit ends the list. If only that item were left out, later scenes would be
+            // at other positions, and would get the views of other scenes. The 1 is for the semicolon.
             if text.len() + written.len() + 1 > room {
                 break;
             }
@@ -349,8 +349,8 @@ impl Writer {
         taken
     }
 
-    /// Writes the layout of the panels. All parts that may be long come before it, so that the layout is the first part to
-    /// be left out for lack of room.
+    /// Writes the layout of the panels. All parts that may be long come before it, so that the layout is the first
+    /// part to be left out for lack of room.
     fn panels(&mut self, content: &LinkContent) {
         let default_layout = layout::text::written(&LinkContent::default().view.layout);
         let layout = layout::text::written(&content.view.layout);

@@ -188,11 +188,11 @@ fn step_by(state: &mut State, forwards: bool, unit: Clock) -> Result<(), Request
         TimeCommand::StepBack
     };
 
+    // A step goes by the unit of playback. So playback gets the unit of the request for this step, and is put back
+    // afterwards.
     let before = state.time().playback.clone();
     let mut by_unit = before.clone();
     by_unit.clock = unit;
-    // The unit is changed for this step alone, which changes nothing else of playback: afterwards it is as it was
-    // before.
     state.carry_out(Which::First, vec![Effect::Playback(Box::new(by_unit))]);
     state.apply(Command::Time(step));
     state.carry_out(Which::First, vec![Effect::Playback(Box::new(before))]);

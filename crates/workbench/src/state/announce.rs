@@ -63,7 +63,7 @@ fn time_text(run: &RunView, is_playing: bool) -> String {
 }
 
 /// Returns the announcement of the verdict, and the generation of its session: the same words about another session are announced
-/// again.
+/// again. `None` if there is no session, or while its verification has not ended.
 fn verdict_text(run: &RunView) -> Option<(u64, String)> {
     let generation = run.session.as_ref()?.generation;
 

@@ -474,7 +474,8 @@ impl State {
         self.appearance.chosen_layers = borrowed.appearance.chosen_layers;
         self.appearance.colouring = borrowed.appearance.colouring;
 
-        // Playback comes back as it was set, but does not play on.
+        // Playback comes back as it was set, with its loop, but does not play on. A search for a breakpoint in the run
+        // of the lesson ends.
         let is_same_run = false;
         self.time.rest(is_same_run);
         self.time.playback = borrowed.playback;
@@ -532,9 +533,9 @@ impl State {
                 run.verify(context);
             });
         } else if self.runs.first.sampling.is_none() {
-            // Borrowing the window sets the run aside, with what was being made. Only at the start of the program, when there is
-            // nothing to borrow, a run is still being made here. A tour that begins by itself does so only where that
-            // is the run of the default parameters.
+            // If the window had a run, that run is set aside by now, together with a run that was being made. So a run
+            // is being made here only at the start of the program, when the window had no run yet. A tour begins by
+            // itself only if the run that is being made is that of the default parameters.
             self.run();
         }
         self.in_scenes(|scenes, run, source, context| {

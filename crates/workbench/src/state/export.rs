@@ -106,6 +106,7 @@ impl Exports {
             }
             ExportCommand::WholeRun(whole) => {
                 if let Some(form) = &mut self.sheet {
+                    // The passage of a plane is offered in place of both parts of the run.
                     (form.whole_run, form.passage) = (whole, false);
                     self.propose_every(source);
                 }
@@ -533,7 +534,8 @@ fn checked_scale(
     view: &PictureView,
 ) -> Result<f64, ExportRefusal> {
     let (low, high) = view.camera.visible(source.run.viewport);
-    // The index has all samples of the session. Those of a shorter prefix of nested levels are farther apart.
+    // The index has all samples of the session. A shorter prefix of nested levels has fewer samples: if its neighbours
+    // are 2 times as far apart, it has a quarter of them.
     let spacing = source.run.shown().map_or(1.0, |shown| shown.spacing());
     let in_view = source.session()?.index.count_in(low, high) as f64 / spacing.powi(2);
     let samples = in_view as usize;
@@ -589,6 +591,7 @@ fn fill_in(form: &mut ExportForm, command: ExportCommand) {
             form.asked = false;
         }
         ExportCommand::Precision(precision) => form.precision = precision,
+        // The sheet offers ink on paper in place of both colours of `print`.
         ExportCommand::Print(print) => (form.print, form.ink.on_paper) = (print, false),
         ExportCommand::Ink(command) => form.ink.apply(command),
         ExportCommand::Type(NumberField::Columns, text) => form.columns = text,
