@@ -421,8 +421,8 @@ fn painting(list: &mut List, state: &State) {
     let tool = list.add("Paint radii", paint(PaintCommand::Tool(!form.paints)));
     tool.refused(refusal.filter(|_| !form.paints))
         .marked(form.paints);
-    // Here the canvas does not show the form's radii. The brush can be switched on for later, but neither the key nor the
-    // pointer paints.
+    // In a lesson, in a talk and over a set in space, the canvas does not show the form's radii. The brush can be
+    // switched on there for later, but neither the key nor the pointer paints.
     let is_taught = state.lessons().open.is_some() || state.talks().open.is_some();
     let elsewhere = is_taught || state.runs().first.plane().is_some();
     let not_here =

@@ -46,7 +46,8 @@ pub(super) fn search(
     let mut all = TileFindings::new(witnesses);
 
     for row in 0..tiles.rows {
-        // Whether conflicts are still counted is decided for whole rows, so that the report is the same on all threads.
+        // Whether conflicts are still counted is decided for whole rows, so that the report does not depend on which
+        // thread is faster.
         let counts_conflicts = all.conflicts < MAX_CONFLICTS;
         let of_tile = |column: usize| {
             let mut search = TileSearch::new(judge, &tiles, [column, row], witnesses);

@@ -209,9 +209,10 @@ impl EdgeRows {
             if side == 0 && edge.is_beside(&place) {
                 return true;
             }
-            // The ray goes to the right. It meets an edge whose ends are on both sides of its line, if the place lies
-            // to the left of the edge: that is to the left of its direction if it goes up, and to the right if it goes
-            // down. An end on the line counts as below, so that a corner between two edges counts once.
+            // The ray goes from the place to the right. It meets an edge that has one end above the ray and one below,
+            // if the place lies farther left than the edge. For an edge that goes up, the place is then on the left
+            // side of the edge's direction; for an edge that goes down, on the right side. An end at the height of the
+            // ray counts as below, so that a corner between two edges counts once.
             let (starts_above, ends_above) = (edge.from[1] > y, edge.to[1] > y);
             let goes_up = ends_above;
             if starts_above != ends_above && (side > 0) == goes_up {

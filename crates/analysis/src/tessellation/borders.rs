@@ -144,7 +144,8 @@ impl Runs<'_> {
         }
     }
 
-    /// The border line that begins where another ends: around a corner, or in the next cell along.
+    /// The border line that begins where another ends: around a corner, or in the next cell along. None where rounding
+    /// left a side without a twin, or the next border side without a head.
     fn after_corner(&self, part: Part, shift: IVec2) -> Option<(Piece, IVec2)> {
         let cells = self.cells;
         let mut side = cells.next(side_of(part));

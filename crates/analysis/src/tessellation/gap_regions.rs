@@ -179,8 +179,9 @@ impl<'a> Runs<'a> {
             .filter(has)
             .collect();
 
-        // A tail begins on the circle. Without one no side enters the disk, as it or a later side would leave it by a
-        // tail: all parts are one run, and the circle is whole. That none of them ends on it is checked all the same.
+        // A side leaves the disk by a tail, which begins on the circle. If there is no tail, no side leaves the disk,
+        // and so none enters it: all parts are one run, and the circle is whole. It is checked all the same that no
+        // part ends on the circle.
         let Some(start) = parts.iter().position(|&part| !is_head(part)) else {
             if !parts.is_empty() {
                 let closed = parts.iter().all(|&part| self.ends_at_corner(part));

@@ -72,8 +72,8 @@ pub(super) fn around_vertices(cells: &Cells) -> Vec<Triangle> {
             side = twin;
         }
 
-        // Samples on one circle share a vertex: their polygon is a fan of triangles about the first of them, which is skipped
-        // in the pairs.
+        // The samples around a vertex lie on one circle. Their polygon is cut into a fan: each triangle has the first
+        // sample and a pair of neighbours. The first pair is skipped, as the first sample is in it.
         for pair in around.windows(2).skip(1) {
             let corners = [around[0], pair[0], pair[1]];
             let (samples, places) = (

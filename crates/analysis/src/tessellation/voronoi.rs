@@ -64,9 +64,9 @@ pub(crate) fn voronoi_cells_of(
     // Here cells need no triangles, no links between their sides and no disks. So there is no radius, and the mean
     // distance of samples stands for it: it suggests how many copies to begin with, and how long a side of rounding
     // alone may be. `Cells` uses its radius for disks alone.
-    let (spacing, has_triangles) = (domain.spacing(points.len()), false);
+    let (spacing, wants_triangles) = (domain.spacing(points.len()), false);
     let is_wanted = |index: usize| flags[index];
-    let window = Window::of_some(points, domain, spacing, has_triangles, is_wanted)?;
+    let window = Window::of_some(points, domain, spacing, wants_triangles, is_wanted)?;
     // Sides up to this length are rounding, and are left out.
     let shortest_side = domain.same_place(spacing);
     let cells = Cells::alone(&window, &domain, spacing, shortest_side);

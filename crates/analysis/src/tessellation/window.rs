@@ -58,8 +58,8 @@ pub(super) struct Window {
 impl Window {
     /// Returns the polygons of a set, and the error of a triangulation that fails.
     pub fn new(points: &[[f64; 2]], domain: Domain, radius: f64) -> Result<Self, VerifyError> {
-        let has_triangles = true;
-        Self::of_some(points, domain, radius, has_triangles, |_| true)
+        let wants_triangles = true;
+        Self::of_some(points, domain, radius, wants_triangles, |_| true)
     }
 
     /// Returns the polygons of the samples that are wanted, by index: those of others are empty. Triangles take a while, and are
@@ -68,7 +68,7 @@ impl Window {
         points: &[[f64; 2]],
         domain: Domain,
         radius: f64,
-        has_triangles: bool,
+        wants_triangles: bool,
         is_wanted: impl Fn(usize) -> bool,
     ) -> Result<Self, VerifyError> {
         let samples: Vec<_> = points.iter().map(|&p| domain.scale_point(p)).collect();
@@ -92,7 +92,7 @@ impl Window {
             if !domain.periodic {
                 let guard_sites = guards(&domain);
                 if let Some(found) = &mut found {
-                    if has_triangles {
+                    if wants_triangles {
                         triangles = triangles_of(found);
                     }
                     for guard in guard_sites {

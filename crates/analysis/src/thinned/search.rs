@@ -75,9 +75,9 @@ impl Search<'_> {
         }
 
         let near = begin..kept.len();
-        // The halves of a part far smaller than all radii in it, as copies of one point make it, would have the same kept
-        // points around. So the part is not cut further: these points are few, unless they conflict. The 64 was chosen,
-        // not measured.
+        // If a part is far smaller than all radii in it, its halves would have the same kept points around. Copies of
+        // one point make such a part. It is not cut further, and the kept points around are few, unless they conflict.
+        // The 64 was chosen, not measured.
         let is_small = width.max(height) <= self.set.smallest(points) / 64.0;
         let found = if points.len() <= FEW || is_small {
             self.each(points, &mut kept[near])

@@ -46,7 +46,8 @@ pub(super) fn add(list: &mut List, state: &State) {
     let learner = &open.learner;
     let is_last = learner.index() + 1 == learner.lesson().steps.len();
     let last = is_last.then_some("This is the last step.");
-    // The question of a form stays open after its answer is taken, which is enough to go on.
+    // A form is a lesson that tests: it takes answers and reveals nothing. Its question stays open after the answer is
+    // taken, and does not keep the learner from going on.
     let waits = (learner.is_open() && !learner.is_taken())
         .then_some("The question is open: answer it, or give up.");
 

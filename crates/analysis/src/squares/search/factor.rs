@@ -139,9 +139,9 @@ impl TileSearch<'_> {
         // The place in the middle soon gives a factor that is nearly the largest, so that fewer squares are cut.
         *largest = largest.max(self.factor_in_the_middle(&span, near));
 
-        // The factor of a place is the least quotient over the samples, and at most the bound. A sample whose quotient
-        // is above the bound even if it is taken at the nearest place and with the greatest radius is the least at no
-        // place: only the other samples are kept.
+        // The factor of a place is the least quotient over the samples, and at most the bound. The quotient of a
+        // sample is least at the nearest place, with the greatest radius. If even that quotient is above the bound,
+        // the sample gives the factor of no place of the square, and is left out.
         let first = self.lists.len();
         for index in near.all() {
             let sample = self.lists[index];

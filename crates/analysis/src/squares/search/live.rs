@@ -26,6 +26,9 @@ const STEPS_OF_CHANGE: u64 = 800;
 /// About the counted steps of a sample when all squares are searched anew: two or three of the smallest are to a sample.
 const STEPS_OF_SAMPLE: u64 = 300;
 
+/// About the counted steps that a searched square takes besides those of its samples.
+const STEPS_OF_SQUARE: u64 = 4;
+
 /// The conflicts and the open places of samples that come and go, with the radius at each place.
 ///
 /// Squares are kept down to those with which the judge begins where samples are many, and on to where the side is at most the
@@ -119,7 +122,9 @@ impl Plan {
         };
         for y in (0..=top).step_by(1 << bits) {
             for x in (0..=right).step_by(1 << bits) {
-                let root = plan.add([x, y], bits, Share::Some)?;
+                // Nothing is known of what is around a root: the shape is asked for its share.
+                let around = Share::Some;
+                let root = plan.add([x, y], bits, around)?;
                 plan.roots.extend(root);
             }
         }
@@ -141,7 +146,7 @@ impl Plan {
         if (0..2).any(|axis| corner[axis] > max[axis]) {
             return Ok(None);
         }
-        // The same shares as the judge's, which asks again only where a part of the larger square is outside.
+        // The judge finds its shares in the same way. If all of the larger square is inside, so is this part of it.
         let share = match around {
             Share::Everything => Share::Everything,
             Share::Some | Share::Nothing => self.judge.shape.share(span, bits),
@@ -155,6 +160,7 @@ impl Plan {
 
         let number = self.squares.len() as u32;
         let range = self.judge.radii.range(span, bits);
+        // The square gets its number before its quarters get theirs. Its parts are put right below, if it has quarters.
         self.squares.push(PlannedSquare {
             span,
             bits,
@@ -178,7 +184,8 @@ impl Plan {
         Ok(Some(number))
     }
 
-    /// Returns the number of the list of the smallest square around a place of the domain.
+    /// Returns the number of the list of the smallest square around a place; `None` for a place that no square holds,
+    /// as it is outside of the domain.
     fn list_at(&self, place: [i64; 2]) -> Option<usize> {
         let holds = |number: &u32| {
             let span = &self.squares[*number as usize].span;
@@ -438,7 +445,8 @@ impl LiveSquares {
             y: 0,
             bits: square.bits,
         };
-        // The square's own samples come first only to be compared with each other.
+        // A square's own samples are listed first where pairs are compared. No pairs are compared here, so that no
+        // sample is listed as the square's own.
         let all = List {
             first: 0,
             outside: 0,
@@ -446,10 +454,10 @@ impl LiveSquares {
         };
         search.visit(&whole, square.share, all);
         self.open[number as usize] = search.findings.uncovered;
-        search.findings.squares * (length as u64 + 4)
+        search.findings.squares * (length as u64 + STEPS_OF_SQUARE)
     }
 
-    /// Counts the open places of a square with quarters from theirs.
+    /// Counts the open places of a square from those of its quarters; does nothing for a square without quarters.
     fn sum(&mut self, plan: &Plan, number: u32) {
         let square = &plan.squares[number as usize];
         let SquareParts::Quarters(quarters) = square.parts else {
