@@ -760,8 +760,8 @@ fn camera(list: &mut List, state: &State) {
     list.group();
     // Keys zoom about the middle; the wheel zooms about the pointer.
     let middle = state.runs().first.viewport.center();
-    // The factors are chosen. They are inverse to each other, so that zooming in and out leads back.
     let orbit = state.runs().first.orbit();
+    // The factors are chosen. They are inverse to each other, so that zooming in and out leads back.
     for (name, key, factor) in [("Zoom in", Key::Plus, 1.25), ("Zoom out", Key::Minus, 0.8)] {
         let zoom = match orbit {
             Some(_) => ViewCommand::Orbit(OrbitCommand::Zoom(factor)),

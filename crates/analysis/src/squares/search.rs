@@ -345,7 +345,8 @@ impl<'a> TileSearch<'a> {
     ) -> List {
         let Self { judge, corner, .. } = *self;
         // Places near each other are at most the harmonic mean of their radii apart, which exceeds neither the larger
-        // radius nor twice the smaller one.
+        // radius nor twice the smaller one. So a sample near a place of the tile is no farther from it than the
+        // greatest radius anywhere, and no farther than twice the greatest radius in the tile.
         let greatest = judge.radii.range(*span, self.bits).greatest;
         let reach = times * judge.radii.greatest().min(2 * greatest);
         let wide = PointSpan {

@@ -180,13 +180,14 @@ impl Bands {
         let samples = self.held.len() + self.seam.len();
 
         if search.streams() {
-            // No sample can follow in the rows below that of the lowest ordinate still allowed.
+            // All rows below `complete`, the row of the lowest ordinate that a sample may still have, have their
+            // samples.
             let complete = search.row(search.complete(highest));
             let end = complete.saturating_sub(ABOVE);
             let begin = self.closed.max(search.first_tiles());
 
-            // At the limit of samples, or at half of that of cells, a band of any height is judged, to free memory. A band has
-            // one row at least, also where the caller asks for none.
+            // At the limit of samples, or at half of the limit of cells, a band of any height is judged, to free memory
+            // before the next samples come. A band has one row at least, also where the caller asks for none.
             let is_tight =
                 samples > most_samples || (complete - self.keep) * search.cells[0] > MAX_CELLS / 2;
             let least_rows = if is_tight { 1 } else { search.band.rows };

@@ -133,8 +133,8 @@ impl Runs<'_> {
                 if self.is_border(part) {
                     return Some((Piece::Line(part), shift));
                 }
-                // Seen from the cell beyond, the part is the last one of its run, with whose end the arc of that run
-                // begins.
+                // Seen from the cell beyond, the part is the last one of its run, and the arc of that run begins at the
+                // part's end.
                 let (other, by) = self.across(part)?;
                 Some((Piece::Arc(self.run_of[other]), shift + by))
             }

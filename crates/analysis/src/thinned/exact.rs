@@ -13,9 +13,9 @@ pub(super) fn is_below(shorter: f64, longer: f64, distance: f64) -> bool {
     let product = (limit - long) * (limit + long);
 
     let square = u128::from(short.digits) * u128::from(short.digits);
-    // In the product's units the square may have a fraction. It is below the product, an integer, exactly if its
-    // integer part is. That part is 0 where the square, of 106 bits, is shifted by more than 127, and the product is
-    // above 0.
+    // In the product's units the square may have a fraction. The product is an integer, so that the square is below it
+    // exactly if the square's integer part is below it. If the square, which has 106 bits, is shifted by more than 127,
+    // that part is 0; and the product is above 0.
     match 2 * (unit - short.exponent) {
         finer @ 0..=127 => square >> finer < product,
         finer if finer > 127 => true,

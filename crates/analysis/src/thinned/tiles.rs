@@ -29,7 +29,8 @@ impl PointTiles {
         let [width, height] = bounds.size();
         let fitting =
             |side: f64, counted: usize| counted.min((side / largest_radius) as usize).max(1);
-        // Of a line the ratio is 0 or infinite, and of a single place no number, which becomes 0.
+        // If all points lie on a line along an axis, the ratio is 0 or infinite. If all lie at one place, it is no
+        // number, and gives 0 columns, of which `fitting` makes 1.
         let columns = (most as f64 * (width / height)).sqrt();
         let columns = fitting(width, (columns as usize).min(most));
         let counts = [columns, fitting(height, most / columns)];

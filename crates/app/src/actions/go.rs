@@ -18,8 +18,8 @@ pub(super) fn add(list: &mut List, state: &State) {
     list.add("Play or pause", Command::Time(TimeCommand::TogglePlay))
         .on_key(Key::Space)
         .refused(no_session(state));
-    // A run with prefixes is gone through level by level. The only level of a stipple is all of its dots, so that there
-    // the ends are dots.
+    // The keys Home and End go to the first and the last level of a run with prefixes. A stipple has only one level,
+    // and the keys go to its first and its last dot.
     let run = &state.runs().first;
     let [first, last] = match run.prefix() {
         Some(_) if run.shows_stipple() => ["First dot", "Last dot"],

@@ -207,9 +207,9 @@ fn notice_of(written: &Written, download: Option<&str>) -> (String, bool) {
             let samples = counted(report.count, "sample", "samples");
             let certificate = certificate.display();
             let mut text = format!("{verb} {samples} {to}. Certificate: {certificate}.");
-            // A result is expected to be valid, so that this is said only of the samples of a moment. Of nested levels,
-            // `valid` is about each level, and the report about the whole set. The beginning of a larger set can be
-            // valid without being maximal.
+            // A result is expected to be valid, so that this is said only of the samples of a moment. It needs all
+            // three verdicts: of nested levels, `valid` is about each level, and the report about the whole set; and
+            // the beginning of a larger set can be valid without being maximal.
             if *valid && report.valid() && report.maximal() && !result {
                 text.push_str(" The set is conflict-free and maximal.");
             }
