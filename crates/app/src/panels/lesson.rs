@@ -4,7 +4,8 @@
 //!
 //! The files beside have the parts: [`answers`] for the controls of questions, [`list`] of lessons, [`marks`] over the
 //! canvas, [`text`] for paragraphs. [`stage`] and [`notes`] are the two windows of a talk; `app/stage.rs` opens them.
-//! What a lesson is and how answers are graded is in `tilescope_lessons`.
+//! What a lesson is and how answers are graded is in `tilescope_lessons`. A *gate* is a step's question as the lesson's
+//! file has it.
 
 mod answers;
 mod curves;
@@ -404,8 +405,8 @@ impl LessonPanel<'_> {
     /// Shows the right answer once the question is closed, the text after it, and the events that explain it.
     fn revealed(&mut self, ui: &mut Ui) {
         let learner = &self.open.learner;
-        // After a right answer it is shown only where the question has a tolerance, as the answer may have been off by
-        // that.
+        // After a right answer, the exact answer is told only where the question has a tolerance: the learner's answer may
+        // have differed from it by as much.
         if let Some(answer) = self.open.told_answer(&self.state.lessons().language) {
             let text = format!("{} {answer}", self.labels.the_answer);
             ui.add(Label::new(RichText::new(text).size(self.size)).wrap())
@@ -428,8 +429,9 @@ impl LessonPanel<'_> {
         }
 
         if (step.gate.as_ref()).is_some_and(|gate| gate.practice.is_some()) {
-            // Any seed serves that differs from click to click. The time does, even without its lowest 12 bits, which
-            // stand for nanoseconds. The remainder by a prime, chosen, not measured, is short enough to be read.
+            // Any seed serves that differs from click to click, as the time does. Its lowest 12 bits stand for less than a
+            // microsecond, and are left out: two clicks are farther apart. The remainder by a prime, chosen, not measured,
+            // is short enough to be read.
             let seed = (ui.input(|input| input.time.to_bits()) >> 12) % 100_003;
             let again = ui.button(self.labels.again);
             self.on_click(&again, "lesson-practise", LessonCommand::Practise(seed));

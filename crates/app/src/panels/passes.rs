@@ -218,7 +218,8 @@ impl PassesPanel<'_> {
         // `None` if the pass has no buffer at the chosen index.
         if let Some(table) = passes.shown().table(Some(visit)) {
             self.tools(ui, table);
-            // The file of the rows and the fault stand below the table, and take this room. The table keeps 60 points, three rows.
+            // The file of the rows and the fault stand below the table, and take 62 points. The table keeps at least 60
+            // points, which are three rows.
             let foot = 62.0;
             let room = vec2(
                 ui.available_width(),
@@ -237,15 +238,15 @@ impl PassesPanel<'_> {
     /// Shows the buttons that go from pass to pass, the name of the pass, and how it compares with the CPU.
     fn title(&mut self, ui: &mut Ui, entry: &PassEntry) {
         let (passes, palette) = (self.passes, self.palette);
-        // The entry that is shown is the selected one, so that there is one.
+        // The entry is that of the selected pass, so that `selected` is not `None` here.
         let (at, count) = (passes.selected().unwrap_or(0), passes.entries().len());
-        let first = (at == 0).then_some("This is the first pass.");
-        let last = (at + 1 == count).then_some("This is the last pass.");
+        let no_previous = (at == 0).then_some("This is the first pass.");
+        let no_next = (at + 1 == count).then_some("This is the last pass.");
         ui.horizontal(|ui| {
             ui.spacing_mut().item_spacing.x = 2.0;
-            let previous = icon_button(ui, Icon::Back, "Previous pass", first, palette);
+            let previous = icon_button(ui, Icon::Back, "Previous pass", no_previous, palette);
             previous.issues("passes.previous", PassCommand::Previous, self.commands);
-            let next = icon_button(ui, Icon::Forward, "Next pass", last, palette);
+            let next = icon_button(ui, Icon::Forward, "Next pass", no_next, palette);
             next.issues("passes.next", PassCommand::Next, self.commands);
 
             ui.add_space(6.0);
@@ -314,7 +315,7 @@ impl PassesPanel<'_> {
     fn tools(&mut self, ui: &mut Ui, table: &BufferTable) {
         let (passes, palette) = (self.passes, self.palette);
         let shown = passes.shown();
-        // A buffer of one row is shown whole, before and after: there is no side and no row to choose.
+        // An empty buffer has no rows to choose from. A buffer of one row is shown whole, before and after the pass.
         if table.total <= 1 {
             return;
         }

@@ -141,7 +141,8 @@ struct Seen {
 
 pub const CONTENT: Content = Content::of_run(Room::Whole, show);
 
-/// Shows the panel. When the moment changes, its line is brought into the middle; a user may scroll on from there.
+/// Shows the panel. When the moment changes, its line is brought into the middle, unless it is about there. A user may
+/// scroll on from there.
 pub fn show(ui: &mut Ui, context: &PanelContext<'_>, commands: &mut Vec<Command>) {
     let Some(debugger) = &context.run.debugger else {
         no_events(ui, context);
@@ -184,8 +185,9 @@ pub fn show(ui: &mut Ui, context: &PanelContext<'_>, commands: &mut Vec<Command>
         view: Rangef::new(start, start + output.inner_rect.height()),
     };
     if has_moved && !placed.shows(now.leading()) {
-        // The line was not laid out before, or the panel has another width. Its place is known from this frame on: the
-        // next one scrolls to it, since the moment that is stored for it differs from every moment with a line.
+        // The line was not laid out in the frame before, or the panel's width has changed since. The place of the line is
+        // known now, so that the next frame can scroll to it. That frame scrolls only if its moment differs from the
+        // stored one. A moment without lines is stored here, from which every moment with a line differs.
         let unseen = Now::default();
         remember(ui, seen_id, unseen, placed);
         ui.ctx().request_repaint();
@@ -399,8 +401,8 @@ fn terms(ui: &mut Ui, words: &str, palette: &Palette) {
     }
 }
 
-/// Returns the text of the next line to run, or after the last event what comes instead; `None` for a session without
-/// events.
+/// Returns the text of the next line to run, or after the last event what comes instead. `None` for a session without
+/// events, without a session, and for a line that the listings lack.
 pub fn next_line(run: &RunView) -> Option<String> {
     let debugger = run.debugger.as_ref()?;
     let parameters = run.session.as_ref()?.run().parameters;

@@ -1,5 +1,6 @@
-//! The list of lessons, each with how many of its questions are answered, and the learner's results. Sizes are in
-//! screen points, and chosen, not measured, where no reason stands beside them.
+//! The list of lessons, each with how many of its questions are answered, and the learner's results. A *gate* is a
+//! step's question as the lesson's file has it. Sizes are in screen points, and chosen, not measured, where no reason
+//! stands beside them.
 
 use egui::{Button, CursorIcon, Label, RichText, TextEdit, Ui};
 use tilescope_classroom::lessons::LessonCommand;

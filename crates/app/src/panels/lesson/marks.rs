@@ -19,7 +19,8 @@ use tilescope_workbench::state::State;
 /// Room between a label and the sides of its ground.
 const MARGIN: f32 = 3.0;
 
-/// Shows the marks of the current step, each but the lines as its image nearest to the middle of the view.
+/// Shows the marks of the current step. In a periodic domain each mark has many images, and the one nearest to the
+/// middle of the view is shown. The box and the lines of a question are shown in the domain itself.
 pub fn show(ui: &Ui, state: &State) {
     let Some(open) = &state.lessons().open else {
         return;
@@ -114,13 +115,15 @@ impl Overlay {
         circles.collect()
     }
 
-    /// Draws lines inside the blocks at the distance from their edges that the question is about, once it is closed. Returns
-    /// the place on these lines that is nearest to the middle of the view, for the label, and the distance in r; `None`
-    /// if there are no such lines.
+    /// A question may be about the strip along the edges of each block. Once the question is closed, this draws the inner
+    /// edges of the strips. Returns the place on an inner edge that is nearest to the middle of the view, for the label, and the
+    /// width of the strips in r; `None` while the question is open, for a question without strips, and if no block has
+    /// an inner edge, as all blocks are too narrow.
     fn strips(&self, open: &OpenLesson) -> Option<(Pos2, f64)> {
+        // Each inside is the part of a block that its strip surrounds.
         let (insides, width) = open.strips()?;
         let drawn = insides.into_iter().map(|[low, high]| {
-            // Both corners are moved by the same periods, so that they belong to one copy of the strip.
+            // Both corners are moved by the same periods, so that they belong to one image of the block.
             let middle = 0.5 * (low + high);
             let by = self.screen(middle) - self.fixed(middle);
             Rect::from_two_pos(self.fixed(low), self.fixed(high)).translate(by)

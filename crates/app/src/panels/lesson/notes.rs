@@ -57,7 +57,7 @@ pub fn show(ui: &mut Ui, state: &State, commands: &mut Vec<Command>) {
             let [left, right] = columns else {
                 return;
             };
-            // Columns justify their texts, which tears the words of narrow ones apart.
+            // Columns justify their texts. In a narrow column that leaves wide gaps between the words.
             let ragged = Layout::top_down(Align::Min);
             left.with_layout(ragged, |ui| notes.this_step(ui, commands));
             right.with_layout(ragged, |ui| notes.next_step(ui));

@@ -291,8 +291,8 @@ impl Slide<'_> {
             ink,
         );
 
-        // The letter at the left and the count at the right take 64 points. Without votes the largest count counts as 1, so
-        // that nothing is divided by 0.
+        // The letter at the left and the count at the right take 64 points. If no option has a vote, the divisor is 1
+        // instead of 0.
         let room = row.width() - 64.0;
         let most = most.unwrap_or(0).max(1) as f32;
         for (place, (count, color)) in counts.enumerate() {
@@ -318,7 +318,8 @@ const fn share_name(labels: &LessonLabels, share: RightShare) -> &'static str {
 
 /// Follows the pointer with the laser or the pen.
 fn point(ui: &Ui, state: &State, talk: &Talk, rect: Rect, commands: &mut Vec<Command>) {
-    // The hand moves the picture, as the canvas does by itself.
+    // With the hand, a drag moves the picture, which the canvas does by itself. Before the canvas was laid out there is no
+    // place to point at.
     if talk.tool == Tool::Hand || !rect.is_positive() {
         return;
     }
@@ -417,9 +418,9 @@ fn code(ui: &Ui, state: &State) {
                 .show(ui, |ui| {
                     ui.vertical_centered(|ui| {
                         // The margins and the address below the code take 130 points of the height. The code is a
-                        // square, so that as many points of the width are left. From 120 to 330 points it can be read and leaves
-                        // something of the canvas in view: chosen, not measured. The address is at least 300 points
-                        // wide, so that it takes few lines.
+                        // square, so that the shorter side of the canvas, less 130 points, bounds its side. From 120 to
+                        // 330 points the code can be read and leaves something of the canvas in view: chosen, not
+                        // measured. The address is at least 300 points wide, so that it takes few lines.
                         let side = (rect.size().min_elem() - 130.0).clamp(120.0, 330.0);
                         ui.set_width(side.max(300.0));
 

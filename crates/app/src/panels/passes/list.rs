@@ -31,14 +31,15 @@ pub(super) fn show(
     let seconds = passes.entries().iter().filter_map(|p| p.report.seconds);
     let longest = seconds.fold(0.0, f64::max);
     let selected = selected_line(passes);
-    let is_new = has_moved(ui, focus.id, selected);
+    let selection_moved = has_moved(ui, focus.id, selected);
 
     ui.spacing_mut().item_spacing.y = 0.0;
     let area = ScrollArea::vertical().auto_shrink([false, false]);
     area.show_rows(ui, LINE, passes.lines().len(), |ui, range| {
-        // A key or a button may have selected a pass that is out of view. Only a new selection scrolls, so that a user may scroll
-        // on from there. Lines have one height: the place of one out of view follows from the first line of the range.
-        if let Some(line) = selected.filter(|_| is_new) {
+        // A key or a button may have selected a pass that is out of view. The list scrolls to it once, when the selection
+        // moves, so that a user may scroll on from there. All lines have one height: the place of the selected line
+        // follows from that of the first line of `range`, which is at the top.
+        if let Some(line) = selected.filter(|_| selection_moved) {
             let top = ui.max_rect().top() + (line as f32 - range.start as f32) * LINE;
             let size = vec2(ui.available_width(), LINE);
             let rect = Rect::from_min_size(Pos2::new(ui.max_rect().left(), top), size);
@@ -59,7 +60,8 @@ pub(super) fn show(
     });
 }
 
-/// Returns the response of the whole list. It takes the focus as a whole, so that it is one stop in the Tab order.
+/// Returns the response of the whole list, and draws a line around the list while it has the focus. The list takes the
+/// focus as a whole, so that it is one stop in the Tab order.
 fn frame(ui: &Ui, passes: &Passes, palette: &Palette) -> Response {
     let rect = ui.max_rect();
     let id = ui.scope_id().with("passes");
@@ -108,7 +110,7 @@ fn selected_line(passes: &Passes) -> Option<usize> {
     passes.lines().iter().position(|line| *line == selected)
 }
 
-/// Returns whether the selection has changed since the previous frame.
+/// Returns whether the line of the selected pass is another one than in the previous frame; `true` in the first frame.
 fn has_moved(ui: &Ui, id: Id, selected: Option<usize>) -> bool {
     let before = ui.data_mut(|data| {
         let before: Option<Option<usize>> = data.get_temp(id);
