@@ -93,8 +93,8 @@ impl MarkedCells {
             let is_deep_row = deep.min.y <= ys.start && ys.end <= deep.max.y;
             let mut skipped = columns.end..columns.end;
             if is_deep_row {
-                // Cells of which all columns are deep are skipped. Of the outermost cells only the columns in the piece
-                // count.
+                // In a row of cells whose places are deep in y, the cells whose places are all deep in x, too, are
+                // skipped. Of the outermost cells only the places in the piece count.
                 let first = if deep.min.x <= sources.min.x {
                     columns.start
                 } else {

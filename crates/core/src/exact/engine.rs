@@ -301,8 +301,9 @@ impl<'a> ExactTiling<'a> {
                 // A tile has no place outside of the domain.
                 inside: true,
             });
-            // A sample deeper than r stays, since samples of other blocks cover only places within r of the border. The others
-            // are decided about when they arrive, and in a recording all are.
+            // Samples of other blocks cover only places within r of the border. A sample deeper than r is decided about only
+            // if a dart that becomes a sample covers it (`decide_dart`). The others are decided about when they arrive, and
+            // in a recording all are.
             if T::ENABLED || rect.depth(place) <= R {
                 let dart = self.present.dart(self.present.get(id));
                 self.agenda.add(dart, What::Sample(id));
@@ -393,7 +394,8 @@ impl<'a> ExactTiling<'a> {
 
         let level = dart.arrival.level();
         if level >= LATE_LEVEL {
-            // Darts of these cells that are earlier than the sample were refused by other samples, and need not be thrown.
+            // The cells that the lost sample leaves bare are opened. Their darts that are earlier than that sample were
+            // refused by other samples, and need not be thrown.
             let first = self.open.len();
             self.cut_fresh(level, recorder);
             self.throw(first, level, Some(dart), recorder);

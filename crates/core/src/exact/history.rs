@@ -112,8 +112,8 @@ impl PatternHistory {
 
     /// Returns whether a sample of a level that is kept covers all of a cell of [`MARK_SIDE`], given by its column and
     /// row in the pattern, and lies in a rectangle of the pattern, and is not `missing`. In doubt it returns `false`:
-    /// the sample's place is kept to [`COVERING_UNIT`], and its number to eight bits. These are the last of the packed
-    /// word, and all that the filter reads.
+    /// of the sample's place only the square of side [`COVERING_UNIT`] around it is known, and of its number only the
+    /// last eight bits, which are all that `missing` reads.
     #[inline]
     pub(super) fn is_covered(
         &self,
@@ -127,7 +127,8 @@ impl PatternHistory {
             return false;
         }
         let IVec2 { x, y } = sample.lowest();
-        // Unsigned, an offset to the left or below is far too long. All places that the sample may have must lie inside.
+        // All places that the sample may have must lie inside. A negative offset becomes an unsigned number that is larger
+        // than any width.
         let right = (column * MARK_SIDE + x - inside.min.x) as u32;
         let up = (row * MARK_SIDE + y - inside.min.y) as u32;
         let within = |extent: i32| (extent - COVERING_UNIT + 1).max(0) as u32;

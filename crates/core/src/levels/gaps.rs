@@ -190,8 +190,8 @@ impl LevelRegion {
         Ok(())
     }
 
-    /// Returns the pixels of dirty cells that no sample covers whole, but for cells along the frame's edges in which
-    /// nothing can be known.
+    /// Returns those pixels of dirty cells that no single sample covers whole. Cells along the frame's edges, in which
+    /// nothing can be known, are left out.
     fn open_pixels(&self, meter: &mut Meter<'_>) -> Result<Vec<GapPixel>, SampleError> {
         // A tiled sample beyond the frame may have been lost, and have covered places up to R inside its edges: nothing can be
         // known there.

@@ -136,9 +136,10 @@ impl LevelGrid {
     /// Gathers the samples at most `reach` away from `middle` on both axes, and some farther ones, as offsets from `from`, which
     /// are exact where they are shorter than 2^24.
     pub fn gather(&self, middle: Point, reach: i32, from: Point, out: &mut GatheredSamples) {
-        // An axis is cut into up to three spans. The first touches fewer than two cells more than its length in cells,
-        // and each other one fewer than one more: with the rounding of the length these are five. Beyond the last
-        // sample a group is written.
+        // Where the plane wraps, each axis of the square is cut into up to three spans. A span touches fewer than two cells
+        // more than fit into its length. The second and the third span begin at an edge of a cell, the plane's lower end,
+        // and touch fewer than one cell more. The length is rounded down: that is made up for by one more cell, and five
+        // is the sum. Beyond the last sample a group is written.
         let columns = ((2 * reach) >> self.layout.bits()) as usize + 5;
         let room = SLOTS * columns * columns + LANES;
         if out.across.len() < room {
@@ -150,7 +151,7 @@ impl LevelGrid {
         let mut count = 0;
         let mut add = |range: Range<usize>, shift: IVec2| {
             let (x, y) = (shift.x.wrapping_sub(from.x), shift.y.wrapping_sub(from.y));
-            // A local number, which the writes below do not change.
+            // A local copy of the count, so that the compiler need not store it after each of the writes below.
             let mut next = count;
             for (cell, held) in self.cells[range.clone()].iter().zip(&self.counts[range]) {
                 // All four numbers of a cell are written, the unused ones too, and those beyond the cell's samples are

@@ -45,7 +45,7 @@ pub struct Nested {
     run_ends: Option<Vec<usize>>,
 }
 
-/// What the place of each sample within its level follows from, of which its rank is made.
+/// What gives each sample its place within its level. The sample's rank is made of that place.
 #[derive(Clone, Debug, PartialEq)]
 enum Places {
     /// The words drawn under this key.
@@ -192,12 +192,12 @@ impl Nested {
         assert!(count <= self.points.len(), "there are that many samples");
 
         let whole = self.ends[..self.whole].partition_point(|&end| end <= count) as u32;
-        let last = self.ends.len() as u32 - 1;
 
-        // A prefix that ends with a level has that level's distances, any other those of the next level.
-        let exact = whole > 0 && self.ends[whole as usize - 1] == count;
+        // A prefix that ends with a level has that level's distances. Any other prefix has those of the next level, which
+        // exists, since the last level ends with the last sample.
+        let ends_with_level = whole > 0 && self.ends[whole as usize - 1] == count;
         let level = whole.checked_sub(1);
-        let finest = if exact { whole - 1 } else { whole.min(last) };
+        let finest = if ends_with_level { whole - 1 } else { whole };
 
         let scale = self.domain.covering_bound() / self.domain.radius();
         PrefixGuarantee {
@@ -317,8 +317,10 @@ impl<'a> Farthest<'a> {
             self.squares[id as usize] = -1;
             let point = self.points[id as usize];
 
-            // All others are at most as far from the samples taken before as this one was. So only those that are nearer to
-            // this one than that can change; a unit more, as the root is rounded down.
+            // Every other sample is at most as far from the samples taken before as this one was, which is the root of
+            // `square`. Its distance changes only if this sample is nearer, and so within that root. One unit is added, as
+            // the root is rounded down. The first sample of all has the largest number as its square, and reaches over
+            // the whole domain.
             let longest = i64::from(self.domain.width().max(self.domain.height()));
             let reach = (square.isqrt() + 1).min(longest) as i32;
 

@@ -151,30 +151,30 @@ impl LevelClip {
         while bottom < rect.max.y {
             // The rectangle is cut where the periodic pattern begins again, so that within a part nothing wraps.
             let from_y = (origin[1] + i64::from(bottom)).rem_euclid(side) as i32;
-            let rows = (rect.max.y - bottom).min(self.side - from_y);
+            let part_height = (rect.max.y - bottom).min(self.side - from_y);
 
             let mut left = rect.min.x;
             while left < rect.max.x {
                 let from_x = (origin[0] + i64::from(left)).rem_euclid(side) as i32;
-                let columns = (rect.max.x - left).min(self.side - from_x);
+                let part_width = (rect.max.x - left).min(self.side - from_x);
 
                 let cell = |x: i32| (x >> self.bits) as usize;
-                let (first, last) = (cell(from_x), cell(from_x + columns - 1));
-                for row in cell(from_y)..=cell(from_y + rows - 1) {
+                let (first, last) = (cell(from_x), cell(from_x + part_width - 1));
+                for row in cell(from_y)..=cell(from_y + part_height - 1) {
                     let start = row * self.columns;
                     let from = self.starts[start + first] as usize;
                     let to = self.starts[start + last + 1] as usize;
                     for p in &self.points[from..to] {
                         let (x, y) = (p.x - from_x, p.y - from_y);
                         // Cells at the edges reach beyond the part. A negative offset becomes a number that is too large.
-                        if (x as u32) < columns as u32 && (y as u32) < rows as u32 {
+                        if (x as u32) < part_width as u32 && (y as u32) < part_height as u32 {
                             place(Point::new(left + x, bottom + y));
                         }
                     }
                 }
-                left += columns;
+                left += part_width;
             }
-            bottom += rows;
+            bottom += part_height;
         }
     }
 }

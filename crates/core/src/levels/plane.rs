@@ -80,8 +80,8 @@ impl NestedRequest {
         checked.map_err(|error| self.as_of_count(error))
     }
 
-    /// Returns an error of [`check`] as one of the wanted number of samples, if that gave the radius: no radius was
-    /// chosen that could be smaller.
+    /// Returns the error to show for an error of [`check`]. If the wanted number of samples gave the radius, too many levels
+    /// become too few samples for the levels: the user chose no radius that could be smaller. Other errors stay.
     fn as_of_count(&self, error: ParameterError) -> ParameterError {
         match (self.exactly, error) {
             (
@@ -290,8 +290,11 @@ impl NestedPlane {
             radius *= 0.999 * (found as f64 / count as f64).sqrt();
         }
 
-        let count = wanted;
-        Err(ParameterError::CountMissed { count, nearest }.into())
+        Err(ParameterError::CountMissed {
+            count: wanted,
+            nearest,
+        }
+        .into())
     }
 
     /// Returns the domain. Its radius is the finest.
@@ -483,14 +486,14 @@ impl NestedPlane {
         let domain = self.domain();
 
         let frame_of = |level: u32| {
-            let halo = self.halo(level, halo);
+            let margin = self.halo(level, halo);
             // On each axis the plane goes on below and above the frame, unless it ends at a border there.
             let mut frame = LevelFrame {
                 goes_on: [[true; 2]; 2],
                 ..LevelFrame::at(domain, window.min.into())
             };
             let size = I64Vec2::new(window.width().into(), window.height().into());
-            let (mut low, mut high) = (I64Vec2::splat(-halo), size + halo);
+            let (mut low, mut high) = (I64Vec2::splat(-margin), size + margin);
 
             // A bounded plane ends at the domain's border: a frame that reaches the border is cut there and misses nothing.
             // In the frame's coordinates the domain lies from `first` to `end`.

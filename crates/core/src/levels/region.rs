@@ -180,9 +180,10 @@ impl LevelRegion {
                 inner >= 0 && offset.as_i64vec2().length_squared() <= inner * inner
             });
 
-            // The frame is convex, so that every place of it is at least as near to its place nearest to the centre as to the
-            // centre itself: around that place a disk of the same radius holds what the frame has of the disk. A disk
-            // that does not reach into the frame is left out.
+            // A disk that does not reach into the frame is left out. If the centre of another disk lies outside of the
+            // frame, it is moved to the nearest place of the frame. The frame is convex, so that no
+            // place of the frame is farther from the moved centre than from the first one: all that the frame has of the
+            // disk lies in the moved disk, too.
             let Rect { min, max } = self.frame.rect;
             let x = unknown.at.x.clamp(min.x, max.x - 1);
             let y = unknown.at.y.clamp(min.y, max.y - 1);

@@ -209,7 +209,8 @@ impl CellSearch {
             }
 
             // Samples farther from the centre than this are no sites (see the head of `gaps`). Four units are added for the
-            // rounding of squares. Where the samples gathered first are not nearest, this is too far, which does no harm.
+            // rounding of squares. If the nearest sample was not among those gathered first, `sight` is too long, which
+            // does no harm.
             let sight = nearest[usize::from(number)].sqrt() + pixel.site_slack() as f32 + 4.0;
             if sight >= reach as f32 || !fit_in_bits {
                 // Its sites may lie beyond the samples gathered around the cell.
