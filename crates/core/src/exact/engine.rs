@@ -245,8 +245,8 @@ impl<'a> ExactTiling<'a> {
         let moved = self.present.ground().moved(block);
         self.present.add_tile(moved);
 
-        // Where the turned pattern has the lowest corner of `rect` enlarged by r. `block.start` is the same for the whole
-        // block.
+        // `block.start` is where the turned pattern has the lowest corner of the block enlarged by r. `start` is where it
+        // has that of `rect` enlarged by r.
         let start = I64Vec2::from(block.start) + I64Vec2::from(rect.min) - block.rect.min;
         let pattern_rect = self.history.pattern().domain().rect();
         let in_domain = self.present.rect_in_domain(tile, &rect);

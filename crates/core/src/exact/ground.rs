@@ -30,9 +30,9 @@ impl Ground {
         let rect = domain.rect();
         let no_halo = 0;
         let frame = Frame {
-            // The frame of a periodic domain would end with its last cells, which may reach beyond the domain; and the
-            // plane would go on behind them. Here both ends are those of the domain, and `joined` says what lies
-            // behind.
+            // `Frame::new` gives a periodic domain a frame that ends with its last cells, which may reach beyond the
+            // domain, and behind which the plane goes on. Here the frame ends where the domain does, and `joined` says
+            // what lies behind its ends.
             end: [rect.max.x, rect.max.y],
             goes_on: [[false; 2]; 2],
             ..Frame::new(domain, &rect, no_halo)

@@ -178,8 +178,8 @@ impl PatternHistory {
     #[inline]
     pub(crate) fn source(&self, sample: u32, offset: IVec2) -> Point {
         let domain = self.pattern().domain();
-        // A dart lies in the pattern: only around the ends of a periodic one, which are joined, does an offset lead
-        // beyond an end, and by less than a side.
+        // A dart lies in the pattern. Its offset leads beyond an end only in a periodic pattern, whose opposite ends are
+        // joined, and by less than a side.
         let wrapped = |at: i32, side: i32| {
             if at < 0 {
                 at + side

@@ -269,6 +269,7 @@ impl LevelRegion {
         let Radius { units, .. } = self.grid.radius();
         let reach = i64::from(units);
         let tiled = self.frame.tiled(units);
+        // No sample beyond the frame covers a place of `inside`.
         let inside = self.frame.inside(units);
 
         for (block, index) in blocks.iter().zip(0..) {

@@ -153,6 +153,7 @@ impl Answers<'_> {
         };
         if let Some(place) = item.right_place {
             let right = (self.labels.right_place).replace("{place}", &place.to_string());
+            // `text::job` sets what stands between two pairs of asterisks in strong letters.
             named = format!("{named} \u{2013} **{right}**");
         }
 
