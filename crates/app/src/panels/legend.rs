@@ -211,9 +211,9 @@ fn ages(ui: &mut Ui, ages: Ages, palette: &Palette) {
         band(at(k), at(k + 1), at(k));
     }
 
-    // A gap of 3% of the ramp separates tiled samples, which end at `LAST_TILED`, from inserted ones. Nested levels, and
-    // sets that are made by darts, have one order from their first sample to their last: for them `tiled` is 1, the end
-    // of the ramp, and there are no iterations.
+    // A gap of 3% of the ramp separates tiled samples, which end at `LAST_TILED`, from inserted ones. Nested levels,
+    // and sets that are made by darts, have one order from their first sample to their last: for them `tiled` is 1, the
+    // end of the ramp, and there are no iterations.
     let start = LAST_TILED + 0.03;
     for k in 0..ages.iterations {
         let at = |k: u32| start + (1.0 - start) * k as f32 / ages.iterations as f32;

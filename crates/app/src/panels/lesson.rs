@@ -405,8 +405,8 @@ impl LessonPanel<'_> {
     /// Shows the right answer once the question is closed, the text after it, and the events that explain it.
     fn revealed(&mut self, ui: &mut Ui) {
         let learner = &self.open.learner;
-        // After a right answer, the exact answer is told only where the question has a tolerance: the learner's answer may
-        // have differed from it by as much.
+        // After a right answer, the exact answer is told only where the question has a tolerance: the learner's answer
+        // may have differed from it by as much.
         if let Some(answer) = self.open.told_answer(&self.state.lessons().language) {
             let text = format!("{} {answer}", self.labels.the_answer);
             ui.add(Label::new(RichText::new(text).size(self.size)).wrap())
@@ -429,9 +429,9 @@ impl LessonPanel<'_> {
         }
 
         if (step.gate.as_ref()).is_some_and(|gate| gate.practice.is_some()) {
-            // Any seed serves that differs from click to click, as the time does. Its lowest 12 bits stand for less than a
-            // microsecond, and are left out: two clicks are farther apart. The remainder by a prime, chosen, not measured,
-            // is short enough to be read.
+            // Any seed serves that differs from click to click, as the time does. Its lowest 12 bits stand for less
+            // than a microsecond, and are left out: two clicks are farther apart. The remainder by a prime, chosen, not
+            // measured, is short enough to be read.
             let seed = (ui.input(|input| input.time.to_bits()) >> 12) % 100_003;
             let again = ui.button(self.labels.again);
             self.on_click(&again, "lesson-practise", LessonCommand::Practise(seed));

@@ -185,8 +185,8 @@ pub fn show(ui: &mut Ui, context: &PanelContext<'_>, commands: &mut Vec<Command>
         view: Rangef::new(start, start + output.inner_rect.height()),
     };
     if has_moved && !placed.shows(now.leading()) {
-        // The line was not laid out in the frame before, or the panel's width has changed since. The place of the line is
-        // known now, so that the next frame can scroll to it. That frame scrolls only if its moment differs from the
+        // The line was not laid out in the frame before, or the panel's width has changed since. The place of the line
+        // is known now, so that the next frame can scroll to it. That frame scrolls only if its moment differs from the
         // stored one. A moment without lines is stored here, from which every moment with a line differs.
         let unseen = Now::default();
         remember(ui, seen_id, unseen, placed);

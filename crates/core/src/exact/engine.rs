@@ -245,8 +245,8 @@ impl<'a> ExactTiling<'a> {
         let moved = self.present.ground().moved(block);
         self.present.add_tile(moved);
 
-        // `block.start` is where the turned pattern has the lowest corner of the block enlarged by r. `start` is where it
-        // has that of `rect` enlarged by r.
+        // `block.start` is where the turned pattern has the lowest corner of the block enlarged by r. `start` is where
+        // it has that of `rect` enlarged by r.
         let start = I64Vec2::from(block.start) + I64Vec2::from(rect.min) - block.rect.min;
         let pattern_rect = self.history.pattern().domain().rect();
         let in_domain = self.present.rect_in_domain(tile, &rect);
@@ -301,9 +301,9 @@ impl<'a> ExactTiling<'a> {
                 // A tile has no place outside of the domain.
                 inside: true,
             });
-            // Samples of other blocks cover only places within r of the border. A sample deeper than r is decided about only
-            // if a dart that becomes a sample covers it (`decide_dart`). The others are decided about when they arrive, and
-            // in a recording all are.
+            // Samples of other blocks cover only places within r of the border. A sample deeper than r is decided about
+            // only if a dart that becomes a sample covers it (`decide_dart`). The others are decided about when they
+            // arrive, and in a recording all are.
             if T::ENABLED || rect.depth(place) <= R {
                 let dart = self.present.dart(self.present.get(id));
                 self.agenda.add(dart, What::Sample(id));

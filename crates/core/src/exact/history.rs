@@ -127,8 +127,8 @@ impl PatternHistory {
             return false;
         }
         let IVec2 { x, y } = sample.lowest();
-        // All places that the sample may have must lie inside. A negative offset becomes an unsigned number that is larger
-        // than any width.
+        // All places that the sample may have must lie inside. A negative offset becomes an unsigned number that is
+        // larger than any width.
         let right = (column * MARK_SIDE + x - inside.min.x) as u32;
         let up = (row * MARK_SIDE + y - inside.min.y) as u32;
         let within = |extent: i32| (extent - COVERING_UNIT + 1).max(0) as u32;
@@ -178,8 +178,8 @@ impl PatternHistory {
     #[inline]
     pub(crate) fn source(&self, sample: u32, offset: IVec2) -> Point {
         let domain = self.pattern().domain();
-        // A dart lies in the pattern. Its offset leads beyond an end only in a periodic pattern, whose opposite ends are
-        // joined, and by less than a side.
+        // A dart lies in the pattern. Its offset leads beyond an end only in a periodic pattern, whose opposite ends
+        // are joined, and by less than a side.
         let wrapped = |at: i32, side: i32| {
             if at < 0 {
                 at + side

@@ -53,8 +53,8 @@ pub fn exact_pieces(
             continue;
         };
 
-        // `block.start` is where the turned pattern has the lowest corner of the block enlarged by r. `start` is where it
-        // has that of `rect` enlarged by r.
+        // `block.start` is where the turned pattern has the lowest corner of the block enlarged by r. `start` is where
+        // it has that of `rect` enlarged by r.
         let start = I64Vec2::from(block.start) + I64Vec2::from(rect.min) - block.rect.min;
         let symmetry = Symmetry(block.symmetry);
         let placed = pieces(count, &rect, start, symmetry, &held);

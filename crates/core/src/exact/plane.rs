@@ -129,8 +129,8 @@ impl WindowMaker for ExactPlane<'_> {
             .take_or(|| SeamTiling::new(self.history, self.shape));
         if let Some(Alone { halo, agreement }) = &self.alone {
             let ground = Ground::alone(&self.domain, window, *halo);
-            // In a domain hardly larger than the window, places would lie on the ground twice. The window is then made as
-            // a single window is, below, and is right without being compared.
+            // In a domain hardly larger than the window, places would lie on the ground twice. The window is then made
+            // as a single window is, below, and is right without being compared.
             if !ground.repeats() {
                 tiling.run(&self.clipper, ground)?;
                 let mut around = Vec::new();

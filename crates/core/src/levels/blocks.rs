@@ -31,8 +31,8 @@ pub(super) struct BlockDraws {
 
 impl BlockDraws {
     /// Fills `out` with the blocks that, enlarged by `reach` units, meet `target`, in the order of their indices. Both
-    /// are in the frame's coordinates, which begin at the plane's place `origin`. `repeats` says whether a block may meet the
-    /// target several times, as its images do in a periodic plane.
+    /// are in the frame's coordinates, which begin at the plane's place `origin`. `repeats` says whether a block may
+    /// meet the target several times, as its images do in a periodic plane.
     pub fn find(
         &self,
         target: &Rect,

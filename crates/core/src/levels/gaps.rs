@@ -165,8 +165,9 @@ impl LevelRegion {
             }
 
             self.flags.clear(flag::CHANGED);
-            // A cell is marked if it holds the lowest point of a pixel whose centre is no farther than `gathered` from the
-            // insertion. The lowest point is less than the pixel's side, at most an eighth of a cell, from the centre.
+            // A cell is marked if it holds the lowest point of a pixel whose centre is no farther than `gathered` from
+            // the insertion. The lowest point is less than the pixel's side, at most an eighth of a cell, from the
+            // centre.
             let radius = self.grid.radius();
             let reach = gathered(radius) + radius.side() / 8;
             // The flags suffice, without a list of the cells marked.

@@ -136,10 +136,10 @@ impl LevelGrid {
     /// Gathers the samples at most `reach` away from `middle` on both axes, and some farther ones, as offsets from `from`, which
     /// are exact where they are shorter than 2^24.
     pub fn gather(&self, middle: Point, reach: i32, from: Point, out: &mut GatheredSamples) {
-        // Where the plane wraps, each axis of the square is cut into up to three spans. A span touches fewer than two cells
-        // more than fit into its length. The second and the third span begin at an edge of a cell, the plane's lower end,
-        // and touch fewer than one cell more. The length is rounded down: that is made up for by one more cell, and five
-        // is the sum. Beyond the last sample a group is written.
+        // Where the plane wraps, each axis of the square is cut into up to three spans. A span touches fewer than two
+        // cells more than fit into its length. The second and the third span begin at an edge of a cell, the plane's
+        // lower end, and touch fewer than one cell more. The length is rounded down: that is made up for by one more
+        // cell, and five is the sum. Beyond the last sample a group is written.
         let columns = ((2 * reach) >> self.layout.bits()) as usize + 5;
         let room = SLOTS * columns * columns + LANES;
         if out.across.len() < room {

@@ -193,8 +193,8 @@ impl Nested {
 
         let whole = self.ends[..self.whole].partition_point(|&end| end <= count) as u32;
 
-        // A prefix that ends with a level has that level's distances. Any other prefix has those of the next level, which
-        // exists, since the last level ends with the last sample.
+        // A prefix that ends with a level has that level's distances. Any other prefix has those of the next level,
+        // which exists, since the last level ends with the last sample.
         let ends_with_level = whole > 0 && self.ends[whole as usize - 1] == count;
         let level = whole.checked_sub(1);
         let finest = if ends_with_level { whole - 1 } else { whole };
@@ -317,10 +317,10 @@ impl<'a> Farthest<'a> {
             self.squares[id as usize] = -1;
             let point = self.points[id as usize];
 
-            // Every other sample is at most as far from the samples taken before as this one was, which is the root of
-            // `square`. Its distance changes only if this sample is nearer, and so within that root. One unit is added, as
-            // the root is rounded down. The first sample of all has the largest number as its square, and reaches over
-            // the whole domain.
+            // No other sample is farther from the samples taken before than this one was: than the root of `square`. So
+            // the distance of another sample changes only if it lies within that root of this one. One unit is added,
+            // as the root is rounded down. The first sample of all has the largest number as its square, and reaches
+            // over the whole domain.
             let longest = i64::from(self.domain.width().max(self.domain.height()));
             let reach = (square.isqrt() + 1).min(longest) as i32;
 

@@ -80,8 +80,8 @@ impl NestedRequest {
         checked.map_err(|error| self.as_of_count(error))
     }
 
-    /// Returns the error to show for an error of [`check`]. If the wanted number of samples gave the radius, too many levels
-    /// become too few samples for the levels: the user chose no radius that could be smaller. Other errors stay.
+    /// Returns the error to show for an error of [`check`]. If the wanted number of samples gave the radius, too many
+    /// levels become too few samples for the levels: the user chose no radius that could be smaller. Other errors stay.
     fn as_of_count(&self, error: ParameterError) -> ParameterError {
         match (self.exactly, error) {
             (

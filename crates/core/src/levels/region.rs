@@ -181,9 +181,9 @@ impl LevelRegion {
             });
 
             // A disk that does not reach into the frame is left out. If the centre of another disk lies outside of the
-            // frame, it is moved to the nearest place of the frame. The frame is convex, so that no
-            // place of the frame is farther from the moved centre than from the first one: all that the frame has of the
-            // disk lies in the moved disk, too.
+            // frame, it is moved to the nearest place of the frame. The frame is convex, so that no place of the frame
+            // is farther from the moved centre than from the first one: all that the frame has of the disk lies in the
+            // moved disk, too.
             let Rect { min, max } = self.frame.rect;
             let x = unknown.at.x.clamp(min.x, max.x - 1);
             let y = unknown.at.y.clamp(min.y, max.y - 1);

@@ -115,10 +115,10 @@ impl Overlay {
         circles.collect()
     }
 
-    /// A question may be about the strip along the edges of each block. Once the question is closed, this draws the inner
-    /// edges of the strips. Returns the place on an inner edge that is nearest to the middle of the view, for the label, and the
-    /// width of the strips in r; `None` while the question is open, for a question without strips, and if no block has
-    /// an inner edge, as all blocks are too narrow.
+    /// A question may be about the strip along the edges of each block. Once the question is closed, this draws the
+    /// inner edges of the strips. Returns the place on an inner edge that is nearest to the middle of the view, for the
+    /// label, and the width of the strips in r; `None` while the question is open, for a question without strips, and
+    /// if no block has an inner edge, as all blocks are too narrow.
     fn strips(&self, open: &OpenLesson) -> Option<(Pos2, f64)> {
         // Each inside is the part of a block that its strip surrounds.
         let (insides, width) = open.strips()?;

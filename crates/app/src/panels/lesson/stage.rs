@@ -318,8 +318,8 @@ const fn share_name(labels: &LessonLabels, share: RightShare) -> &'static str {
 
 /// Follows the pointer with the laser or the pen.
 fn point(ui: &Ui, state: &State, talk: &Talk, rect: Rect, commands: &mut Vec<Command>) {
-    // With the hand, a drag moves the picture, which the canvas does by itself. Before the canvas was laid out there is no
-    // place to point at.
+    // With the hand, a drag moves the picture, which the canvas does by itself. Before the canvas was laid out there is
+    // no place to point at.
     if talk.tool == Tool::Hand || !rect.is_positive() {
         return;
     }

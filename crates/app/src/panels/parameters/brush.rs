@@ -62,8 +62,8 @@ fn sliders(ui: &mut Ui, context: &FormContext<'_>, brush: &mut Brush) {
             .max_decimals(0);
         ui.add(slider).labelled_by(label).known_as("brush-size");
     });
-    // A size that is made a percentage, and a size again, may differ in its last bit. The size is therefore set only when
-    // the slider has changed: otherwise a slider at rest would issue commands.
+    // A size that is made a percentage, and a size again, may differ in its last bit. The size is therefore set only
+    // when the slider has changed: otherwise a slider at rest would issue commands.
     if percent.to_bits() != (100.0 * brush.size).to_bits() {
         brush.size = percent / 100.0;
     }
@@ -88,8 +88,8 @@ fn painted(ui: &mut Ui, context: &FormContext<'_>, commands: &mut Vec<Command>) 
     };
 
     let [columns, rows] = image.pixels();
-    // The text below gives the width of a brush of 2% as an example. The size of a brush is its radius, which is half of
-    // its width.
+    // The text below gives the width of a brush of 2% as an example. The size of a brush is its radius, which is half
+    // of its width.
     let wide = (2.0 * 0.02 * columns.max(rows) as f64).round();
     let text = format!(
         "Painted in {columns} \u{d7} {rows} pixels of 16 bits, with radii between them in proportion: a brush of 2% is {wide} pixels wide. Links do not hold an image."

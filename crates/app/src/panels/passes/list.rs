@@ -36,9 +36,9 @@ pub(super) fn show(
     ui.spacing_mut().item_spacing.y = 0.0;
     let area = ScrollArea::vertical().auto_shrink([false, false]);
     area.show_rows(ui, LINE, passes.lines().len(), |ui, range| {
-        // A key or a button may have selected a pass that is out of view. The list scrolls to it once, when the selection
-        // moves, so that a user may scroll on from there. All lines have one height: the place of the selected line
-        // follows from that of the first line of `range`, which is at the top.
+        // A key or a button may have selected a pass that is out of view. The list scrolls to it once, when the
+        // selection moves, so that a user may scroll on from there. All lines have one height: the place of the
+        // selected line follows from that of the first line of `range`, which is at the top.
         if let Some(line) = selected.filter(|_| selection_moved) {
             let top = ui.max_rect().top() + (line as f32 - range.start as f32) * LINE;
             let size = vec2(ui.available_width(), LINE);
