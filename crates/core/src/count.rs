@@ -96,8 +96,9 @@ pub fn search_radius<T, E: From<ParameterError>>(
     Err(ParameterError::CountMissed { count, nearest }.into())
 }
 
-/// Sets larger than this are made for their count only if the estimate is known to miss and the sequential engine
-/// could make the same.
+/// For a set larger than this, a smaller set (of [`PROBE`] samples) first shows whether the estimate holds. The large
+/// set itself is made for its count only if the estimate misses and the sequential engine could make the same set, or
+/// if the domain allows no set of the smaller size.
 const LARGE: u64 = 1_000_000;
 
 /// Samples of the set that shows whether the estimate holds: enough that its count hardly varies by chance, at a third
@@ -142,7 +143,8 @@ pub fn radius_for_count(
         // The sequential engine does not make sets of this size: there is no search by whole sets with which the radius
         // must agree. The estimate is corrected by the probe's density.
         Some(density) if count as f64 > MAX_SEQUENTIAL_SAMPLES => Ok(estimate * density.sqrt()),
-        // Small sets, and larger ones whose estimate misses, are made until one fits.
+        // Whole sets are made until one has the count: small ones, those of a domain that allows no probe, and larger
+        // ones whose probe missed its estimate.
         _ => search_radius(parameters, count, |radius| {
             Ok((count_with(radius)?, radius))
         }),

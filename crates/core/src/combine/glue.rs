@@ -158,9 +158,9 @@ fn placed(domain: &Domain, pieces: &[Piece], clips: Vec<Clip>) -> Glued {
         }
 
         tiles.push(Tile {
-            // As for blocks, a tile starts with the place of the set on the corner of the enlarged rectangle. The
-            // caller may have given any 32-bit point as the start of a periodic set: a corner below the least number
-            // becomes that number.
+            // A tile's start is the point of the set that lies on the lowest corner of the rectangle enlarged by r.
+            // The caller may give any 32-bit point as the start of a periodic set. The subtraction saturates, as it
+            // would overflow for a start within r of the least number.
             start: Point::new(
                 piece.start.x.saturating_sub(R),
                 piece.start.y.saturating_sub(R),
@@ -235,7 +235,8 @@ fn fill(
 
         let inserted = insert(samples, &mut grid, &candidates, k, key, &mut Unrecorded);
 
-        // The first of several candidates is always inserted. None was, so that there is no candidate and no gap.
+        // If there is any candidate, the first one is inserted. If no sample was inserted, there is no candidate, and
+        // so no gap.
         if inserted.is_empty() {
             break;
         }

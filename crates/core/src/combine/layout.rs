@@ -35,8 +35,9 @@ pub fn grid(domain: &Domain, columns: u32, rows: u32) -> Vec<Rect> {
         .collect()
 }
 
-/// Fails if the rectangles, one for each piece, do not partition `domain`. [`super::combine`] checks this too; this
-/// function is for callers that make sets for the rectangles first.
+/// Fails if there is no rectangle or more than [`MAX_PIECES`] of them, if a rectangle is empty or not inside `domain`,
+/// and if the rectangles, one for each piece, overlap or leave a part of `domain` uncovered. [`super::combine`] checks
+/// this too; this function is for callers that make sets for the rectangles first.
 pub fn check_rects(domain: &Domain, rects: &[Rect]) -> Result<(), CombineError> {
     if rects.is_empty() {
         return Err(CombineError::NoPieces);

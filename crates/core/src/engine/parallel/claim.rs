@@ -63,8 +63,9 @@ impl<const TAGS: bool> Region<TAGS> {
         // The list is taken out of the region, which changes meanwhile.
         let blocks = std::mem::take(&mut self.blocks);
 
-        // The margin of another block ends r inside a block, so that none of its samples comes within r of one deeper
-        // than 2 r. Where margins yield to own samples, only the own ones of other blocks matter, and r is deep enough.
+        // The margin of another block reaches r into a block. A sample deeper than 2 r is farther than r from all
+        // samples of that margin. If all own samples come first, no margin eliminates an own sample. Then only the own
+        // samples of other blocks can, and these lie outside the block: a sample deeper than r is safe.
         let depth = i64::from(if matches!(turns, Turns::OwnFirst) {
             R
         } else {
@@ -114,7 +115,7 @@ impl<const TAGS: bool> Region<TAGS> {
     }
 
     /// Decides the fates of a block's own samples that are not in its interior, in the order in which they are clipped.
-    /// A block lies in the domain, so that none of them is outside of it as margin samples may be.
+    /// A block lies in the domain, and so do its own samples. They need no test for it, unlike those of margins.
     #[inline(always)]
     fn claim_own<S: Simd>(
         &mut self,

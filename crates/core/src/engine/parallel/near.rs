@@ -105,8 +105,8 @@ impl Near {
         self.count.div_ceil(LANES)
     }
 
-    /// Measures the pixel whose centre is (x, y) among the samples of 5 x 5 cells: disks of radius
-    /// r/2 around them do not overlap, so that there are fewer than 64.
+    /// Measures the pixel whose centre is (x, y) among the samples of 5 x 5 cells. These samples are fewer than 64: the
+    /// disks of radius r/2 around them do not overlap, and lie in a square with sides of 6 r, which has room for 45.
     #[inline(always)]
     pub(crate) fn measure<S: Simd>(&mut self, simd: S, x: f32, y: f32) -> MeasuredPixel {
         let (nearest, squared_to_corner) = self.square_distances(simd, x, y);

@@ -243,8 +243,8 @@ impl WindowMaker for Plane {
         out: &mut WindowSamples,
     ) -> Result<(), SampleError> {
         out.clear();
-        // The package for npm asks for no tags. Built without them, it has this engine once, which is all that keeps it below
-        // its limit (`web/sampler/build`).
+        // The package for npm asks for no tags. Built without them, it contains the engine for plain samples alone, not
+        // a second copy for tagged ones: both would exceed the package's limit of bytes (`web/sampler/build`).
         #[cfg(not(tilescope_untagged))]
         if with_tags {
             return self.fill_from(&self.tagged, window, out);

@@ -95,7 +95,8 @@ impl<const TAGS: bool> Region<TAGS> {
         self.contested.clear();
         self.frame = frame;
         self.mark_rim(1, flag::EDGE);
-        // One more, because open places in the outermost cells depend on samples beyond them.
+        // The outermost cells may hold samples that depend on those beyond them, as unsure cells do. Such samples
+        // affect cells up to `reach` from the outermost ones, which are the outermost `reach + 1`.
         self.mark_rim(reach + 1, flag::REACHED);
     }
 
@@ -309,7 +310,8 @@ impl<const TAGS: bool> Region<TAGS> {
             if ends_at_cells {
                 out.extend_from_slice(samples);
             } else if TAGS || is_outermost {
-                // With tags all of the row is tested, since the tags to be left out are sought among those of the row.
+                // With tags the whole row is tested at once: `tags` ends with the tags of the whole row, and
+                // `emit_inside` expects those of the samples that it is given.
                 self.emit_inside(samples, out, tags);
             } else {
                 // Of an inner row only the first and the last cell may have samples outside of the window.

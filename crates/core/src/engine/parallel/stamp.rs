@@ -67,15 +67,15 @@ impl Stamps {
 fn stamp_of_bin(bin: [i32; 2]) -> u64 {
     // The square of the largest distance along an axis: from the upper end of the pixel to the bin's lower one, or the
     // other way round.
-    let farthest = |bin_low: i32, pixel: usize| {
+    let farthest_squared = |bin_low: i32, pixel: usize| {
         let low = pixel as i32 * PIXEL_SIDE;
         let (high, bin_high) = (low + PIXEL_SIDE - 1, bin_low + BIN_SIDE - 1);
         i64::from((high - bin_low).abs().max((bin_high - low).abs())).pow(2)
     };
-    let across: [i64; PIXELS] = std::array::from_fn(|pixel| farthest(bin[0], pixel));
+    let across: [i64; PIXELS] = std::array::from_fn(|pixel| farthest_squared(bin[0], pixel));
     let mut stamp = 0;
     for row in 0..PIXELS {
-        let up = farthest(bin[1], row);
+        let up = farthest_squared(bin[1], row);
         for (column, across) in across.iter().enumerate() {
             stamp |= u64::from(across + up <= R_SQUARED) << (row * PIXELS + column);
         }

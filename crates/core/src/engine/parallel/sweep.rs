@@ -109,8 +109,9 @@ impl<P: WindowMaker> Sweep<P> {
     pub(crate) fn of_plane(plane: P, sources: bool) -> Self {
         let max = plane.domain().rect().max;
         let cells = [(max.x - 1) / R + 1, (max.y - 1) / R + 1];
-        // In a small domain, enough windows for every thread, unless they would be shorter than `MIN_SIDE`. Along each
-        // axis there are as few as `longest` allows, all of about the same length.
+        // Windows are square and so large that each thread has `WINDOWS_A_THREAD` of them, within the limits of a
+        // window's side. `longest` is that side. Along each axis the domain is then cut into as few windows as are not
+        // longer, all of about the same length.
         let windows = WINDOWS_A_THREAD as f64 * rayon::current_num_threads() as f64;
         let side = (f64::from(cells[0]) * f64::from(cells[1]) / windows).sqrt() as i32;
         let longest = side.clamp(MIN_SIDE, P::MAX_SIDE);
@@ -326,8 +327,8 @@ impl JoinedSamples {
             let rows = pieces.first().map_or(0, |piece| piece.rows.len());
             for row in 0..rows {
                 for piece in pieces {
-                    // Rows of cells of a band follow each other over all of its windows: that is the canonical order.
-                    // `rows` has, for each row of a window, how many of its samples lie in the rows up to it.
+                    // The canonical order takes a row of cells across all windows of a band before the next row.
+                    // `rows[row]` is how many samples of a window lie in its first row up to `row`.
                     let first = if row == 0 {
                         0
                     } else {

@@ -223,7 +223,8 @@ impl<const TAGS: bool> Region<TAGS> {
                 continue;
             }
 
-            // An unknown sample, beside it or in its own cell, may come first and cover it: then this one is unknown, too.
+            // An unknown sample in this cell or beside it may be inserted before the dart, and cover it. The dart's
+            // fate is then unknown, too.
             if self.flags[cell] & flag::HOT != 0 {
                 self.make_hot(cell);
                 continue;

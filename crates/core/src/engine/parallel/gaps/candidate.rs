@@ -76,8 +76,8 @@ impl<const TAGS: bool> Region<TAGS> {
         let square = |site: &I64Vec2| site.distance_squared(place);
         // A place has at least one site.
         let nearest_square = sites.iter().map(square).min().unwrap_or(0);
-        // A sample covers the place if its square is at most R^2, which for whole numbers is less than R^2 + 1: one
-        // search below the larger limit decides about both.
+        // A sample covers the place if its squared distance is at most R^2. Squared distances are whole numbers: this
+        // means below R^2 + 1. One search below the larger of the two limits answers both questions.
         let limit = (nearest_square - NEARER_SLACK).max(R_SQUARED + 1);
 
         // A pixel whose sites may lie beyond the usual cells was searched with the samples of more cells.
@@ -245,7 +245,8 @@ impl<const TAGS: bool> Region<TAGS> {
                 continue;
             }
             let cell = self.frame.cell_at(x, y);
-            // An unknown sample, beside it or in its own cell, may come first and cover it: then this one is unknown, too.
+            // An unknown sample in this cell or beside it may be inserted before the candidate, and cover it. The
+            // candidate's fate is then unknown, too.
             if self.flags[cell] & flag::HOT != 0 {
                 self.make_hot(cell);
                 continue;
