@@ -52,8 +52,8 @@ impl SampleIndex {
             row * columns + column
         };
 
-        // A sort by counting: first how many samples each cell has, one place behind the cell, then by sums where its part of the list
-        // begins.
+        // A sort by counting. First `starts[k + 1]` is how many samples cell `k` has. The sums then make `starts[k]` the
+        // place in the list at which the samples of cell `k` begin.
         let mut starts = vec![0_u32; columns * rows + 1];
         for point in points {
             starts[cell_of(point) + 1] += 1;
@@ -139,8 +139,8 @@ impl SampleIndex {
             &[0.0]
         };
 
-        // A bounded domain has no images, but samples that it dropped lie up to one radius outside it. They are visited
-        // even if `reach` is less than a radius, where the rectangle with `reach` around it meets the domain.
+        // A bounded domain has no images, but the samples that it dropped lie up to one radius outside it. The
+        // rectangle must not be cut off before these samples: at least one radius is left around the domain.
         let beyond = if self.periodic {
             beyond
         } else {

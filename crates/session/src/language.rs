@@ -184,7 +184,8 @@ impl Language {
         is_number.then(|| number.chars().map(translated).chain(unit.chars()).collect())
     }
 
-    /// Returns the translation of a text that a pattern matches.
+    /// Returns the translation of a text by a pattern; `None` if the pattern does not match the text, or if the part of
+    /// the text in one of its slots has no translation.
     fn matched(&self, pattern: &Pattern, english: &str, depth: usize) -> Option<String> {
         let mut parts = Vec::new();
         self.fits(&pattern.english, english, depth, &mut parts)
@@ -258,7 +259,9 @@ impl Language {
     ///
     /// # Errors
     ///
-    /// The line of a fault: a text without translation, the same text twice, other slots in the translation.
+    /// The line of a fault: a text without translation, the same text twice, a translation with other slots than the
+    /// English text, a slot without end, and two slots without words between them. Without a line: a translation of
+    /// the sample number that has no two separators.
     pub fn read(table: &'static str) -> Result<Self, String> {
         let mut texts = HashMap::new();
         let mut patterns = Vec::new();
@@ -340,7 +343,8 @@ fn slots(pieces: &[Piece]) -> Vec<String> {
     slots
 }
 
-/// Returns the pieces of a text of the table.
+/// Returns the pieces of a text of the table. Fails for a slot without end and for two slots without words between
+/// them; the error says which of these the text has.
 fn pieces(text: &'static str) -> Result<Vec<Piece>, &'static str> {
     let mut pieces = Vec::new();
     let mut rest = text;

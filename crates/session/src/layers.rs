@@ -135,8 +135,8 @@ impl Layer {
 
     /// Returns whether a kind of session has this layer: seams belong to combinations, the tree to runs; nested levels
     /// have samples, disks and triangulations alone. Sets of varying radius have these, too, with their field, gaps,
-    /// darts, inserted samples and active cells; planes through sets in space have the balls that they cut, with gaps,
-    /// darts and active cubes.
+    /// darts, inserted samples and active cells. Planes through sets in space have samples, the disks that they cut
+    /// from balls, gaps, darts and active cubes.
     #[must_use]
     pub const fn is_of(self, kind: SessionKind) -> bool {
         match (self, kind) {
@@ -154,7 +154,7 @@ impl Layer {
             ),
             (Self::Seams, _) => matches!(kind, SessionKind::Combination),
             (Self::Tree, _) => kind.is_run(),
-            // Runs and combinations have all other layers.
+            // Runs, exact tilings and combinations have all other layers.
             _ => true,
         }
     }

@@ -20,7 +20,7 @@ pub struct NestedLevels {
     pub claims: Vec<PrefixClaim>,
     /// The rank of each sample, in order; nothing if the set was read from a file.
     pub ranks: Vec<f64>,
-    /// What the set was made from; `None` if it was read from a file, and for what a density has left of a set.
+    /// What the set was made from; `None` if it was read from a file, and if a density has removed samples of it.
     #[serde(with = "as_json")]
     pub asked: Option<(Parameters, NestedRequest)>,
     /// How the set was made, as certificates name it.
@@ -55,9 +55,10 @@ impl NestedLevels {
         let whole = ends.map(|(level, &end)| PrefixClaim::maximal(end, radius_of(level)));
         let mut claims: Vec<PrefixClaim> = whole.collect();
 
-        // Behind the last whole level there may be a part of the next one, or all that a density has left
-        // (`is_painted`): those samples make a last claim. They cover no less than the last whole level, if there is one. A
-        // density leaves samples of all levels, which keep only the distance of the finest one.
+        // Samples behind the last whole level are a part of the next level, and make a last claim: with the distance of
+        // the next level, and the covering of the last whole one, if there is one. In a painted set a density has
+        // removed samples of any level. Then no level is whole, and all samples make one claim: they keep the distance
+        // of the finest level, and no covering.
         let last = claims.last().copied();
         let count = levels.ranks.len();
         if last.is_none_or(|claim| claim.count < count) {
@@ -117,9 +118,9 @@ impl NestedLevels {
     }
 
     /// Returns a number below which the ranks of the first `count` samples lie, and no others; of all such numbers one
-    /// with the fewest decimals. `None` if the ranks of so many samples are not known, if the last of them has the same
-    /// rank as the sample after it, and at the end of a set that was cut off or that a density has left: the next rank
-    /// is not known there.
+    /// with the fewest decimals. `None` if the ranks of `count` samples are not known, and if the last of them has the
+    /// same rank as the sample after it. Also `None` for all samples of a set that was cut off or thinned by a density,
+    /// as the rank of the sample that would come next is not known.
     ///
     /// # Panics
     ///
@@ -131,8 +132,7 @@ impl NestedLevels {
             .get(..count)?
             .last()
             .expect("a prefix has a sample");
-        // Whether nothing that was asked for comes after: the set has its exact number of samples, or its last level
-        // whole.
+        // Whether the set ends here as it was asked for: with an exact number of samples, or with a whole last level.
         let ends_here = |&(_, request): &(Parameters, NestedRequest)| {
             request.exactly.is_some() || self.whole(count) == Some(request.levels as usize - 1)
         };
@@ -145,13 +145,14 @@ impl NestedLevels {
                 .filter(|asked| ends_here(asked))
                 .map(|_| 1.0)?,
         };
-        // Ranks ascend, so that these are equal.
+        // Ranks ascend, so that these two ranks are equal: no number separates them.
         if last >= next {
             return None;
         }
 
-        // The next rank, cut off behind as few decimals as leave it above the last one. With 15 decimals the powers of
-        // ten and the products are still exact enough; beyond them the next rank itself serves.
+        // The next rank is cut off behind as few decimals as possible, such that it stays above the last rank. With up
+        // to 15 decimals the powers of ten and the products are exact enough. If 15 are too few, the next rank itself
+        // is returned.
         let mut cut = (1..=15).map(|decimals| {
             let scale = 10.0_f64.powi(decimals);
             (next * scale).floor() / scale

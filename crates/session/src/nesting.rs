@@ -79,7 +79,7 @@ pub fn of_file(set: &ReadSet, name: &str, generation: u64) -> Option<Result<Sess
 
         let levels = NestedLevels {
             claims,
-            // Files have them in a column that is not read with the points.
+            // Files have the ranks in a column, which is not read with the points.
             ranks: Vec::new(),
             asked: None,
             method: certificate.method.clone(),

@@ -38,7 +38,8 @@ pub fn sample(
     } = stipple;
     let became = MadeStipple {
         black,
-        // A set that is not the beginning of a larger one has all dots that were asked for.
+        // If only the first dots of a larger set were kept, `facts.made` is how many dots that set had. Otherwise all
+        // dots were kept, as many as were asked for.
         made: set_made.facts.made.unwrap_or(request.dots),
     };
     let domain = *field.domain();

@@ -80,6 +80,8 @@ pub enum WitnessShape {
 
 impl Verdict {
     /// Verifies the result of a run, or a prefix of nested levels. `points` are the positions of the samples.
+    ///
+    /// Fails when the verifier refuses the set or `monitor` is cancelled.
     pub fn of(
         points: &[[f64; 2]],
         region: Region,
@@ -144,7 +146,7 @@ impl Verdict {
         made: &MadeGround,
         monitor: &Monitor,
     ) -> Result<Self, String> {
-        let (ground, _) = made.ground().map_err(|error| error.to_string())?;
+        let (ground, _stated) = made.ground().map_err(|error| error.to_string())?;
         let control = |progress| monitor.follow(progress);
         let (judged, options) = (&ground.varying.judged, VerifyOptions::default());
         // The first dots need not cover every place: how far they do is measured.
@@ -177,7 +179,8 @@ impl Verdict {
         let (region, radius) = (solid.region(), session.run().domain.radius());
         let control = |progress| monitor.follow(progress);
         let options = VerifyOptions {
-            // Along a short side a unit is longer than elsewhere; the box's own bound counts it.
+            // Each side of the box is a whole number of lattice units, so that a unit may be a little longer than
+            // radius / R. The box's own bound is computed with its longest unit.
             covering_tolerance: solid.domain.covering_bound() / radius - 1.0,
             ..VerifyOptions::default()
         };
@@ -291,15 +294,19 @@ impl Task for VerifyTask {
             let all = points.len();
             points.truncate(self.prefix.unwrap_or(all));
             let verdict = Verdict::on_ground(&points, made, monitor)?;
-            // A file may have only the first dots of a stipple, which promise no covering: the whole has as many as
-            // were asked for. (If its certificate states fewer than the file has, the file counts as the whole.)
+            // A file may have only the first dots of a stipple, which promise no covering. The whole stipple has as
+            // many dots as were asked for. (If the certificate states fewer dots than the file has, the file counts as
+            // the whole.)
             let (_parameters, request) = &made.asked;
-            let asked = request.stipple.as_ref().map(|stipple| stipple.dots);
-            let asked = asked.and_then(|dots| usize::try_from(dots).ok());
-            let stipple = session
+            let asked = request.stipple.as_ref();
+            let dots_asked = asked.and_then(|stipple| usize::try_from(stipple.dots).ok());
+            let whole_stipple = session
                 .stipple()
-                .map(|_| asked.map_or(all, |dots| dots.max(all)));
-            return Ok(Verdict { stipple, ..verdict });
+                .map(|_| dots_asked.map_or(all, |dots| dots.max(all)));
+            return Ok(Verdict {
+                stipple: whole_stipple,
+                ..verdict
+            });
         }
         let region = region(&run.domain);
 

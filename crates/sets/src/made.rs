@@ -60,12 +60,12 @@ impl Made {
             let (judged, points) = (&varying.judged, &self.set.points);
             return match self.facts.made {
                 None => judged.verify(points, options, control),
-                // The set is the first of more samples that were made, and need not cover every place: how far places are
-                // from it is measured.
+                // More samples were made, and the set is the first ones of these. It need not cover every place: how
+                // far places are from its samples is measured.
                 Some(_) => judged.verify_prefix(points, options, control),
             };
         }
-        // A set of one radius is whole: only stipples are the first of more samples, and their radius varies.
+        // A set of one radius is whole. Only of stipples the first samples are kept, and the radius of stipples varies.
         let (region, radius) = (self.facts.region, self.facts.radius);
         verify(&self.set.points, region, radius, options, control)
     }

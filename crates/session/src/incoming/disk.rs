@@ -44,7 +44,7 @@ pub fn read_limited(path: &Path, limit: u64, monitor: &Monitor) -> Result<Vec<u8
             )));
         }
 
-        // The end of the file.
+        // Nothing was left to read: the file has ended.
         if read == 0 {
             return Ok(bytes);
         }
@@ -63,7 +63,8 @@ impl Incoming {
         // Where it is not clear whether there is a file, the error of reading it says why.
         if beside.try_exists().unwrap_or(true) {
             let bytes = read_limited(&beside, MAX_CERTIFICATE_BYTES as u64, monitor)?;
-            // Through a link the certificate has another name; here it belongs to the file as it is named.
+            // If `path` is a link, the certificate may lie beside the file that the link leads to, under that file's
+            // name. It is kept under the name that a certificate of `path` has, by which it is looked for later.
             let named = name(&certificate_path(path));
             incoming.beside.push(NamedBytes::new(named, bytes));
         }

@@ -49,7 +49,8 @@ impl RadiusGrid {
         boundary: Boundary,
     ) -> Result<Self, VaryingError> {
         check_pixels(columns, pixels.len())?;
-        // Nodes lie as those of images do: an array and an image of as many pixels have them at the same places.
+        // Nodes lie as those of images do: an array and an image with the same numbers of columns and rows have their
+        // nodes at the same places.
         let wraps = boundary == Boundary::Periodic;
         let squares = [columns, pixels.len() / columns];
         let [node_columns, node_rows] = squares.map(|count| count + usize::from(!wraps));
@@ -64,8 +65,8 @@ impl RadiusGrid {
         Self::new(node_columns, means.collect())
     }
 
-    /// Returns radii from the density of pixels: 1 where it is 1, and elsewhere such that samples are as dense as the pixels say;
-    /// at most 64 times the least.
+    /// Returns radii from the densities of pixels: the radius is 1 where the density is 1, and elsewhere such that
+    /// samples are as dense as the pixels say. Radii are at most 64 times the least one.
     ///
     /// # Errors
     ///

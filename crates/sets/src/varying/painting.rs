@@ -122,7 +122,8 @@ impl PaintedRadii {
 
         let ground = recipe.ground()?;
         let (field, domain) = (&ground.field, ground.field.domain());
-        // As it was asked for: the sides of the domain are rounded to its lattice, each by itself.
+        // If the recipe has the sides, they are taken from there. The sides of the domain are rounded to its lattice,
+        // each by itself: squares that fill the recipe's sides may not fill the rounded ones.
         let size = match recipe.size {
             [Some(width), Some(height)] => [width, height],
             _ => domain.size(),
@@ -132,8 +133,8 @@ impl PaintedRadii {
         let unit = domain.radius() / f64::from(tilescope_core::R);
         let extremes = field.extremes().map(|radius| f64::from(radius) * unit);
         let is_periodic = recipe.boundary == Boundary::Periodic;
-        // A side of a periodic domain must be longer than four times the largest radius. A radius a little below a quarter of
-        // it is never refused.
+        // A side of a periodic domain must be longer than four times the largest radius. A radius a little below a
+        // quarter of the shorter side is never refused.
         let most = if is_periodic {
             size[0].min(size[1]) / 4.01
         } else {
@@ -158,7 +159,8 @@ impl PaintedRadii {
         })
     }
 
-    /// Paints a stroke. Where it passes several times, it counts once, so that it does not depend on how often a pointer reports.
+    /// Paints a stroke. A pixel that the stroke passes several times is painted once, so that the result does not
+    /// depend on how often a pointer reports its place.
     pub fn paint(&mut self, stroke: &BrushStroke) {
         let brush = stroke.brush.limited();
         let reach = brush.size * self.size[0].max(self.size[1]);
@@ -188,7 +190,8 @@ impl PaintedRadii {
         let pitch = self.size[0] / self.columns as f64;
         let mut distances = vec![f64::INFINITY; self.grey.len()];
 
-        // A dab is a segment without a length.
+        // Each place is joined to the next one, and the last place to itself: a dab is thus a segment without a length.
+        // A longer stroke ends with such a segment, which changes no distance.
         let last = path.last().copied();
         let ends = path
             .iter()
