@@ -192,7 +192,8 @@ impl AsPrinted {
         let centre = samples.points[conflict as usize];
         let at = samples.points[pivot as usize];
 
-        // Line 7 searches 2r far. Here it is 4 units more, since patterns cover lattice points alone.
+        // Line 7 searches 2r far. The search here goes 4 units farther, since patterns cover lattice points alone, not
+        // the places between them.
         let mut buffer = self.radius_search(samples, centre, DETECTOR_REACH);
         record_search(conflict, DETECTOR_REACH, &buffer, recorder);
 

@@ -90,7 +90,7 @@ fn stated_size(bytes: &[u8]) -> Option<[u32; 2]> {
 /// row and first column lie.
 fn orientation(exif: &[u8]) -> u16 {
     const UPRIGHT: u16 = 1;
-    const TAG: u32 = 0x0112;
+    const ORIENTATION_TAG: u32 = 0x0112;
     // Exif data are a TIFF file, which begins with MM where the greatest byte of a number comes first, and otherwise
     // with II.
     let is_big = exif.starts_with(b"MM");
@@ -110,7 +110,8 @@ fn orientation(exif: &[u8]) -> u16 {
         let entries = number(directory, 2)? as usize;
         // An entry has twelve bytes: what it is, its type, how many values, and a value of up to four bytes.
         let mut all = (0..entries).map(|index| directory + 2 + 12 * index);
-        let entry = all.find(|&entry| number(entry, 2) == Some(TAG))?;
+        let entry = all.find(|&entry| number(entry, 2) == Some(ORIENTATION_TAG))?;
+        // An orientation is a number of two bytes, which are the first of the four, whichever order they have.
         number(entry + 8, 2)
     };
     let found = find().filter(|found| (1..=8).contains(found));
@@ -119,12 +120,6 @@ fn orientation(exif: &[u8]) -> u16 {
 
 /// Returns pixels turned upright. `orientation` is that of Exif data, from 1, upright, to 8.
 fn turned(light: Vec<u16>, columns: usize, orientation: u16) -> Pixels {
-    let rows = light.len() / columns;
-    // From 5 on the file's columns are the picture's rows. With some numbers the file has its columns from right to
-    // left, or its rows from below, as the picture is seen.
-    let is_transposed = orientation >= 5;
-    let mirrors_columns = matches!(orientation, 2 | 3 | 7 | 8);
-    let mirrors_rows = matches!(orientation, 3 | 4 | 6 | 7);
     if orientation == 1 {
         return Pixels {
             columns,
@@ -132,6 +127,13 @@ fn turned(light: Vec<u16>, columns: usize, orientation: u16) -> Pixels {
             alpha: None,
         };
     }
+
+    let rows = light.len() / columns;
+    // From 5 on the file's columns are the picture's rows. With some numbers the file has its columns from right to
+    // left, or its rows from below, as the picture is seen.
+    let is_transposed = orientation >= 5;
+    let mirrors_columns = matches!(orientation, 2 | 3 | 7 | 8);
+    let mirrors_rows = matches!(orientation, 3 | 4 | 6 | 7);
 
     let new = if is_transposed {
         [rows, columns]
