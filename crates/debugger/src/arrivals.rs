@@ -20,8 +20,8 @@ impl Recording {
         points: Vec<Point>,
     ) -> Self {
         let domain = locality.field.domain();
-        // As sets in a field that are recorded dart by dart: the radius is the r of the lattice, and the dart process
-        // is uniform insertion.
+        // These are the parameters of sets in a field that are recorded dart by dart: the radius is the r of the
+        // lattice, and the dart process counts as uniform insertion.
         let parameters = Parameters {
             radius: domain.radius(),
             insertion: Insertion::Uniform,

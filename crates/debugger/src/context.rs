@@ -86,8 +86,8 @@ impl Context {
             // current sample.
             RunEvent::Insert { sample, .. } if self.search.is_none() => self.sample = Some(sample),
 
-            // A wake is no test, so that its dart has no verdict yet. It is shown as accepted, since what refused it
-            // first is missing.
+            // A wake is about a dart that the pattern refused, because of a sample that is missing in this run. The
+            // dart will be asked again. Until it is, it is shown as accepted.
             RunEvent::Wake { point, .. } => self.dart = Some((point, Verdict::Accepted)),
             RunEvent::Dart { point, verdict, .. } => self.dart = Some((point, verdict)),
 

@@ -16,7 +16,8 @@ pub fn density(recording: &Recording, range: Range<usize>, buckets: usize) -> Ve
     let bound = |k: usize| start + ((end - start) as u128 * k as u128 / buckets as u128) as usize;
     let mut all = Vec::with_capacity(buckets);
 
-    // Each bucket is the difference of two counts from the start. The earlier one is the bucket before's later one.
+    // A bucket's counts are those up to its end, less those up to its beginning. It begins where the bucket before it
+    // ends, so that the count at this place serves both.
     let mut before = CountsUpTo::default().advanced_to(recording, start);
     for k in 1..=buckets {
         let after = before.advanced_to(recording, bound(k));

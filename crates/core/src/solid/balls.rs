@@ -96,8 +96,9 @@ impl BallGrid {
         // Octants without a place of the domain count as covered.
         let mut covered: u8 = beyond[0] | beyond[1] | beyond[2];
 
-        // A ball that covers an octant reaches half of the cube deep; an octant that is cut by the domain's side is not
-        // so deep.
+        // The first and the last place of an octant are `half - 1` units apart on an axis. A ball that covers the
+        // octant reaches at least as deep into the cube. An octant that the domain's side cuts is thinner: no depth is
+        // asked for.
         let is_whole = ends.iter().all(|end| end[1] == side - 1);
         let depth = if is_whole { half - 1 } else { 0 };
         self.any_near(min, side, depth, |sample| {

@@ -7,8 +7,9 @@ use crate::lattice::{Boundary, R, side_units};
 
 use super::Place;
 
-/// The shortest side of a box, in radii. In a periodic one of more than two radii at most one image of a sample covers a
-/// place; the rest keeps a unit of a side near its share of the radius (see [`SolidDomain::covering_bound`]).
+/// The shortest side of a box, in radii. If a periodic side is longer than two radii, at most one image of a sample
+/// covers a place. A side is rounded down to whole units, which makes a unit longer than its share of the radius. Sides
+/// of at least four radii keep this excess small (see [`SolidDomain::covering_bound`]).
 pub const MIN_SIDE_RADII_SOLID: f64 = 4.0;
 
 /// The largest volume of a box, in cubed radii, 2^30: some 800 million samples. The darts of a throw, 1.4 to a

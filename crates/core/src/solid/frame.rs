@@ -9,8 +9,9 @@ use crate::lattice::{Boundary, R, R_SQUARED};
 use super::Place;
 use super::domain::SolidDomain;
 
-/// Blocks of a cell have sides of R, or of R / 2: quarters were not faster, and eighths were slower.
-const FINEST_BLOCKS: u32 = 1;
+/// How often the side of a cell is halved at most for a block: blocks have sides of R or R / 2. Blocks of R / 4 were
+/// not faster, and blocks of R / 8 were slower.
+const MAX_HALVINGS: u32 = 1;
 
 /// A cell as seen from one of its neighbours, or from itself.
 #[derive(Clone, Copy)]
@@ -177,7 +178,7 @@ fn squared_gaps(at: i32, side: i32, depth: i32) -> [u64; 4] {
 /// Returns the number of the block that holds a cube, which begins at a place of its cell.
 #[inline]
 fn block(inside: Place, side: i32) -> usize {
-    let bits = (R.ilog2() - side.ilog2()).min(FINEST_BLOCKS);
+    let bits = (R.ilog2() - side.ilog2()).min(MAX_HALVINGS);
     let [x, y, z] = inside.map(|at| (at >> (R.ilog2() - bits)) as usize);
     FIRST_BLOCK[bits as usize] + (z << (2 * bits) | y << bits | x)
 }
@@ -189,7 +190,7 @@ const FIRST_BLOCK: [usize; 2] = [0, 1];
 fn orders(around: &[Neighbour; 27]) -> Vec<Vec<u8>> {
     let mut orders = Vec::new();
     // Blocks of all sizes, from the whole cell down, are listed one after the other.
-    for bits in 0..=FINEST_BLOCKS {
+    for bits in 0..=MAX_HALVINGS {
         let side = R >> bits;
         for number in 0..1 << (3 * bits) {
             // The number of a block has `bits` bits for each axis; this is where the block begins in its cell.
@@ -198,7 +199,8 @@ fn orders(around: &[Neighbour; 27]) -> Vec<Vec<u8>> {
                 [number, number >> bits, number >> (2 * bits)].map(|at| (at & mask) * side);
 
             // The square of the shortest distance between places of the block and of a cell. On an axis the cell lies
-            // below the block's own cell, beside it, or above it.
+            // below the block's own cell, beside it, or above it. Counted from the lowest place of the block's own
+            // cell, the highest place of the cell below is -1, and the lowest place of the cell above is R.
             let gap = |cell: &u8| {
                 let at = around[usize::from(*cell)].at;
                 let squared = |axis: usize| {

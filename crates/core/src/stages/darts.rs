@@ -268,8 +268,7 @@ impl<G: DartGround> DartProcess<G> {
         let mut meter = Meter::begin(observer, stage, 3 * cells)?;
         let darts = self.darts(&mut meter, recorder)?;
 
-        // Events number iterations from 1. A process that is no stage of iterations inserts in none, for which 0
-        // stands.
+        // Events number iterations from 1. If the stage is no iteration, the events say 0.
         let iteration = match stage {
             Stage::Iterate(k) => k,
             _ => 0,

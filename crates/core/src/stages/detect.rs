@@ -61,15 +61,15 @@ pub struct Reach {
 }
 
 impl Reach {
-    /// Returns the reach of a detector at `at`: candidates within 2r, samples within 4r, a few units
-    /// more for rounding; 3.5r and 7r within 4.5r of a bounded domain's border; or 2r for the samples
-    /// as an experiment.
+    /// Returns the reach of a detector at `at`. Candidates are searched within 2r and their samples within 4r, and a
+    /// few units more for rounding. Within 4.5r of a bounded domain's border they are searched within 3.5r and 7r.
+    /// [`Search::TwoRadii`], an experiment, searches samples within 2r everywhere.
     #[must_use]
     pub fn new(domain: &Domain, search: Search, at: Point) -> Self {
-        // Only places within r of a border may be farther than 2r from all samples, and then less than 3.42r, so that
-        // detectors deeper than 4.42r have none in reach. Instead of 4.42r, 3.42r, and 2r and 2 units (see the head of
-        // this file), the bounds are 4.5r, 3.5r, and 2r and 16 units: rounded up, by more than the rounding of places
-        // needs.
+        // A place within r of a border may be up to 3.42r from all samples. Any other place is at most 2r and 2 units
+        // from a sample (see the head of this file). A detector deeper than 4.42r has no place within 3.42r that lies
+        // within r of a border. All bounds are rounded up, by more than the rounding of places needs: 4.42r to 4.5r,
+        // 3.42r to 3.5r, and 2 units to 16.
         let deep = domain.is_periodic() || domain.rect().depth(at) > 9 * R / 2;
         let radius = if deep { 2 * R + 16 } else { 7 * R / 2 };
 

@@ -91,8 +91,9 @@ pub(crate) fn tile<T: Recorder>(
     Ok(tiles)
 }
 
-/// Appends the sample `pattern` of the clip of `block`, which has the index `index`, at a place of the plane: wrapped
-/// in a periodic domain, dropped outside a bounded one.
+/// Appends a sample of the clip of `block` to `samples`, at the place `at` of the plane. A periodic domain wraps the
+/// place; outside of a bounded domain the sample is dropped. `index` is the number of the block, and `pattern` is the
+/// sample's number in the pattern.
 #[inline]
 pub(crate) fn push_tiled(
     domain: &Domain,

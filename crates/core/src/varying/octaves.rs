@@ -90,8 +90,8 @@ impl Octaves {
     }
 
     /// Calls `visit` with the offset from `from` and the radius of samples in sight, until it returns `true`; returns
-    /// whether it did. No sample is left out that is near a place of this radius at most `slack` units from `from` on
-    /// both axes.
+    /// whether it did. Take any place of this radius that is at most `slack` units from `from` on both axes: all
+    /// samples in sight that are near it are visited, and some that are not.
     #[inline]
     pub fn any_near(
         &self,

@@ -364,17 +364,22 @@ impl Mask {
         self.levels[0].class(row, column) == Class::Inside
     }
 
-    /// Returns the class of the places from `min` to `max`: that of the at most four blocks that they touch, if all have one.
+    /// Returns the class of the places from `min` to `max`. They touch at most four blocks of one size. If these blocks
+    /// have one class, it is that of the places; otherwise the places are mixed.
     fn class_between(&self, min: [i64; 2], max: [i64; 2]) -> Class {
-        let (low, high) = (self.scale.pixel(min), self.scale.pixel(max));
-        // As wide as the pixels that the places touch, or wider, at most two blocks lie side by side. An aligned cell has one.
-        let count = (high[0] - low[0]).max(high[1] - low[1]) + 1;
-        let size = count.next_power_of_two().ilog2();
-        let (low, high) = (low.map(|at| at >> size), high.map(|at| at >> size));
+        let (first_pixel, last_pixel) = (self.scale.pixel(min), self.scale.pixel(max));
+        // Blocks of this level are at least as wide as the pixels that the places touch. So the places touch at most
+        // two blocks on an axis, and often a single one.
+        let spans = [0, 1].map(|axis| last_pixel[axis] - first_pixel[axis] + 1);
+        let level = spans[0].max(spans[1]).next_power_of_two().ilog2();
+        let (low, high) = (
+            first_pixel.map(|at| at >> level),
+            last_pixel.map(|at| at >> level),
+        );
 
-        let class = |row: usize, column: usize| match self.levels.get(size as usize) {
-            Some(level) => level.class(row, column),
-            // The block at the corner is wider than all pixels.
+        let class = |row: usize, column: usize| match self.levels.get(level as usize) {
+            Some(blocks) => blocks.class(row, column),
+            // A single block at the corner has all pixels, and places beyond them.
             None if (row, column) == (0, 0) => Class::Mixed,
             None => Class::Outside,
         };

@@ -30,7 +30,7 @@ pub(super) struct DrawnCubeDarts {
 }
 
 impl DrawnCubeDarts {
-    /// For how many cubes darts are drawn at a time.
+    /// For how many cubes darts are drawn at a time. [`CubeDart::cube`] numbers them with 8 bits.
     pub const CUBES: usize = 8 * DRAW_LANES;
 
     /// Draws the darts of at most [`Self::CUBES`] cubes. `lowest` returns the lowest place of one.
@@ -54,6 +54,7 @@ impl DrawnCubeDarts {
             }
             let drawn = draw_by_eight(simd, keys, counters);
 
+            // The words of a cube are its key. The first word also decides how many darts the cube gets.
             for (words, cube) in drawn.into_iter().take(held.len()).zip(first..) {
                 for index in 0..throw.dart_count(words[0]) {
                     self.darts.push(CubeDart {
@@ -66,7 +67,7 @@ impl DrawnCubeDarts {
             }
         }
 
-        // Their numbers are drawn by now, and their places follow.
+        // All darts are listed by now. Their places are drawn last, so that eight darts of any cubes share a draw.
         for held in self.darts.chunks_mut(DRAW_LANES) {
             let (mut keys, mut counters) = (NO_KEYS, [[0; 2]; DRAW_LANES]);
             for ((key, counter), dart) in keys.iter_mut().zip(&mut counters).zip(&*held) {

@@ -71,6 +71,8 @@ impl Doubt {
         // Cubes lie in the cell in which they begin: only those of this cell and of its neighbours are near enough.
         let cell = min.map(|at| at / R);
         let is_within = |cube: &DoubtCube| {
+            // On an axis the place that is farthest from those in doubt is the lowest or the highest one of the cube.
+            // If both lie among those in doubt, neither distance is above 0.
             let squared = |axis: usize| {
                 let below = cube.min[axis] - min[axis];
                 let above = min[axis] + side - (cube.min[axis] + cube.side);
