@@ -42,8 +42,8 @@ impl KeptFolder {
         Some(String::from_utf8_lossy(&bytes).into_owned())
     }
 
-    /// Writes the results, which `merge` returns. It receives the text of those that are in the folder, as other
-    /// windows may have written some; `None` if there are none.
+    /// Writes the results, which `merge` returns. `merge` receives the text of the results that are in the folder, as
+    /// other windows may have written some; `None` if the folder has no results.
     ///
     /// # Errors
     ///

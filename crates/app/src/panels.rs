@@ -139,6 +139,7 @@ fn corner_buttons(ui: &Ui, palette: &Palette, commands: &mut Vec<Command>) {
 
                 let text = RichText::new("F2: leave").small().color(palette.muted);
                 let button = ui.add(Button::new(text).fill(palette.panel).small());
+                // The name of the action depends on the look: in a projector's look the action leaves the mode.
                 let name =
                     crate::actions::projector_action(tilescope_session::look::Look::Projector);
                 button.widget_info(|| WidgetInfo::labeled(Role::Button, ENABLED, name));

@@ -122,7 +122,8 @@ pub fn no_events(ui: &mut Ui, context: &PanelContext<'_>) {
         Some(session) if session.nested.is_some() => NO_EVENTS_OF_LEVELS.to_owned(),
         Some(session) if session.stipple().is_some() => NO_EVENTS_OF_DOTS.to_owned(),
         Some(session) if session.solid.is_some() => NO_EVENTS_OF_SPACE.to_owned(),
-        // Other sessions that keep their stages have events, unless the GPU's run is not the one that the CPU recorded.
+        // Any other session that keeps its stages has events, unless the GPU's run differs from the run that the CPU
+        // recorded.
         Some(session) if session.has_stages() => {
             "The GPU's run differs from the CPU's, so that it has no events.".to_owned()
         }

@@ -97,16 +97,18 @@ impl PartRects {
     fn of(ctx: &Context, room: Rect, state: &State) -> Self {
         let drawer = &state.window().drawer;
         let bar_height = if state.window().bare { 0.0 } else { BAR };
-        let (column, controls) = (column(room, state), controls(ctx, room, state));
+        let column = column(room, state);
+        let controls_height = controls(ctx, room, state);
 
         let mut canvas = room;
         let is_landscape = drawer.arrangement == Arrangement::Landscape;
         if is_landscape {
             canvas.max.x = column.left();
         } else {
-            // An open panel leaves half of the height to the canvas, unless the user made it tall. Where the panel
-            // would then be too low, it takes its least height, as long as the canvas keeps its own.
-            let rest = room.height() - bar_height - controls - tabs_height(state);
+            // An open panel leaves half of the window's height to the canvas, unless the user made the panel tall. If
+            // less than the panel's least height remains, the panel takes that height from the canvas, down to the
+            // least height of the canvas.
+            let rest = room.height() - bar_height - controls_height - tabs_height(state);
             let half = CANVAS * room.height();
             let panel = match (drawer.open, drawer.is_tall) {
                 _ if caption::is_below(state) => {
@@ -138,7 +140,7 @@ impl PartRects {
         } else {
             canvas.bottom()
         };
-        let controls = slice(top, controls);
+        let controls = slice(top, controls_height);
         let tabs = slice(controls.bottom(), tabs_height(state));
         Self {
             bar,

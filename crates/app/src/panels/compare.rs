@@ -111,8 +111,9 @@ pub fn show(ui: &mut Ui, context: &CompareContext<'_>, commands: &mut Vec<Comman
 /// no room for them.
 fn compared(ui: &mut Ui, index: usize, name: &str, values: [&str; 2], palette: &Palette) {
     let name = ui.words(name);
-    let texts = ["A", "B"].into_iter().zip(values);
-    let texts: Vec<String> = texts
+    let texts: Vec<String> = ["A", "B"]
+        .into_iter()
+        .zip(values)
         .map(|(run, value)| format!("{run} {}", ui.words(value)))
         .collect();
 
@@ -121,8 +122,8 @@ fn compared(ui: &mut Ui, index: usize, name: &str, values: [&str; 2], palette: &
         ui.painter().layout_no_wrap(text.to_owned(), font, color)
     };
     let label = lay(&name, TextStyle::Body, palette.muted);
-    let shown = texts.iter();
-    let shown: Vec<_> = shown
+    let shown: Vec<_> = texts
+        .iter()
         .map(|text| lay(text, TextStyle::Monospace, palette.text))
         .collect();
     // The width of the values, each with the gap before it.
@@ -142,6 +143,7 @@ fn compared(ui: &mut Ui, index: usize, name: &str, values: [&str; 2], palette: &
     let at = pos2(rect.left(), top(0.0, label.size().y));
     ui.painter().galley(at, label, palette.muted);
 
+    // The first value begins behind its gap.
     let mut x = rect.right() - wide + APART;
     for (text, galley) in texts.into_iter().zip(shown) {
         let size = galley.size();

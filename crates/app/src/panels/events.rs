@@ -51,7 +51,7 @@ pub fn show(ui: &mut Ui, context: &PanelContext<'_>, commands: &mut Vec<Command>
     if is_changed {
         chosen = Some(text);
     }
-    // In the frame of a change the completions would still be those of the text before.
+    // In the frame of a change no completions are shown: they would be those of the text before the change.
     if let Some(text) = chosen.or_else(|| completions(ui, &context.run.query.text)) {
         commands.push(Command::Debug(DebugCommand::Query(text)));
     }
@@ -165,7 +165,7 @@ fn list(
     let tree = context.run.rows.as_ref();
     let count = found.map_or_else(|| tree.map_or(0, OutlineRows::len), <[usize]>::len);
 
-    let line = |row: usize| match found {
+    let line_of = |row: usize| match found {
         Some(events) => Some(EventRow {
             event: events[row],
             level: 0,
@@ -199,7 +199,7 @@ fn list(
     area.show_rows(ui, height, count, |ui, rows| {
         let top = ui.max_rect().top() - rows.start as f32 * height;
         for row in rows {
-            if let Some(line) = line(row) {
+            if let Some(line) = line_of(row) {
                 show_row(ui, context, debugger, &line, here == Some(row), commands);
             }
         }

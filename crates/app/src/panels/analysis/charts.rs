@@ -38,7 +38,8 @@ pub fn picture(ui: &mut Ui, sets: &Sets<'_>, brush: Option<Brush>, own: &mut Vec
     } else {
         periodogram_of(ui, "", shown, sets.palette, brush, own);
     }
-    // With two runs these are the cells of the first one. The second one's differ where its number of samples is another.
+    // With two runs the words name the cells of the first run. The second run has other cells if its number of samples
+    // differs.
     let cells = shown.map_or_else(String::new, |(spectrum, _)| cells_of(spectrum));
     let words = format!(
         "\u{3bd} along x and y, to \u{b1}{}; power 0 black, {} and above white{cells}",
@@ -132,10 +133,10 @@ fn cells_of(spectrum: &Spectrum) -> String {
     // A cell at the rim may be measured in part: a reach that lacks less than a cell counts as all.
     let cell = 2.0 * least / picture.size.min(picture.rows) as f64;
     if least < Spectrum::MAX_NU - cell {
-        // The frequencies along a side lie on both sides of zero.
+        // Half of the frequencies along a side are negative.
         let most_cycles = (picture.size * picture.side).max(picture.rows * picture.row_side) / 2;
-        // The reach ends where the axis with more cycles has the most that are measured: it is then final. Before, it
-        // still grows. The share of 0.9 was chosen, not measured.
+        // On no axis more than `MAX_CYCLES` cycles are measured. Once an axis is near this limit, the reach is final;
+        // before that it still grows. The share of 0.9 was chosen, not measured.
         let so_far = if most_cycles as f64 > 0.9 * Spectrum::MAX_CYCLES {
             let cycles = tilescope_session::words::grouped(Spectrum::MAX_CYCLES as usize);
             format!("({cycles} cycles)")
@@ -307,6 +308,7 @@ fn curves_of(
         // The reference is measured in units of r.
         sets.reference
             .map(|measured| (measured, 1.0, "reference", Dash::Dotted, palette.text)),
+        // In the unit of the file r has the length `sets.unit`.
         sets.reference_file.map(|file| {
             let (line, color) = (Dash::Dashed, palette.conflict);
             (&file.measured, sets.unit, file.name(), line, color)
