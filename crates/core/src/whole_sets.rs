@@ -41,7 +41,8 @@ impl Pattern {
     /// Returns the set of a run of `parameters` by randomized tiling that clips from `pattern`. With
     /// [`crate::Search::TwoRadii`] it is checked for gaps.
     ///
-    /// Fails as the run, and with [`PatternError::NotMaximal`] when that check finds a gap.
+    /// Fails as the run, when the domain has more samples than the sequential engine accepts, and with
+    /// [`PatternError::NotMaximal`] when that check finds a gap.
     pub fn of_run(
         parameters: &Parameters,
         pattern: &std::sync::Arc<Self>,

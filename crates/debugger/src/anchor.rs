@@ -153,8 +153,8 @@ impl Recording {
             self.classes()
                 .count(end, |other| other.kind() == anchor.kind)
         };
-        // How many events of the kind the run has up to the wanted one and with it. An ordinal is read from a text and may
-        // be too large to be added.
+        // How many events of this kind the run has up to the wanted event, which is counted, too. An ordinal is read
+        // from a text and may be too large to be added.
         let wanted_count = before(events.start).checked_add(anchor.ordinal)?;
         if wanted_count > before(events.end) {
             return None;

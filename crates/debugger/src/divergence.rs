@@ -185,7 +185,7 @@ fn strip(run_event: &mut RunEvent, take: &mut impl FnMut(&mut u32)) {
         | RunEvent::Wake { behind: sample, .. }
         | RunEvent::Insert { sample, .. } => take(sample),
 
-        // Of two samples, each has a part of its own in the event, so that they are taken in a fixed order.
+        // The two samples of such an event have different roles, which are taken in a fixed order.
         RunEvent::Test {
             pivot: a, other: b, ..
         }

@@ -91,7 +91,9 @@ impl App {
 
     /// Shows one of the two windows of a talk.
     fn show_role(&mut self, ui: &mut Ui, role: Role) {
-        if actions::press_keys(ui.ctx(), &mut self.state) {
+        // Keys reach the window that has the focus, and act before it is drawn.
+        let any_pressed = actions::press_keys(ui.ctx(), &mut self.state);
+        if any_pressed {
             self.follow_commands(ui.ctx());
         }
         match role {

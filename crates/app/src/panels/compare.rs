@@ -136,7 +136,8 @@ fn compared(ui: &mut Ui, index: usize, name: &str, values: [&str; 2], palette: &
     let spoken = format!("{name}: {}", texts.join(", "));
     response.widget_info(|| WidgetInfo::labeled(Role::Row, ENABLED, &spoken));
 
-    // A text stands in the middle of its line, and the values in the last one.
+    // Each text stands in the middle of its line. The name has the first line and the values have the last one: the
+    // same line, if they fit.
     let top = |line: f32, height: f32| rect.top() + line * LINE + (LINE - height) / 2.0;
     let across = Rangef::new(rect.left(), rect.left() + label.size().x);
     let mut cells = vec![SpokenCell::new(Role::RowHeader, name, across)];

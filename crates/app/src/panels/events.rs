@@ -103,7 +103,8 @@ fn words(ui: &mut Ui, text: &str) -> Option<String> {
                 let button = ui.button(word);
                 button.known_as(format_args!("word-{word}"));
                 if button.on_hover_text(meaning).clicked() {
-                    // Behind a blank the chosen word is a new one, instead of completing the last.
+                    // Behind a blank the chosen word is a new one, instead of completing the last. An empty query gets
+                    // no blank before its first word.
                     let start = format!("{} ", text.trim_end());
                     chosen = Some(query::completed(start.trim_start(), word));
                     ui.close();

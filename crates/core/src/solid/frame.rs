@@ -164,10 +164,10 @@ impl BallFrame {
     }
 }
 
-/// Returns the squared distances on an axis that a sample in the cells below, beside and above a cube must reach at
-/// least, to reach `depth` into the cube from either side. A sample in the cell beside may lie in the middle of
-/// places that span `depth`, and must then reach half of it either way. The fourth is never read: masked indices are
-/// below 4.
+/// Returns, on an axis, the least squared distance that a sample must reach to get `depth` deep into a cube: for a
+/// sample in the cell below the cube's own, in that cell itself, and in the cell above. A sample in the cube's own cell
+/// may lie within the cube. It gets to both ends of a part that is `depth` long if it reaches half of `depth` from the
+/// middle of the part. The fourth number is never read: with it a masked index, which is below 4, needs no check.
 #[inline]
 fn squared_gaps(at: i32, side: i32, depth: i32) -> [u64; 4] {
     let squared = |gap: i32| u64::from(gap.unsigned_abs()).pow(2);

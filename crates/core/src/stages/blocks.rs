@@ -86,7 +86,7 @@ pub(crate) fn split_recorded<T: Recorder>(
                 blocks.leaves.push(node.block);
             }
             Some(cut) => {
-                // Where the axis whose turn it was is too short, the other one is cut.
+                // If the rectangle is too short along the axis whose turn it was, it is cut across the other axis.
                 recorder.record(RunEvent::Split {
                     index: blocks.splits.len() as u32,
                     turned: cut.axis != node.axis,

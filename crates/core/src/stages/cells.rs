@@ -167,8 +167,8 @@ fn axis_spans(from: i32, reach: i32, held: Range<i32>, wraps: bool) -> [AxisSpan
         return [here, NOTHING, NOTHING];
     }
 
-    // Beyond an end of the domain lie its first places again, a side farther. A reach of more than half a side finds a
-    // sample more than once, each time another image of it.
+    // Below the domain its last places lie again, shifted by a side, and above it its first places. A reach of more
+    // than half a side finds a sample more than once, each time another image of it.
     let side = max - min;
     let below = AxisSpan {
         first: (low + side).max(min) as i32,

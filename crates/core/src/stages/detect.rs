@@ -234,9 +234,10 @@ impl<'a> Detection<'a> {
         self.find_on_border(&border, own, at, out, recorder);
     }
 
-    /// Records the search around a detector, which finds the detector, too.
+    /// Records the search around a detector. The detector itself counts as found.
     fn record_search<T: Recorder>(&self, centre: u32, at: Point, recorder: &mut T) {
-        // The search that the definition describes is recorded: a disk, also where the code reads only a part of it.
+        // The recorded search is that of the definition, which finds all samples in a disk. The code may read fewer of
+        // them (see `find`).
         let radius = self.reach.search;
         let limit = i64::from(radius) * i64::from(radius);
         let mut found = 0;

@@ -132,7 +132,8 @@ pub(crate) fn clip_start(block: &Block, variant: &PatternVariant) -> Result<Poin
     let radii = |units: i32| f64::from(units) / f64::from(R);
 
     // An enlarged block fits a bounded pattern only at some starts, those for which the block lies in the paper's
-    // shrunk domain (Theorem 3.1), or at none. It fits a periodic one everywhere. The starts begin at (0, 0).
+    // shrunk domain (Theorem 3.1), or at none. It fits a periodic one everywhere. The starts fill a half-open
+    // rectangle that begins at (0, 0).
     let starts = variant
         .starts(width, height)
         .ok_or_else(|| PatternError::TooSmall {

@@ -71,8 +71,8 @@ pub(super) fn add_base_cells(
             };
             add(base, range);
         } else {
-            // Quarters beyond the domain's far borders hold no place of it. Cells come off the stack in another order than
-            // their places, which does not matter to the process of darts.
+            // Quarters beyond the domain's far borders hold no place of it. Cells do not come off the stack row by row,
+            // which does not matter to the process of darts.
             let quarters = cell.quarters().into_iter();
             stack.extend(quarters.filter(|quarter| rect.contains(quarter.min)));
         }
