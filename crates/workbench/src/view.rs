@@ -116,8 +116,9 @@ impl SavedView {
         Value::Object(map)
     }
 
-    /// Returns the saved view, and the names of its invalid parts. Parts that are missing or invalid are those of `now`,
-    /// the current view; without a saved second run there is none.
+    /// Returns the saved view, and the names of its invalid parts. A part that is missing or invalid is taken from
+    /// `now`, the current view, with two exceptions: without a valid second run the view has none, and without valid
+    /// balls it shows a plane.
     #[must_use]
     pub fn from_json(value: &Value, now: &Self) -> (Self, Vec<&'static str>) {
         let mut parts = Parts {

@@ -171,7 +171,8 @@ impl Walk<'_> {
         }
     }
 
-    /// Returns the place around those of children, which then count from its corner. egui has no place for menus and lists.
+    /// Returns the smallest place around the places of children, and makes these count from its corner. `None` if no
+    /// child has a place. egui has no place for menus and lists, so that they get theirs here.
     fn surround(&mut self, children: &[u32]) -> Option<[i32; 4]> {
         let places = children
             .iter()

@@ -37,11 +37,13 @@ impl RunView {
             Numbered::Sample(id) => (SAMPLE, id as usize, session?.run().samples.len()),
             Numbered::Event(index) => (EVENT, index, debugger?.recording().len()),
             Numbered::Moment(at) => {
-                let (_, count) = self.cursor()?;
-                // Moments are before, between and after events, so that there is one more of them than of events.
+                let (_cursor, count) = self.cursor()?;
+                // A moment is how many events have happened, or how many samples of a prefix are shown. So the number
+                // of all events or samples is a moment, too.
                 if at == count {
                     return None;
                 }
+                // Nested levels and stipples have prefixes of their samples in the place of events.
                 let what = if session?.has_prefixes() {
                     SAMPLE
                 } else {

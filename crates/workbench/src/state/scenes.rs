@@ -324,8 +324,8 @@ fn look_as(
     source: &SceneSource,
     context: &mut Context,
 ) {
-    // Parts that the scene lacks stay as they are now. But a scene without a selection selects nothing, the plane of one
-    // without a plane follows the events, and one without balls shows the plane.
+    // Parts that the scene lacks stay as they are now, but for three. If the scene has no selection, nothing is
+    // selected. If it has no plane, the plane follows the events. If it has no balls, the plane is shown.
     let now = SavedView {
         selection: Selection::Nothing,
         plane: None,

@@ -47,7 +47,7 @@ impl Time {
             TimeCommand::ShowStage(index) => run.show_stage(index),
             TimeCommand::StepBack => self.tick(Direction::Backwards, run, context),
             TimeCommand::StepForward => self.tick(Direction::Forwards, run, context),
-            // A stipple has one stage, which is all of its dots: it begins with the first one.
+            // A stipple has one stage, at whose end all dots are shown. Its first moment is that of the first dot.
             TimeCommand::FirstStage if run.shows_stipple() => run.jump(1),
             TimeCommand::FirstStage => run.show_stage(0),
             TimeCommand::LastStage => run.show_stage(usize::MAX),
@@ -105,7 +105,8 @@ impl Time {
         }
     }
 
-    /// Shows a recorded run, in a field of radii, in a box or in neither, whole or up to a cursor, without verifying it.
+    /// Shows a recorded run, whole or up to the cursor `limit`, without verifying it. `set` is the field of radii or
+    /// the box of the run; `None` if the run has neither.
     pub(super) fn show_recording(
         &mut self,
         (recording, set): (&Arc<Recording>, Option<&LessonSet>),
@@ -234,7 +235,8 @@ impl Time {
         }
     }
 
-    /// Starts or stops play. It begins anew at the end of the run, and in the loop if the cursor is outside of it.
+    /// Starts or stops play. With a loop, play begins at the loop's start if the cursor is outside the loop. Without
+    /// a loop, play begins at the start of the run if the cursor is at its end.
     fn toggle_play(&mut self, run: &mut RunView) {
         if self.playback.is_playing() {
             self.playback.stop();

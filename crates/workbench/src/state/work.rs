@@ -159,7 +159,8 @@ impl State {
         }
     }
 
-    /// Shows the session that was made, or says why there is none.
+    /// Shows the session that was made, or says why there is none. Without `made` it does nothing. The outer error of
+    /// `made` says why the job broke off; the inner error says why the job made no session.
     fn finish_sampling(&mut self, which: Which, made: Option<run_view::Made>) {
         let Some(outcome) = made else {
             return;

@@ -64,7 +64,7 @@ impl FileState {
 
     /// Starts to make the package of a lesson. One that is being made already is given up.
     pub(in crate::state) fn start_packaging(&mut self, order: PackageOrder, context: &mut Context) {
-        // A fault of the lesson is said before any file is read.
+        // A fault of the lesson is reported here, before the job starts.
         let package = match Package::read(&order) {
             Ok(package) => package,
             Err(fault) => return context.tell_error(no_package(&fault.to_string())),
@@ -90,6 +90,7 @@ impl FileState {
         let Some(packaging) = self.packaging.take() else {
             return;
         };
+        // The outer error says why the job broke off. The inner one says why the job could not make the package.
         match outcome.and_then(|made| made) {
             Ok(file) => {
                 // Natively the file is written below, and the notice with its path replaces this one.
@@ -159,6 +160,7 @@ impl FileState {
             }
             Err(why) => {
                 // A sentence begins with a capital letter, unless it begins with the name of a file, which must stay as it is.
+                // The path of several files is their names, joined by commas.
                 let mut names = filing.path.split(", ").filter(|name| !name.is_empty());
                 let begins = names.any(|name| why.starts_with(name));
                 let text = if begins { ended(&why) } else { sentence(&why) };

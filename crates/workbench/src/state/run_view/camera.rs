@@ -88,8 +88,8 @@ impl RunView {
     }
 
     /// Refits a fitted domain, or a place that was flown to, into the new viewport. Unless the domain is fitted, a
-    /// selection that was in view then stays in view, as when a panel opens over the part of the canvas where it was
-    /// picked: for that even a place that was flown to may move from the middle.
+    /// selection that was in view stays in view: a panel may open over the part of the canvas where it was picked. If
+    /// needed, the camera moves a place that was flown to out of the middle, so that the selection stays in view.
     pub(in crate::state) fn follow_viewport(&mut self, viewport: Rect) {
         let before = std::mem::replace(&mut self.viewport, viewport);
         let camera_before = self.camera;
@@ -97,7 +97,8 @@ impl RunView {
             self.camera = self.fitting();
             self.flight = None;
         }
-        // In the same rectangle, as of a run that is put back, a framed place is shown already or being flown to.
+        // In an unchanged viewport, as of a run that is put back, the camera shows the framed place already or flies
+        // to it.
         if before != viewport
             && let Some((center, radii)) = self.framed
         {
@@ -362,7 +363,7 @@ impl RunView {
     /// Selects a place, and flies to the gap that contains it, otherwise to its block. Where there is neither, as
     /// outside the domain and in sets without blocks, it does nothing.
     fn fly_to_block(&mut self, place: DVec2, context: &Context) {
-        let gap = self.shown().and_then(|shown| {
+        let middle_of_gap = self.shown().and_then(|shown| {
             let is_gap = self.geometry.is_gap(&shown, place);
             // Until the extent of the gap is known, the place stands for the deepest place in it.
             let gap = self.geometry.gap_at(&shown, place);
@@ -372,7 +373,7 @@ impl RunView {
             });
             is_gap.then_some(middle)
         });
-        if let Some(middle) = gap {
+        if let Some(middle) = middle_of_gap {
             self.pick(Selection::Place(place), context);
             // Most gaps are smaller than a disk: a view of 5 radii shows one with the disks around it.
             self.fly_to(middle, 5.0, context);
@@ -401,7 +402,8 @@ impl RunView {
         }
     }
 
-    /// Shows the moment that the verdict is about, and flies to the witness.
+    /// Shows the prefix of nested levels that the verdict is about, otherwise the end of the run, and flies to the
+    /// witness.
     pub(in crate::state) fn fly_to_witness(&mut self, witness: Witness, context: &Context) {
         let (Some(session), Some(verdict)) = (&self.session, self.verdict()) else {
             return;
@@ -419,7 +421,8 @@ impl RunView {
             }
         };
 
-        // A verdict is about the end of the run, or about a prefix of nested levels. Of a stipple all dots are shown.
+        // A verdict with a claim is about a prefix of nested levels. Any other verdict leads to the end of the run,
+        // which shows all dots of a stipple.
         match verdict.claim {
             Some(claim) => self.jump(claim.count),
             None => self.show_stage(session.stages.len() - 1),

@@ -268,7 +268,8 @@ impl Task for FindEventsTask {
     }
 }
 
-/// Applies a command that concerns the debugger alone. An index that nothing has changes nothing.
+/// Applies a command that concerns the debugger alone. If no breakpoint or watch has the command's index, nothing
+/// changes.
 fn change(debugger: &mut Debugger, command: DebugCommand) {
     match command {
         DebugCommand::ToggleBreakpoint(line) => toggle(debugger, line),

@@ -215,9 +215,9 @@ impl RunView {
         }
     }
 
-    /// Runs to just after the next event of `target`, or backwards to just after the last one before; of a line of
-    /// pseudocode to just before it is carried out. If there is none, the cursor stays, and a notice says so. Without
-    /// recorded events it does nothing.
+    /// Runs forwards to the next event of `target`, or backwards to the last one before the cursor, and stops just
+    /// after that event. At a line of pseudocode it stops just before the line is carried out. If no event of
+    /// `target` is found, the cursor stays, and a notice says so. Without recorded events it does nothing.
     pub(in crate::state) fn run_to(
         &mut self,
         target: Target,
