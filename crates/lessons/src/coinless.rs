@@ -10,13 +10,15 @@ use tilescope_debugger::Recording;
 /// stripe would stay.
 const DARTS_A_CELL: f64 = 64.0;
 
-/// Returns the recording of the samples that darts make which no coin thins: all cells throw equally often, whatever
-/// the radius is inside them. So darts are equally dense in a whole octave of radii, and four times less dense in the next one.
-/// A dart becomes a sample unless it is near an earlier one, as in the right process. The coin that is missing leaves out a
-/// share of the darts where the radius is larger than the side of the cell.
+/// Returns the recording of the samples that darts make if no coin thins the darts: all cells throw equally often,
+/// whatever the radius is inside them. So darts are equally dense in a whole octave of radii, and four times less dense
+/// in the next one. A dart becomes a sample unless it is near an earlier one, as in the right process. In the right
+/// process a coin also leaves out a share of the darts, wherever the radius is larger than the side of the cell.
 pub(crate) fn without_coin(locality: &Arc<Locality>, parameters: &Parameters) -> Recording {
     let domain = locality.field.domain();
     let [width, height] = [domain.width(), domain.height()].map(f64::from);
+    // The side of a cell is the largest power of two that is no greater than the least radius in the cell. So no cell
+    // is smaller than one at the least radius of the field.
     let least_side = f64::from(1 << locality.field.extremes()[0].ilog2());
 
     // Darts fall everywhere as densely as in the smallest cells. Of those in larger cells a share stays, such that each cell has as

@@ -222,7 +222,7 @@ impl Now {
                 put("sites", ids.collect::<rhai::Array>().into());
                 None
             }
-            // Other events have no more properties than `map` gives all of them.
+            // Events of all other kinds have only the properties that `map` gives to every event.
             _ => None,
         };
 
@@ -628,15 +628,16 @@ impl Now {
         found.map(sample_or_unit)
     }
 
-    /// Returns the event at which elimination takes a sample, or at which it arrives in exact tiling; `None` if
-    /// there is none.
+    /// Returns the event at which elimination takes a sample, or at which the sample arrives in exact tiling; `None` if
+    /// the sample has no such event.
     fn turn_of(&self, s: u32) -> Option<usize> {
         let is_exact = self.recording.is_exact();
         let takes = |event: &usize| {
             let event = self.recording.event(*event);
             event.is_some_and(|event| {
-                // Elimination keeps uncontested samples without taking them. Exact tiling takes none at all: one that
-                // arrives is kept, or lost, or was a dart until then.
+                // Elimination keeps an uncontested sample without taking it: the turn of that sample is the event
+                // `Keep`. Exact tiling takes no samples. There a sample arrives by the event that keeps, eliminates
+                // or inserts it.
                 matches!(event.kind(), EventKind::Take | EventKind::Keep)
                     || is_exact && matches!(event.kind(), EventKind::Eliminate | EventKind::Insert)
             })

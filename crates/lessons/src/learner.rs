@@ -180,7 +180,7 @@ impl Learner {
 
         let count = seeds.end() - seeds.start() + 1;
         let mut seed = seeds.start() + draw % count;
-        // Practice asks for another run than the one of practice before it.
+        // A learner who practises once more gets another run than the one just practised, if there is another.
         if self.seed == Some(seed) && count > 1 {
             seed = seeds.start() + (draw + 1) % count;
         }

@@ -75,7 +75,7 @@ impl Moment {
             Self::EndOf(stage) => recording.end_of(*stage).into_iter().collect(),
             Self::Before(query) => found(query),
             Self::After(query) => found(query).into_iter().map(|event| event + 1).collect(),
-            // Other runs have no ranks, and so no such moment.
+            // Only nested levels have ranks. A run without levels does not have this moment.
             Self::Below(rank) => {
                 let levels = recording.levels().into_iter();
                 levels.map(|levels| levels.below(*rank)).collect()

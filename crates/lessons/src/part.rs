@@ -19,7 +19,8 @@ impl Lesson {
 
         let text = text.strip_prefix('\u{feff}').unwrap_or(text);
         let lines: Vec<&str> = text.lines().collect();
-        // A step ends where the next one begins. The line of a title counts from 1, so that it is the number of lines before it.
+        // A step ends where the next one begins. Lines count from 1, so that `step.line - 1` is the index of the
+        // step's title.
         let begins: Vec<usize> = self.steps.iter().map(|step| step.line - 1).collect();
         let ends = begins.iter().skip(1).copied().chain([lines.len()]);
 
@@ -66,7 +67,8 @@ fn runs_of<'a>(section: &[&'a str]) -> Vec<&'a str> {
             .take_while(|line| line.trim_end() != "```")
             .collect();
 
-        // As the reader of lessons (`read.rs`) allows more than three of these signs.
+        // The reader of lessons (`read.rs`) allows more than three backticks before the kind of a directive. So does
+        // this.
         if info.trim_start_matches('`').trim() == "run" {
             found.extend(["", line]);
             found.extend(directive);

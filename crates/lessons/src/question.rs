@@ -76,8 +76,8 @@ impl Question {
         for wrong in &gate.wrong {
             let answer = question.interaction.wrong(&wrong.answer, scene)?;
             // In some run a known wrong answer may be right. To say that it is wrong would be a fault. `FULL_MARKS`
-            // lies just below the score of a right answer. The event is the only one, since a trace has no known wrong
-            // answers.
+            // lies just below the score of a right answer. The index of the event counts only in a trace, and a trace
+            // has no known wrong answers: any index will do.
             let event = 0;
             if question.score(&answer, event, scene)? > FULL_MARKS {
                 let message = format!("the wrong answer {answer} is right here");

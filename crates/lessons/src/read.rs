@@ -316,7 +316,8 @@ impl<'a> Reader<'a> {
             return Err(LessonError::unknown(line, "directive", kind, &DIRECTIVES));
         }
 
-        // A question gives its name to the step. The step's own name is taken already, by this step, and allowed.
+        // A question gives its name to its step. No other step may have this name, but the step itself may have it
+        // already.
         let name = step_name(name);
         if kind == "gate" && self.steps.last().is_some_and(|step| step.name != name) {
             self.check_name(&name, line)?;
@@ -377,8 +378,9 @@ pub fn step_name(title: &str) -> String {
     name
 }
 
-/// Changes a scene by a `run` directive. Parameters, moment and layers that it does not name stay; the condition of the
-/// moment and the camera do not.
+/// Changes a scene by a `run` directive. What the directive does not name stays as it was, with four exceptions: the
+/// claims, the condition of the moment, the camera and the plane. New levels have no density, and a new field has its
+/// coin, unless the directive says otherwise.
 fn run(scene: &mut SceneSpec, fields: &Fields) -> Result<(), LessonError> {
     let known: Vec<&str> = parameters().map(Parameter::key).chain(OF_RUN).collect();
     fields.only(&known, &CLAIMS)?;
@@ -401,7 +403,7 @@ fn run(scene: &mut SceneSpec, fields: &Fields) -> Result<(), LessonError> {
         scene.moment = Moment::read(&field.value, field.line)?;
     }
 
-    // Unlike the rest of the scene, the camera and the condition are not those of the step before, if this one names none.
+    // Unlike most parts, the camera and the condition do not stay as they were if the directive does not name them.
     scene.camera = Camera::Fit;
     scene.condition = fields.optional("where", |field| field.expression(&[]))?;
 
@@ -531,9 +533,9 @@ fn check_field(scene: &SceneSpec, radius: &Expression) -> Result<(), String> {
         return Err("nested levels have one radius: \"levels: none\" goes with a field".to_owned());
     }
 
-    // Nodes of a field are a thousandth of the longer side apart, and the unit of its lattice is that times a power of
-    // two. If the side is a power of two, and the least radius at least 1 and below 2, the lattice's r is 1, the unit
-    // of the expression.
+    // A field by an expression has 1024 squares along the longer side. The unit of its lattice is the side of a square,
+    // divided by a power of two. If the longer side is a power of two, so is the unit. If also the least radius is at
+    // least 1 and below 2, the lattice's r is 1, the unit of the expression.
     let [width, height] = [scene.parameters.width, scene.parameters.height];
     let longer = width.max(height);
     let is_of_r = scene.parameters.radius.to_bits() == 1.0_f64.to_bits();

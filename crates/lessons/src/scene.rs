@@ -47,7 +47,8 @@ impl Scene {
     ///
     /// # Errors
     ///
-    /// A fault of the condition or of the density, or a field of radii whose r is not 1.
+    /// A fault of the condition, of the density or of the plane's expression; a plane outside the box; a field of radii
+    /// whose r is not 1.
     pub fn find(recording: &Arc<Recording>, spec: &SceneSpec) -> Result<Option<Self>, LessonError> {
         let mut scene = Self::at(recording, 0);
         if let Some(density) = &spec.density {
@@ -56,6 +57,8 @@ impl Scene {
         if let Some(locality) = &recording.run().locality {
             // The reader has looked at few places of the field; here its whole lattice is known.
             let r = recording.domain().radius();
+            // Up to rounding, r is a power of two in every field that the reader allows. If it is not 1, it is far
+            // from 1.
             if (r - 1.0).abs() > 1e-6 {
                 let message = format!(
                     "r is {r} in this field: its radius is below 1 or above 2 between the places looked at"
@@ -333,8 +336,9 @@ impl Scene {
             .ok_or_else(|| format!("there is no sample {sample}"))
     }
 
-    /// Returns the point set of a name: `set` is the valid samples, `white` and `jittered` as many random ones; `tiled`,
-    /// `eliminated` and `result` are the samples at the end of tiling, of elimination and of the run.
+    /// Returns the point set of a name: `set` is the valid samples, `white` is as many random ones, and `jittered` is
+    /// about as many, one in each cell of a grid. `tiled`, `eliminated` and `result` are the samples at the end of
+    /// tiling, of elimination and of the run.
     pub(crate) fn set(&self, text: &Text, seed: u64) -> Result<PointSet, LessonError> {
         let name = self
             .value(text, |_| {})?

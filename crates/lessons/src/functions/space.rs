@@ -62,8 +62,8 @@ impl Now {
         Ok(self.far(s, at)?.hypot(self.above(s)?))
     }
 
-    /// Returns the k-th nearest of the valid samples whose balls the plane cuts, seen along the third axis from a place; `()`
-    /// where there are fewer.
+    /// Returns the k-th nearest, from 0, of the valid samples whose balls the plane cuts, seen along the third axis
+    /// from a place; `()` if there are too few of these samples, or if `k` is below 0.
     pub(super) fn dot(&self, at: [f64; 2], k: i64) -> Found<Dynamic> {
         self.box_of()?;
         let set = self.set()?;

@@ -125,8 +125,9 @@ impl Interaction for Lettered {
     }
 
     fn controls(&self, view: &View<'_>) -> Vec<Control> {
-        // A choice has one right option. That of a trace is the one of the event asked for, at which the learner may
-        // have given up, or the one of its last event once it is done.
+        // A choice has one right option, whichever event is asked for. A trace has one for each event. The right
+        // option of the event asked for is shown if the learner gave up there. Once all events are done, that of the
+        // last event is shown.
         let right = self.right.get(view.event).or(self.right.last());
         let items = self.options.texts.iter().enumerate().map(|(index, text)| {
             let id = format!("option-{}", index + 1);

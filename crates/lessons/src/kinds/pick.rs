@@ -173,8 +173,8 @@ impl Interaction for Pick {
             .map(|(_, sample)| *sample)
             .collect();
 
-        // An answer has at least one sample. It is drawn by a number of its own: any from `MAX_CANDIDATES` on and below
-        // 64, at which the draws of another attempt begin, will do.
+        // An answer has at least one sample. The draw of this sample needs a number of its own. The candidates above
+        // have the numbers below `MAX_CANDIDATES`, and the draws of another attempt begin at 64. So 60 is free.
         if some.is_empty() {
             let own_number = 60;
             some.push(one(own_number));
