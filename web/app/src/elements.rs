@@ -162,7 +162,8 @@ impl Walk<'_> {
                 let is_open = (siblings[before..].iter())
                     .filter_map(|child| self.elements.get(child))
                     .any(|child| matches!(child.role, "menu" | "listbox" | "dialog"));
-                // An element that can open something states whether it is open, and so does any other with an open list.
+                // If a list is open, the element counts as expanded. If no list is open, an element that can open one
+                // counts as collapsed, unless egui says itself whether the element is expanded.
                 if is_open || (!element.opens.is_empty() && element.expanded.is_none()) {
                     element.expanded = Some(is_open);
                 }
@@ -301,7 +302,7 @@ fn role_of(node: &Node, list: &str) -> &'static str {
             ("menu", None) => "menuitem",
             ("menu", Some(_)) => "menuitemcheckbox",
             ("listbox", _) => "option",
-            // Rows outside a table are pressed.
+            // Outside menus and lists all of these are pressed, also rows outside a table.
             _ => "button",
         },
         Role::CheckBox if list == "menu" => "menuitemcheckbox",

@@ -180,8 +180,8 @@ impl Change {
                 make_again(memento.made, made, context);
             }
 
-            // A link replaces all of these, so that its layout goes with all of its tabs. The look, which a link may
-            // change too, stays.
+            // A link replaces all of these. So the layout from before the link comes back whole, with the tabs that
+            // were open then. The look stays, although a link may change it too.
             UndoPart::Everything => {
                 context.ask(Effect::Form(Box::new(memento.form)));
                 context.ask(Effect::Layout(memento.layout));

@@ -161,8 +161,8 @@ impl WindowState {
         let (tabs, hidden) = (self.layout.root.clone(), self.layout.hidden());
         let sides = self.layout.sides();
         if self.shows_sides() {
-            // Panels that were hidden one by one do not come back with the others. Of those that were put away together
-            // before, some may have been opened by themselves since: the rest still comes back.
+            // A panel that was hidden by itself does not come back with the panels that are put away together now.
+            // Panels that were put away earlier and are still hidden stay in the set, so that they do come back.
             let shown = sides.panels().filter(|panel| !hidden.has(*panel));
             self.put_away = self.put_away.panels().chain(shown).collect();
             sides.panels().for_each(|panel| self.layout.hide(panel));

@@ -47,7 +47,8 @@ impl State {
         self.start_sampling(Which::First, recipe, self.gpu.engine);
     }
 
-    /// Runs after a change of the parameters, if live runs were chosen and the run is small, and after each stroke of the brush.
+    /// Runs after a change of the parameters, if live runs were chosen and the run is small. Also runs after each
+    /// stroke of the brush, and after the painting is reset.
     pub(super) fn run_live(&mut self, command: &Command) {
         let expected = self.form.draft.expected_samples();
         let is_small = expected.is_some_and(|count| count <= MAX_LIVE);
@@ -59,7 +60,8 @@ impl State {
             }
             _ => false,
         };
-        // A stroke without its samples would show nothing. The next one cancels a run that is still being made.
+        // Even a large run starts after a stroke, since a stroke without its samples would show nothing. If the run
+        // is still being made at the next stroke, that stroke cancels the run.
         let is_wanted = is_painted || self.form.live && is_small;
         if !is_wanted || self.form.refusal(&self.gpu).is_some() {
             return;
