@@ -6,6 +6,7 @@ use glam::DVec2;
 use tilescope_analysis::tessellation::{Edge, GapRegion};
 use tilescope_core::{Origin, Stage, Standing};
 use tilescope_drawing::palette::Palette;
+use tilescope_session::ground::MadeGround;
 use tilescope_session::layers::Layer;
 use tilescope_session::solid::Cut;
 use tilescope_session::units::radii;
@@ -132,8 +133,17 @@ pub(crate) fn sample(subject: &Subject<'_>, id: u32) -> [String; 2] {
 
     let word = block_name(shown.session);
     let from = match shown.session.run().samples.origins[id as usize] {
-        // A large set in a field or a shape keeps nothing but its samples: the origin is a placeholder.
-        Origin::Tiled { .. } if shown.session.ground.is_some() => "made by darts".to_owned(),
+        // A large set of darts in a field or a shape keeps nothing but its samples, as does an exact tiling from a file: the
+        // origin is a placeholder.
+        Origin::Tiled { .. } if shown.session.is_in_field() => {
+            let is_tiled = (shown.session.ground.as_ref()).is_some_and(MadeGround::is_tiled);
+            if is_tiled {
+                "from a file"
+            } else {
+                "made by darts"
+            }
+            .to_owned()
+        }
         Origin::Tiled {
             block, own: true, ..
         } => format!("of {word} {}", grouped(block as usize)),
@@ -141,7 +151,7 @@ pub(crate) fn sample(subject: &Subject<'_>, id: u32) -> [String; 2] {
             format!("from the margin of {word} {}", grouped(block as usize))
         }
         // A set in a field or a shape that is recorded with its events has the throws of its darts as iterations.
-        Origin::Inserted { iteration, .. } if shown.session.ground.is_some() => {
+        Origin::Inserted { iteration, .. } if shown.session.is_in_field() => {
             format!("of throw {iteration}")
         }
         Origin::Inserted { iteration, .. } => format!("inserted in iteration {iteration}"),

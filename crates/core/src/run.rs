@@ -65,12 +65,13 @@ pub struct Run {
     pub samples: Samples,
     /// The iterations so far.
     pub iterations: Vec<Iteration>,
-    /// Ids of the result in canonical order, or of a set of darts (with a locality, or in space) in the order of arrival; empty
-    /// before [`Stage::Finish`].
+    /// Ids of the result in canonical order, or of a set that the reference sampler made of darts (in a field, a shape or space)
+    /// in the order of arrival; empty before [`Stage::Finish`].
     pub result: Vec<u32>,
     /// The counts of a run that kept only its result ([`crate::Sweep::run`]).
     pub counted: Option<Summary>,
-    /// Where its radius depends on the place, or its domain is a shape ([`crate::varying_recorded`]).
+    /// Where its radius depends on the place, or its domain is a shape ([`crate::varying_recorded`]). The engines of exact
+    /// tiling leave it out: callers who tile a shape add it.
     pub locality: Option<Arc<Locality>>,
 }
 

@@ -11,7 +11,7 @@ use crate::moves::{self, Direction, Step, Target};
 use crate::recording::Recording;
 use crate::session::{
     PatternFile, SavedBreakpoint, SavedScene, Session, SessionError, VERSION, VERSION_OF_EXACT,
-    VERSION_OF_GROUND, VERSION_OF_KDRT,
+    VERSION_OF_GROUND, VERSION_OF_KDRT, VERSION_OF_SPACE,
 };
 use crate::state::State;
 
@@ -383,8 +383,10 @@ impl Debugger {
     pub fn session(&self) -> Session {
         Session {
             // The lowest version that holds such a run, so that older programs open the session where they can.
-            version: if self.recording.is_in_space() {
+            version: if self.recording.is_exact() && self.recording.run().locality.is_some() {
                 VERSION
+            } else if self.recording.is_in_space() {
+                VERSION_OF_SPACE
             } else if self.recording.run().locality.is_some() {
                 VERSION_OF_GROUND
             } else if self.recording.is_exact() {

@@ -7,8 +7,9 @@ use std::sync::{Arc, OnceLock};
 use glam::I64Vec2;
 use tilescope_core::stages::detect::Sites;
 use tilescope_core::{
-    Domain, Fate, Insertion, Locality, Observer, Parameters, Pattern, Point, R, Run, RunEvent,
-    SampleError, SampleGrid, Sequential, TilingMethod, Verdict, sample_recorded, varying_recorded,
+    Domain, Fate, Insertion, Locality, Observer, Parameters, Pattern, PatternHistory, Point, R,
+    Run, RunEvent, SampleError, SampleGrid, Sequential, TilingMethod, Verdict, exact_recorded,
+    sample_recorded, varying_recorded,
 };
 
 use crate::context::{Context, NeighbourSearch};
@@ -147,14 +148,35 @@ impl Recording {
         observer: &mut dyn Observer,
     ) -> Result<Self, SampleError> {
         // The tape finds the lines of events by the parameters. Here their kind of insertion must say that darts are
-        // thrown.
+        // thrown, and their method not that a shape is tiled.
         let parameters = &Parameters {
+            method: TilingMethod::Kdrt,
             insertion: Insertion::Uniform,
             ..*parameters
         };
         let mut tape = Tape::new(parameters, budget);
         let run = varying_recorded(locality, parameters, observer, &mut tape)?;
         tape.seal();
+        Ok(Self::of(run, tape))
+    }
+
+    /// Tiles a shape exactly, and records it with about `budget` events at most. The field of `locality` is one radius, that
+    /// of the parameters: the result is as [`tilescope_core::exact_in_shape`] makes it.
+    pub fn of_tiled_shape(
+        locality: &Arc<Locality>,
+        parameters: &Parameters,
+        budget: usize,
+        observer: &mut dyn Observer,
+    ) -> Result<Self, SampleError> {
+        let history = PatternHistory::of_spec(&parameters.pattern, observer)?;
+        let parameters = &parameters.as_exact();
+        let mut tape = Tape::new(parameters, budget);
+        let made = exact_recorded(parameters, &history, &locality.shape, observer, &mut tape)?;
+        tape.seal();
+        let run = Run {
+            locality: Some(Arc::clone(locality)),
+            ..made
+        };
         Ok(Self::of(run, tape))
     }
 

@@ -13,8 +13,12 @@ use crate::anchor::Anchor;
 use crate::listing::{LineId, Listings};
 use crate::recording::Recording;
 
-/// The newest version of sessions that this program reads, and that of sets in space, which it writes.
-pub const VERSION: u32 = 5;
+/// The newest version of sessions that this program reads, and that of exact tilings of a shape, which it writes. Programs
+/// before these tilings would make them by darts.
+pub const VERSION: u32 = 6;
+
+/// The version of sessions of sets in space, which programs before exact tilings of a shape read.
+pub(crate) const VERSION_OF_SPACE: u32 = 5;
 
 /// The version of sessions of runs in a field or a shape, which programs before sets in space read.
 pub(crate) const VERSION_OF_GROUND: u32 = 4;
@@ -265,6 +269,11 @@ impl Session {
             session.parameters.method = TilingMethod::Exact;
         }
 
+        // Before exact tilings of a shape, all sets in a field or a shape were made by darts, whatever the method.
+        if session.version < VERSION && !session.ground.is_null() {
+            session.parameters.method = TilingMethod::Kdrt;
+        }
+
         for breakpoint in &session.breakpoints {
             breakpoint.line()?;
         }
@@ -318,15 +327,18 @@ impl Session {
     }
 
     /// Computes the run of a session in a field or a shape again, with its events; `locality` is made from [`Self::ground`].
+    /// The method of the parameters makes it: exact tiling, which needs one radius, or the darts of the reference sampler.
     pub fn record_in(
         &self,
         locality: &Arc<Locality>,
         observer: &mut dyn Observer,
     ) -> Result<Recording, SessionError> {
         self.check()?;
-        let recording =
-            Recording::with_locality(locality, &self.parameters, self.budget, observer)?;
-        Ok(recording)
+        let make = match self.parameters.method {
+            TilingMethod::Exact => Recording::of_tiled_shape,
+            TilingMethod::Kdrt => Recording::with_locality,
+        };
+        Ok(make(locality, &self.parameters, self.budget, observer)?)
     }
 
     /// Fails when the session exceeds a limit. Makes no run.

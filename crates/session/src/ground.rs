@@ -2,12 +2,13 @@
 //! made on. Begin with [`GroundRequest`]; [`crate::varying`] makes the sessions.
 
 use serde::{Deserialize, Serialize};
-use tilescope_core::Parameters;
+use tilescope_core::{Parameters, TilingMethod};
 use tilescope_sets::{
     ExactBlocks, Expression, Ground, PlanarPolygon, RadiusSource, ShapeSource, Stated,
     StippleRecipe, VaryingError, VaryingRecipe,
 };
 
+use crate::encoding::as_json;
 use crate::stipple::{MadeStipple, StippleRequest};
 use crate::words::{counted, grouped, significant};
 
@@ -32,11 +33,22 @@ pub struct GroundRequest {
 }
 
 impl GroundRequest {
+    /// Returns whether the method of the parameters tiles it exactly: a shape of one radius. Other sets are made by darts,
+    /// whatever the method.
+    #[must_use]
+    pub fn is_tiled(&self, parameters: &Parameters) -> bool {
+        // A pattern has one radius. A stipple has radii of its own, and stands beside a request without them.
+        let has_one_radius = matches!(self.radius, None | Some(RadiusSource::Constant(_)));
+        let is_shape = self.shape.is_some() && has_one_radius && self.stipple.is_none();
+        is_shape && parameters.method == TilingMethod::Exact
+    }
+
     /// Returns the recipe of the set. Of the parameters it takes the domain, the seed and, unless the radius comes from
-    /// elsewhere, the radius.
+    /// elsewhere, the radius; of an exact tiling of a shape also its blocks.
     #[must_use]
     pub fn recipe(&self, parameters: &Parameters) -> VaryingRecipe {
         let radius = self.radius.clone();
+        let is_tiled = self.is_tiled(parameters);
         VaryingRecipe {
             radius: radius.unwrap_or(RadiusSource::Constant(parameters.radius)),
             shape: self.shape.clone(),
@@ -45,7 +57,7 @@ impl GroundRequest {
             boundary: parameters.boundary,
             seed: parameters.seed,
             count: None,
-            exact: None,
+            exact: is_tiled.then(|| ExactBlocks::from(parameters)),
         }
     }
 
@@ -186,8 +198,10 @@ pub struct MadeGround {
     pub stipple: Option<MadeStipple>,
     /// Whether the samples are those of the request. A lesson also shows what a wrong process makes of it.
     pub is_as_asked: bool,
-    /// Whether it was tiled exactly, as only certificates of files say: the lattice of a mask is then another one.
-    pub is_exact: bool,
+    /// What the certificate of its file states of the way in which it was made, if it is an exact tiling from a file: numbers
+    /// of its pattern are among that, which is not made again.
+    #[serde(with = "as_json")]
+    pub stated: Option<Stated>,
 }
 
 impl MadeGround {
@@ -201,11 +215,14 @@ impl MadeGround {
         };
         let stipple = self.stipple_recipe().zip(self.stipple.as_ref());
         let settled = stipple.and_then(of_stipple);
-        settled.unwrap_or_else(|| VaryingRecipe {
-            // Nothing is made by this recipe. Field and shape depend on the method, but not on its blocks.
-            exact: self.is_exact.then(|| ExactBlocks::from(parameters)),
-            ..request.recipe(parameters)
-        })
+        settled.unwrap_or_else(|| request.recipe(parameters))
+    }
+
+    /// Returns whether it was tiled exactly, and not made by darts.
+    #[must_use]
+    pub fn is_tiled(&self) -> bool {
+        let (parameters, request) = &self.asked;
+        request.is_tiled(parameters)
     }
 
     /// Returns what the dots were made from, if they are a stipple.
@@ -215,7 +232,8 @@ impl MadeGround {
         request.stipple.as_ref()?.recipe(parameters).ok()
     }
 
-    /// Returns the field and the shape of the set, and what certificates state of the way in which it is made.
+    /// Returns the field and the shape of the set, and what certificates state of the way in which it is made. Of an exact
+    /// tiling that is not from a file, its run says more ([`VaryingRecipe::facts_of_tiling`]).
     ///
     /// # Errors
     ///
@@ -223,9 +241,10 @@ impl MadeGround {
     pub fn ground(&self) -> Result<(Ground, Stated), VaryingError> {
         let recipe = self.recipe();
         let ground = recipe.ground()?;
-        let stated = match self.stipple_recipe() {
-            Some(stipple) => stipple.stated(&recipe, &ground),
-            None => recipe.stated_on(&ground),
+        let stated = match (&self.stated, self.stipple_recipe()) {
+            (Some(stated), _) => stated.clone(),
+            (None, Some(stipple)) => stipple.stated(&recipe, &ground),
+            (None, None) => recipe.stated_on(&ground),
         };
         Ok((ground, stated))
     }

@@ -103,8 +103,8 @@ impl Moment {
         }
 
         let covering = self.covering(session);
-        // The result of a run in a field or a shape is in the order of arrival, as its ids are.
-        if session.run().locality.is_some() {
+        // The result of darts in a field or a shape is in the order of arrival, as its ids are.
+        if session.is_in_field() {
             return covering.into_iter().map(|(_, id)| id).collect();
         }
         // Ids follow the order of tiling and insertion, results that of places.

@@ -245,8 +245,18 @@ fn combination_sentence(session: &Session, stage: Stage) -> Option<String> {
 
 /// Returns the sentence for a stage of a set in a field or a shape, which has throws of darts alone.
 fn ground_sentence(session: &Session, stage: Stage) -> Option<String> {
-    let (_, request) = &session.ground.as_ref()?.asked;
+    let (parameters, request) = &session.ground.as_ref()?.asked;
+    // An exact tiling of a shape has the stages of any exact tiling.
+    if session.is_exact() {
+        return None;
+    }
     let samples = |count: usize| counted(count, "sample", "samples");
+    // A tiled shape comes here without its tiles only from a file.
+    let how = if request.is_tiled(parameters) {
+        "by exact tiling, from a file"
+    } else {
+        "by darts, in the order of their arrival"
+    };
     Some(match stage {
         // Each throw of darts is a stage of its own.
         Stage::Iterate(k) => {
@@ -262,7 +272,7 @@ fn ground_sentence(session: &Session, stage: Stage) -> Option<String> {
             )
         }
         _ => format!(
-            "Finish: {} by darts, in the order of their arrival ({}).",
+            "Finish: {} {how} ({}).",
             samples(session.summary.count),
             request.description()
         ),

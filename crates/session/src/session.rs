@@ -244,11 +244,18 @@ impl Session {
         self.recording()?.height_before(cursor)
     }
 
-    /// Returns whether the disks of its samples differ in radius: where radii depend on the place, and where a plane cuts
-    /// balls.
+    /// Returns whether the disks of its samples may differ in radius: where radii depend on the place, and where a plane cuts
+    /// balls. Darts made all of these sets, not tiles.
     #[must_use]
-    pub const fn has_own_disks(&self) -> bool {
-        self.ground.is_some() || self.solid.is_some()
+    pub fn has_own_disks(&self) -> bool {
+        self.is_in_field() || self.solid.is_some()
+    }
+
+    /// Returns whether it is a set in a field or a shape that is shown without tiles: one that darts made, or of which a file
+    /// has the samples alone.
+    #[must_use]
+    pub fn is_in_field(&self) -> bool {
+        self.ground.is_some() && !self.is_exact()
     }
 
     /// Returns its kind, which decides the layers and their names.
@@ -258,7 +265,7 @@ impl Session {
             (Some(_), _) => SessionKind::Combination,
             (None, Some(_)) => SessionKind::Nested,
             (None, None) if self.solid.is_some() => SessionKind::Solid,
-            (None, None) if self.ground.is_some() => SessionKind::Varying,
+            (None, None) if self.is_in_field() => SessionKind::Varying,
             (None, None) if self.is_exact() => SessionKind::Exact,
             (None, None) => SessionKind::Run,
         }
@@ -276,6 +283,8 @@ impl Session {
             kind @ (SessionKind::Nested | SessionKind::Varying | SessionKind::Solid) => {
                 layers.of_kind(kind)
             }
+            // Exposed arcs are measured in a rectangle.
+            SessionKind::Exact if self.ground.is_some() => layers.without(Layer::CoveredCircles),
             SessionKind::Run | SessionKind::Exact | SessionKind::Combination => layers,
         }
     }
@@ -454,9 +463,10 @@ impl Session {
 
         let (mut stages, mut starts, mut last, mut outline) =
             (run.stages(), Vec::new(), None, None);
-        // A run in a field, a shape or space has no pattern, and its first throw is its first stage.
+        // A run in a field, a shape or space has no pattern, unless it is tiled, and its first throw is its first stage.
         let is_in_space = matches!(&source, RunSource::Recorded(made) if made.is_in_space());
-        if run.locality.is_some() || is_in_space {
+        let is_tiled = run.parameters.method == TilingMethod::Exact;
+        if run.locality.is_some() && !is_tiled || is_in_space {
             stages.retain(|&stage| stage != Stage::Pattern);
         }
         let mut losses = Vec::new();

@@ -1,15 +1,18 @@
-//! Makes sets in a field of radii or in a shape, with their darts as the reference sampler throws them, or takes them from a file that
-//! was exported. Begin with [`sample`] and [`of_file`].
+//! Makes sets in a field of radii or in a shape, with their darts as the reference sampler throws them or as exact tiling of a shape
+//! has them, or takes them from a file that was exported. Begin with [`sample`] and [`of_file`].
 
 use std::sync::Arc;
 
 use serde_json::Value;
-use tilescope_core::{Locality, Parameters, Run, varying_sample};
+use tilescope_core::{
+    Locality, Parameters, PatternHistory, Run, TilingMethod, exact_in_shape_parallel,
+    varying_sample,
+};
 use tilescope_debugger::{DEFAULT_BUDGET, Recording};
 use tilescope_formats::Certificate;
 use tilescope_sets::{
-    GivenGround, GivenRadius, GrayImage, Ground, RadiusSource, ShapeSource, Tone, VaryingError,
-    VaryingRecipe,
+    ExactBlocks, GivenGround, GivenRadius, GrayImage, Ground, RadiusSource, ShapeSource, Tone,
+    VaryingError, VaryingRecipe,
 };
 
 use crate::ground::{GroundRequest, MAX_RECORDED, MadeGround};
@@ -36,26 +39,63 @@ pub fn sample(
 
     // Few enough samples are recorded dart by dart.
     let parameters = &recipe.parameters;
+    let is_tiled = request.is_tiled(parameters);
     if expected <= MAX_RECORDED {
-        let made = Recording::with_locality(&locality, parameters, DEFAULT_BUDGET, observer);
-        return prepared(made?, recipe, request, generation, observer);
+        let make = if is_tiled {
+            Recording::of_tiled_shape
+        } else {
+            Recording::with_locality
+        };
+        let made = make(&locality, parameters, DEFAULT_BUDGET, observer)?;
+        return prepared(made, recipe, request, generation, observer);
+    }
+    if is_tiled {
+        return tiled(&locality, recipe, request, generation, observer);
     }
 
     // A run that is too large for events keeps its samples alone, in the order of their arrival. It is too large to be empty.
     let Locality { field, shape } = &*locality;
     let points = varying_sample(field, shape, parameters.seed, observer)?;
     let domain = *field.domain();
-    // A run's own parameters have the radius that is r in its lattice.
-    let own = Parameters {
-        radius: domain.radius(),
-        ..*parameters
-    };
     let run = Run {
         locality: Some(Arc::clone(&locality)),
-        ..Run::of_points(own, domain, points)
+        ..Run::of_points(own_parameters(parameters, domain.radius()), domain, points)
     };
     let made = observer.prepare(|| Session::from_run(run, generation));
     Ok(with_ground(made?, recipe, request))
+}
+
+/// Returns the parameters of a run of points alone: with the radius that is r in its lattice, and without the blocks that exact
+/// tiling has.
+fn own_parameters(asked: &Parameters, radius: f64) -> Parameters {
+    Parameters {
+        radius,
+        method: TilingMethod::Kdrt,
+        ..*asked
+    }
+}
+
+/// Tiles a shape exactly by the parallel engine, which keeps the result with its blocks, but no events.
+fn tiled(
+    locality: &Arc<Locality>,
+    recipe: &Recipe,
+    request: &GroundRequest,
+    generation: u64,
+    observer: &mut Reporter<'_>,
+) -> Result<Session, MakeError> {
+    let parameters = &recipe.parameters;
+    let history = PatternHistory::of_spec(&parameters.pattern, observer)?;
+    let made = exact_in_shape_parallel(parameters, &history, &locality.shape, observer)?;
+    // The estimate was that of the whole domain, of which the shape may have no place.
+    if made.result.is_empty() {
+        return Err(of_ground(VaryingError::Nothing));
+    }
+    let run = Run {
+        locality: Some(Arc::clone(locality)),
+        ..made
+    };
+    let session = observer.prepare(|| Session::from_run(run, generation))?;
+    Ok(with_ground(session, recipe, request))
 }
 
 /// Returns the session of a recording of a set in this field and shape.
@@ -133,7 +173,21 @@ fn certified(
             stated.radius.least()
         }
     };
+    // A certificate of an exact tiling states the blocks with which it can be made again.
+    let blocks = ExactBlocks::of_certificate(stated).filter(|_| recipe.exact.is_some());
+    let ExactBlocks {
+        leaf,
+        pattern,
+        dihedral,
+    } = blocks.unwrap_or_else(|| ExactBlocks::from(&Parameters::default()));
     let asked = Parameters {
+        leaf,
+        pattern,
+        dihedral,
+        method: match recipe.exact {
+            Some(_) => TilingMethod::Exact,
+            None => TilingMethod::Kdrt,
+        },
         width: stated.region.width,
         height: stated.region.height,
         radius,
@@ -146,11 +200,7 @@ fn certified(
             .unwrap_or(0),
         ..Parameters::default()
     };
-    // A run's own parameters have the radius that is r in its lattice.
-    let own = Parameters {
-        radius: domain.radius(),
-        ..asked
-    };
+    let own = own_parameters(&asked, domain.radius());
     let run = Run {
         locality: Some(Arc::new(Locality { field, shape })),
         ..Run::of_points(own, domain, lattice.collect())
@@ -170,18 +220,15 @@ fn certified(
         origin: recipe.origin.unwrap_or_default(),
         stipple: None,
     };
-    let session = with_ground(session, &recipe_of_form, &request);
-    Ok(by_method(session, recipe.exact.is_some()))
-}
-
-/// Returns a session of a file with the method that made its set. Runs in a field or a shape are made by the reference sampler
-/// alone, so that no recipe makes an exact tiling again.
-fn by_method(mut session: Session, is_exact: bool) -> Session {
-    if let Some(ground) = &mut session.ground {
-        ground.is_exact = is_exact;
-        ground.is_as_asked = !is_exact;
+    let mut session = with_ground(session, &recipe_of_form, &request);
+    if let Some(ground) = &mut session.ground
+        && ground.is_tiled()
+    {
+        // Without its blocks, no recipe makes the tiling again.
+        ground.is_as_asked = blocks.is_some();
+        ground.stated = Some(stated.parameters.clone());
     }
-    session
+    Ok(session)
 }
 
 /// Returns the stipple that a certificate states, and what it became; `None` for other sets.
@@ -241,7 +288,7 @@ pub fn with_ground(mut session: Session, recipe: &Recipe, request: &GroundReques
         radii,
         stipple: None,
         is_as_asked: true,
-        is_exact: false,
+        stated: None,
     });
     session
 }

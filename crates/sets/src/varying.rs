@@ -22,7 +22,7 @@ use serde::{Deserialize, Serialize};
 use serde_json::{Value, json};
 use tilescope_core::memory::{Making, ask_for};
 use tilescope_core::{
-    Boundary, MAXIMAL_DENSITY, Observer, Parameters, PatternHistory, PatternSpec, SampleError,
+    Boundary, MAXIMAL_DENSITY, Observer, Parameters, PatternHistory, PatternSpec, Run, SampleError,
     exact_in_shape_parallel, varying_sample,
 };
 use tilescope_formats::{Certificate, CertifiedShape, PointSet};
@@ -80,6 +80,19 @@ pub struct ExactBlocks {
     pub pattern: PatternSpec,
     /// Whether blocks clip from all rotations and mirror images of the pattern.
     pub dihedral: bool,
+}
+
+impl ExactBlocks {
+    /// Returns the blocks that the certificate of an exact tiling states; `None` if it does not state all of them.
+    #[must_use]
+    pub fn of_certificate(stated: &Certificate) -> Option<Self> {
+        let of_name = |name: &str| stated.parameters.get(name).cloned();
+        Some(Self {
+            leaf: of_name("leaf")?.as_f64()?,
+            pattern: serde_json::from_value(of_name("pattern")?).ok()?,
+            dihedral: of_name("dihedral")?.as_bool()?,
+        })
+    }
 }
 
 impl From<&Parameters> for ExactBlocks {
@@ -264,17 +277,23 @@ impl VaryingRecipe {
             return Err(VaryingError::Nothing);
         }
 
-        let samples = run.result.len() as f64;
-        let of_rectangle = facts_of_exact(&run.parameters, &run.domain, history.pattern(), samples);
-        let mut facts = Facts {
+        let facts = Facts {
             origin: ground.origin,
             varying: Some(Arc::clone(&ground.varying)),
-            ..of_rectangle
+            ..self.facts_of_tiling(&run)
         };
+        Ok(Made::of_run(&run, facts))
+    }
+
+    /// Returns the facts of an exact tiling of this recipe's shape, but for the ground in which it is judged.
+    #[must_use]
+    pub fn facts_of_tiling(&self, run: &Run) -> Facts {
+        let samples = run.result.len() as f64;
+        let mut facts = facts_of_exact(&run.parameters, &run.domain, &run.pattern, samples);
         if let Some((name, value)) = self.shape.as_ref().and_then(ShapeSource::stated) {
             facts.parameters.insert(name.to_owned(), value);
         }
-        Ok(Made::of_run(&run, facts))
+        facts
     }
 
     /// Returns field and shape in lattice units.

@@ -55,6 +55,21 @@ pub const RADIUS_BY: [Listed<RadiusBy>; 5] = [
     ),
 ];
 
+/// The ways in which a shape of one radius is made, by the names of methods. Darts stand in the place of KDRT, which makes no
+/// shapes.
+pub const SHAPE_BY: [Listed<&str>; 2] = [
+    (
+        "kdrt",
+        "darts",
+        "The reference sampler throws darts, without tiling.",
+    ),
+    (
+        "exact",
+        "exact tiling",
+        "Blocks of one pattern: darts outside of the shape do not exist, so that its border is one more seam.",
+    ),
+];
+
 /// What the formula of the radius may have.
 pub const FORMULA: &str = "The radius as a function of x and y, such as 0.006 + 0.024*x, with + - * / ^ pi abs atan2 cos exp floor hypot log max min pow sin sqrt tanh.";
 

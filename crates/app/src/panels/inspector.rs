@@ -273,9 +273,9 @@ fn sample(
 
     let own_radius = || significant(session.radius_of(id) * run.domain.radius());
     match run.samples.origins[id as usize] {
-        // A large set in a field or a shape keeps nothing but its samples: the origin is a placeholder, which is not
-        // shown.
-        Origin::Tiled { .. } if session.ground.is_some() => {
+        // A large set of darts in a field or a shape keeps nothing but its samples: the origin is a placeholder, which is
+        // not shown.
+        Origin::Tiled { .. } if session.is_in_field() => {
             row(ui, "Radius", &own_radius(), palette);
         }
         Origin::Tiled {
@@ -297,8 +297,8 @@ fn sample(
             row(ui, "Lies", lies, palette);
         }
         Origin::Inserted { iteration, sites } => {
-            // In a field or a shape, iterations are the throws of darts, and samples have radii of their own.
-            if session.ground.is_some() {
+            // By darts in a field or a shape, iterations are their throws, and samples have radii of their own.
+            if session.is_in_field() {
                 row(ui, "Radius", &own_radius(), palette);
                 row(ui, "From throw", &iteration.to_string(), palette);
             } else {

@@ -79,9 +79,14 @@ impl Words<'_> {
     /// clip lacks.
     fn wake(&self, point: Point, behind: u32) -> String {
         let at = coordinates(point);
+        // Of a shape, the pattern's samples outside are missing, too, as no dart falls there.
+        let or_outside = match self.0.run().locality {
+            Some(_) => ", or outside of the shape",
+            None => "",
+        };
         match behind {
             NONE => format!(
-                "the dart at {at} is woken: what refused it first in the pattern lies beyond the border of its block"
+                "the dart at {at} is woken: what refused it first in the pattern lies beyond the border of its block{or_outside}"
             ),
             behind => format!(
                 "the dart at {at} is woken: {}, which is lost, had refused it first",

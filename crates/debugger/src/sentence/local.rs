@@ -30,6 +30,10 @@ impl Words<'_> {
     /// recording.
     pub(super) fn local(&self, run_event: RunEvent, index: usize) -> Option<String> {
         let locality = self.0.run().locality.as_deref()?;
+        // An exact tiling of a shape has one radius, so that its events are those of any tiling.
+        if self.0.is_exact() {
+            return None;
+        }
 
         Some(match run_event {
             RunEvent::Dart {

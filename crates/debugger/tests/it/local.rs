@@ -132,7 +132,7 @@ fn a_saved_session_is_restored_in_its_field_alone() {
     debugger.jump(500);
     let mut saved = debugger.session();
     saved.ground = serde_json::json!("a field");
-    assert_eq!(saved.version, VERSION - 1);
+    assert_eq!(saved.version, VERSION - 2);
     assert!(matches!(restored(&saved), Err(SessionError::Ground)));
 
     let again = saved.record_in(&locality(), &mut Unobserved).unwrap();

@@ -1,7 +1,7 @@
 //! The field and the shape in the form: how the radius is given, the expression as typed, and the area to cover.
 
 use serde::{Deserialize, Serialize};
-use tilescope_core::{Boundary, Parameter, Parameters};
+use tilescope_core::{Boundary, Parameter, Parameters, TilingMethod};
 use tilescope_sets::{
     BrushStroke, Expression, GrayImage, PAINTED, PaintedRadii, RadiusSource, ShapeSource,
     VaryingError, check_pixels,
@@ -98,6 +98,12 @@ impl GroundDraft {
     #[must_use]
     pub fn is_asked(&self) -> bool {
         self.by != RadiusBy::Constant || self.shape.is_some()
+    }
+
+    /// Returns whether a shape of one radius is asked for, which can be tiled exactly.
+    #[must_use]
+    pub fn is_shape_of_one_radius(&self) -> bool {
+        self.by == RadiusBy::Constant && self.shape.is_some()
     }
 
     /// Returns the request, or the error of an expression that cannot be read; `None` if neither a field nor a shape is
@@ -487,6 +493,13 @@ impl Draft {
         (self.ground.shape, self.ground.origin) = (None, [0.0; 2]);
     }
 
+    /// Returns whether the next run tiles a shape exactly.
+    #[must_use]
+    pub fn tiles_shape(&self) -> bool {
+        let is_exact = self.parameters.method == TilingMethod::Exact;
+        is_exact && self.ground.is_shape_of_one_radius() && !self.is_in_space()
+    }
+
     /// Returns about how many samples a field and a shape ask for; `None` if neither is asked for, or if they are refused.
     pub(super) fn ground_samples(&self) -> Option<f64> {
         let request = self.ground_request()?;
@@ -536,9 +549,22 @@ impl Draft {
             return self.ground.stipple.refusal(stipple).or_else(of_frame);
         }
 
+        // The blocks and the pattern of an exact tiling are those of the form. Its own glance is the first error's, so that this
+        // one is that of a parameter which darts do not have.
+        let of_tiling = || {
+            let error = self.parameters.validate_sequential().err()?;
+            let (part, reason) = (
+                part_of(&error, &self.parameters),
+                sentence(&error.to_string()),
+            );
+            Some(DraftRefusal { part, reason })
+        };
+
         // Each error stands at the field that mends it. The domain of a varying radius is judged with a radius of the
         // field, so that its errors, like most others, stand at the input that gives the field.
-        let error = request.recipe(&self.parameters).glance().err()?;
+        let Err(error) = request.recipe(&self.parameters).glance() else {
+            return self.tiles_shape().then(of_tiling).flatten();
+        };
         let part = match (&error, self.ground.by) {
             (VaryingError::Domain(error), RadiusBy::Constant) => part_of(error, &self.parameters),
             (VaryingError::Ratio { .. } | VaryingError::Aspect { .. }, _) => {

@@ -157,8 +157,8 @@ impl Draft {
         refused(part, sentence(&error.to_string()))
     }
 
-    /// Returns whether the next run uses a parameter: in a field or a shape there is no tiling, and a formula and the dots of a
-    /// stipple give the radius themselves.
+    /// Returns whether the next run uses a parameter: in a field there is no tiling, a shape is tiled only exactly, and a formula
+    /// and the dots of a stipple give the radius themselves.
     #[must_use]
     pub fn uses(&self, parameter: Parameter) -> bool {
         let has_number = !matches!(self.ground.by, RadiusBy::Expression | RadiusBy::Stipple);
@@ -167,6 +167,15 @@ impl Draft {
         match parameter {
             Parameter::Width | Parameter::Height | Parameter::Boundary | Parameter::Seed => true,
             Parameter::Radius => has_number,
+            // A shape of one radius is tiled exactly or made by darts, as the method says.
+            Parameter::Method => {
+                is_tiled || self.ground.is_shape_of_one_radius() && !self.is_in_space()
+            }
+            Parameter::Leaf
+            | Parameter::PatternSide
+            | Parameter::PatternSeed
+            | Parameter::PatternBoundary
+            | Parameter::Dihedral => is_tiled || self.tiles_shape(),
             _ => is_tiled,
         }
     }

@@ -3,14 +3,14 @@
 use serde_json::json;
 use tilescope_analysis::lossy;
 use tilescope_debugger::{digest, pattern_digest};
+use tilescope_session::ground::MadeGround;
 use tilescope_session::session::Session;
 use tilescope_sets::{Stated, facts_of_exact, stated};
 
 /// Returns how a session's set was made, as certificates name it.
 #[must_use]
 pub fn method(session: &Session) -> &str {
-    // The certificate of a file said so.
-    let is_tiled_shape = session.ground.as_ref().is_some_and(|made| made.is_exact);
+    let is_tiled_shape = session.ground.as_ref().is_some_and(MadeGround::is_tiled);
     match (&session.combination, &session.nested) {
         (Some(_), _) => "combined",
         (None, Some(nested)) => &nested.method,
@@ -33,6 +33,11 @@ pub(crate) fn parameter_map(session: &Session) -> Stated {
     }
 
     if let Some(made) = &session.ground {
+        // How often a tiling uses each sample of its pattern, its run says. That of a file has the pattern no longer, and states
+        // what its certificate said.
+        if session.is_exact() {
+            return made.recipe().facts_of_tiling(session.run()).parameters;
+        }
         // The set was made on this ground, so that it is not refused here.
         return made.ground().map(|(_, stated)| stated).unwrap_or_default();
     }

@@ -22,6 +22,9 @@ use tilescope_session::layers::SessionKind;
 use tilescope_session::moment::Moment;
 use tilescope_session::session::Session;
 
+/// Why a set in a field or a shape has no second run of changed parameters.
+const OF_GROUND: &str = "A set in a field or a shape has no variants like those of a run; the parameters as typed can be compared.";
+
 impl Runs {
     /// Applies a command. A second run may be made of the parameters as typed, by the chosen engine.
     pub(super) fn apply(
@@ -72,12 +75,11 @@ impl Runs {
         }
 
         match session.kind() {
+            // The variants would be of the whole domain.
+            SessionKind::Exact if session.ground.is_some() => return Some(OF_GROUND.to_owned()),
             SessionKind::Run | SessionKind::Exact => {}
             SessionKind::Combination => return Some(super::engine::NO_PARAMETERS.to_owned()),
-            SessionKind::Varying => {
-                let text = "A set in a field or a shape has no variants like those of a run; the parameters as typed can be compared.";
-                return Some(text.to_owned());
-            }
+            SessionKind::Varying => return Some(OF_GROUND.to_owned()),
             SessionKind::Solid => {
                 let text = "A set in space has no variants like those of a run; the parameters as typed can be compared.";
                 return Some(text.to_owned());

@@ -1,7 +1,7 @@
 //! The input of the next run.
 
 use tilescope_classroom::room::NewFile;
-use tilescope_session::ground::GroundRequest;
+use tilescope_session::ground::{GroundRequest, MadeGround};
 use tilescope_session::layers::SessionKind;
 use tilescope_session::recipe::{OwnPattern, Recipe};
 use tilescope_sets::{Brush, BrushStroke, GrayImage, PAINTED};
@@ -41,7 +41,7 @@ impl Form {
         let ground = self.draft.ground_request();
         Recipe {
             parameters: self.draft.parameters,
-            // In a field, a shape or space there is no tiling, and so no pattern.
+            // In a field or in space there is no tiling, and so no pattern. Exact tiling of a shape makes its own.
             own: self
                 .own_pattern
                 .clone()
@@ -74,9 +74,9 @@ impl Form {
         let session = run.session.as_ref().filter(|_| run.sampling.is_none())?;
 
         if !session.has_recipe() {
-            // Combinations have no recipe, nor have nested levels and exact tilings of a shape, which come from a file,
-            // and the sets of a lesson's wrong process.
-            let is_tiled = session.ground.as_ref().is_some_and(|made| made.is_exact);
+            // Combinations have no recipe, nor have nested levels from a file, exact tilings of a shape whose file does not state
+            // their blocks, and the sets of a lesson's wrong process.
+            let is_tiled = session.ground.as_ref().is_some_and(MadeGround::is_tiled);
             let what = match session.kind() {
                 SessionKind::Combination => "A combination is",
                 SessionKind::Varying if is_tiled => "An exact tiling of a file is",

@@ -187,7 +187,8 @@ impl GpuState {
             return false;
         };
         let is_tiling = matches!(session.kind(), SessionKind::Run | SessionKind::Exact);
-        let has_choice = is_tiling && session.has_recipe();
+        let is_of_shape = session.ground.is_some();
+        let has_choice = is_tiling && !is_of_shape && session.has_recipe();
         if !has_choice || draft.levels.is_some() || draft.ground.is_asked() || draft.is_in_space() {
             return false;
         }
@@ -209,6 +210,11 @@ impl GpuState {
         }
         if session.has_own_disks() {
             let text = "This set was made by darts on the CPU; the passes are those of a run.";
+            return Some(text.to_owned());
+        }
+        if session.ground.is_some() {
+            let text =
+                "This shape was tiled on the CPU; the passes are those of a run in a rectangle.";
             return Some(text.to_owned());
         }
         if session.nested.is_some() {

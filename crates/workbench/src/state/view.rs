@@ -14,7 +14,8 @@ impl Runs {
     /// Returns the parameters of the second run, if it is made of parameters alone.
     pub(super) fn second_parameters(&self) -> Option<Parameters> {
         let session = self.second.as_ref()?.0.session.as_ref()?;
-        let made = session.own.is_none() && session.kind().is_run();
+        let is_of_parameters = session.own.is_none() && session.ground.is_none();
+        let made = is_of_parameters && session.kind().is_run();
         made.then_some(session.run().parameters)
     }
 }

@@ -632,7 +632,7 @@ fn a_tiled_mask_of_a_file_is_judged_in_the_lattice_of_its_method() {
         let ground = shown.ground.as_ref().expect("a mask");
         let (judged, _) = ground.ground().unwrap();
         assert_eq!(*judged.field.domain(), shown.run().domain, "{method}");
-        // The form makes sets in a shape by the reference sampler alone.
+        // This certificate does not state the blocks of a tiling, so that none can be made again.
         assert_eq!(shown.has_recipe(), method == "reference");
     }
 }

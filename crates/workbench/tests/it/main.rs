@@ -23,3 +23,4 @@ mod runs;
 mod script;
 mod space;
 mod stipple;
+mod tiled_shapes;

@@ -12,7 +12,7 @@ use tilescope_session::words::{capital, grouped};
 use tilescope_ui::widgets::{Kebab, Known, heading};
 
 use super::super::choices::{
-    FORMULA, LEVELS, Listed, RADIUS_BY, WITHIN, WITHOUT_IMAGE, meaning, options,
+    FORMULA, LEVELS, Listed, RADIUS_BY, SHAPE_BY, WITHIN, WITHOUT_IMAGE, meaning, options,
 };
 use super::super::engine;
 use super::{FormContext, brush, changed_mark, field_width, labelled};
@@ -35,16 +35,25 @@ pub(super) fn show(ui: &mut Ui, context: &FormContext<'_>, commands: &mut Vec<Co
     fields.group(ui, "Domain", ParameterGroup::Domain);
     fields.shape(ui);
 
-    // A set in a field, a shape or space is not tiled: of the parameters below only the seed has a meaning.
-    if context.form.draft.ground.is_asked() || context.form.draft.is_in_space() {
-        fields.number(ui, Parameter::Seed);
-        let text = if context.form.draft.is_in_space() {
-            "Darts of the reference sampler make this set of balls, which a plane shows."
+    // A set in a field or in space is not tiled, and a shape only exactly: of the parameters below only the seed has a meaning
+    // for darts.
+    let draft = &context.form.draft;
+    if draft.ground.is_asked() || draft.is_in_space() {
+        if draft.ground.is_shape_of_one_radius() && !draft.is_in_space() {
+            fields.method_of_shape(ui);
+        }
+        if draft.tiles_shape() {
+            fields.tiling_of_shape(ui);
         } else {
-            "Darts of the reference sampler make this set, without tiling."
-        };
-        ui.label(RichText::new(text).color(context.palette.muted))
-            .known_as("no-tiling");
+            fields.number(ui, Parameter::Seed);
+            let text = if draft.is_in_space() {
+                "Darts of the reference sampler make this set of balls, which a plane shows."
+            } else {
+                "Darts of the reference sampler make this set, without tiling."
+            };
+            ui.label(RichText::new(text).color(context.palette.muted))
+                .known_as("no-tiling");
+        }
         fields.error(ui, FormPart::Choices, "refusal-0");
         // Nested levels and darts exclude each other: the choice of levels stays, so that they can be taken back.
         if context.form.draft.levels.is_some() {
@@ -273,6 +282,34 @@ impl Fields<'_> {
         let command = Command::Form(FormCommand::WholeDomain);
         ui.link("Cover the whole domain")
             .issues("whole-domain", command, self.commands);
+    }
+
+    /// Shows by which method a shape of one radius is made.
+    fn method_of_shape(&mut self, ui: &mut Ui) {
+        heading(ui, "Tiling");
+        let parameter = Parameter::Method;
+        let Some(current) = parameter.chosen(self.parameters()) else {
+            return;
+        };
+        self.choice(
+            ui,
+            (link_key(parameter), &capital(parameter.row().label)),
+            "By which method the samples of the shape are made.",
+            (current.name, &SHAPE_BY),
+            |name| Choice::Parameter(parameter, name.into()),
+        );
+    }
+
+    /// Shows the parameters of an exact tiling of a shape, which makes its own pattern.
+    fn tiling_of_shape(&mut self, ui: &mut Ui) {
+        let of_group = |parameter: &Parameter| parameter.row().group == ParameterGroup::Tiling;
+        for parameter in draft::numbers().filter(of_group) {
+            self.number(ui, parameter);
+        }
+        repeats(ui, self.context, self.palette);
+        for parameter in [Parameter::PatternBoundary, Parameter::Dihedral] {
+            self.option(ui, parameter);
+        }
     }
 
     /// Shows a parameter that is chosen.

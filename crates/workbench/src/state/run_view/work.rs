@@ -176,16 +176,17 @@ impl RunView {
             // The panel of the analysis shows all measures; a part of the frequencies will do while all would take too many steps.
             // Its measures are those of the plane.
             let is_analysed = asked.is_analysed && session.solid.is_none();
+            // The measures of circles are those of one radius in a rectangle.
+            let has_circles = session.ground.is_none() && session.solid.is_none();
             let wanted = Wanted {
                 spectrum: is_analysed,
                 thinned: is_analysed,
                 pairs: is_analysed,
-                // Where disks have radii of their own, gaps are looked for pixel by pixel.
-                cover: is_analysed || layers.has_gaps() && !session.has_own_disks(),
+                // Where disks have radii of their own, and in a shape, gaps are looked for pixel by pixel.
+                cover: is_analysed || layers.has_gaps() && has_circles,
             };
             live.follow(session, &shown, wanted, asked.steps, &context.wake);
-            // Measures at rest need one radius.
-            if is_analysed && !session.has_own_disks() {
+            if is_analysed && has_circles {
                 measuring.want(session, &shown, &context.wake);
             }
             if let Some(cover) = live.cover(&shown).filter(|_| layers.has_gaps()) {

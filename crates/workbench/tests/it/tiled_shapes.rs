@@ -1,0 +1,325 @@
+//! Exact tilings of shapes: made by the form, visited, verified, linked, saved, undone, exported and opened.
+
+use std::path::Path;
+use std::sync::Arc;
+
+use serde_json::{Value, json};
+use tilescope_core::{Parameter, RunEvent, TilingMethod, Unobserved};
+use tilescope_debugger::{EventKind, why};
+use tilescope_session::incoming::NamedBytes;
+use tilescope_session::layers::{Layer, Layers, SessionKind};
+use tilescope_session::session::Session;
+use tilescope_workbench::command::{FormCommand, TimeCommand};
+use tilescope_workbench::compare::ComparePreset;
+use tilescope_workbench::draft::{Choice, FormPart};
+use tilescope_workbench::export::ExportKind;
+use tilescope_workbench::files::{FileCommand, Purpose};
+use tilescope_workbench::{Command, State, link};
+
+use crate::exporting::{notice_text, write};
+
+/// A park of 60 x 40 with a pond, at map coordinates.
+const PARK: &str = r#"{"type": "Polygon", "coordinates": [
+    [[100, 250], [160, 250], [160, 290], [130, 280], [100, 290]],
+    [[120, 260], [140, 260], [130, 270]]]}"#;
+
+fn state() -> State {
+    let mut state = State::new(Arc::new(|| {}));
+    state.settle();
+    state
+}
+
+fn form(state: &mut State, command: FormCommand) {
+    state.apply(Command::Form(command));
+}
+
+fn run(state: &mut State) {
+    state.apply(Command::Run);
+    state.settle();
+}
+
+fn session(state: &State) -> &Arc<Session> {
+    state.runs().first.session.as_ref().unwrap()
+}
+
+fn drop_all(state: &mut State, files: Vec<NamedBytes>) {
+    let dropped = FileCommand::DroppedBytes(files, Vec::new());
+    state.apply(Command::File(dropped));
+    state.settle();
+    state.settle();
+}
+
+fn is_valid(state: &State) -> bool {
+    let verdict = state.runs().first.verdict();
+    verdict.expect("a verdict").valid()
+}
+
+fn type_number(state: &mut State, parameter: Parameter, text: &str) {
+    form(state, FormCommand::Type(parameter, text.to_owned()));
+}
+
+fn choose(state: &mut State, method: TilingMethod) {
+    let choice = Choice::Parameter(Parameter::Method, json!(method));
+    form(state, FormCommand::Choose(choice));
+}
+
+/// A window with the park, and the form of its exact tiling.
+fn asked() -> State {
+    let mut state = state();
+    drop_all(&mut state, vec![NamedBytes::new("park.geojson", PARK)]);
+    assert_eq!(session(&state).kind(), SessionKind::Varying);
+    choose(&mut state, TilingMethod::Exact);
+    for (parameter, text) in [
+        (Parameter::Leaf, "9"),
+        (Parameter::PatternSide, "40"),
+        (Parameter::PatternSeed, "5"),
+    ] {
+        type_number(&mut state, parameter, text);
+    }
+    state
+}
+
+/// A window with the exact tiling of the park.
+fn made() -> State {
+    let mut state = asked();
+    run(&mut state);
+    state
+}
+
+#[test]
+fn the_form_tiles_a_shape_whose_events_can_be_visited() {
+    let mut state = asked();
+    let by_darts = session(&state).digest().to_owned();
+    let remark = state.form().remark(&state.runs().first, state.gpu());
+    let remark = remark.expect("differences");
+    for name in ["method", "smallest block", "pattern size", "pattern seed"] {
+        assert!(remark.contains(name), "{remark}");
+    }
+    run(&mut state);
+
+    let shown = Arc::clone(session(&state));
+    assert_eq!(shown.kind(), SessionKind::Exact, "{}", notice_text(&state));
+    assert!(is_valid(&state) && shown.has_shape());
+    assert_ne!(shown.digest(), by_darts);
+    assert_eq!(state.form().remark(&state.runs().first, state.gpu()), None);
+
+    // The points are those that the command line makes, by another engine.
+    let recipe = shown.ground.as_ref().unwrap().recipe();
+    let blocks = recipe.exact.expect("an exact tiling");
+    assert_eq!((blocks.leaf, blocks.pattern.side), (9.0, 40.0));
+    let made = recipe.make(&mut Unobserved).unwrap();
+    assert_eq!(made.set.points, shown.run().positions());
+    let locality = shown.run().locality.as_ref().unwrap();
+    let all = shown.run().samples.points.iter();
+    assert!(all.clone().all(|&point| locality.inside(point)));
+
+    // Blocks, conflicts and cells can be shown, as of any exact tiling, and the stages are those.
+    let drawable = shown.drawable(Layers::default());
+    for layer in [
+        Layer::Blocks,
+        Layer::Conflicts,
+        Layer::Gaps,
+        Layer::Detectors,
+    ] {
+        assert!(drawable.has(layer), "{layer:?}");
+    }
+    assert!(shown.stages.len() > 4, "{:?}", shown.stages);
+
+    // A moment in the middle has as many valid samples as its events have kept and inserted.
+    let recording = shown.recording().expect("events");
+    let woken = recording.tape().iter();
+    let woken = woken
+        .filter(|event| event.kind() == EventKind::Wake)
+        .count();
+    let is_insertion = |event: &tilescope_debugger::Event| {
+        matches!(event.run_event(), Some(RunEvent::Insert { .. }))
+    };
+    let mut backwards = recording.tape().before(recording.len());
+    let last = backwards.find(|(_, event)| is_insertion(event));
+    let (insertion, _) = last.expect("the border of the shape is a seam");
+    assert!(woken > 0);
+    // Why the last sample was inserted leads back to the tree.
+    assert!(why::causes(recording, insertion).len() > 2);
+    state.apply(Command::Time(TimeCommand::Jump(insertion)));
+    let at = state.runs().first.shown().unwrap();
+    let covering = at.moment().covering(at.session).len();
+    assert_eq!(covering + 1, shown.summary.count);
+}
+
+#[test]
+fn what_is_wrong_with_its_blocks_stands_at_their_fields() {
+    let mut state = asked();
+    type_number(&mut state, Parameter::Leaf, "2");
+    let part = |state: &State| {
+        let refusals = state.form().draft.refusals();
+        refusals.first().map(|refusal| refusal.part)
+    };
+    assert_eq!(part(&state), Some(FormPart::Field(Parameter::Leaf)));
+    // Darts have no blocks.
+    choose(&mut state, TilingMethod::Kdrt);
+    assert_eq!(part(&state), None);
+    choose(&mut state, TilingMethod::Exact);
+    type_number(&mut state, Parameter::Leaf, "9");
+    type_number(&mut state, Parameter::PatternSide, "3");
+    assert_eq!(part(&state), Some(FormPart::Field(Parameter::PatternSide)));
+
+    // A field is made by darts, whatever the method.
+    let by = Choice::RadiusBy(tilescope_workbench::draft::RadiusBy::Expression);
+    form(&mut state, FormCommand::Choose(by));
+    form(&mut state, FormCommand::Expression("1 + x/1000".to_owned()));
+    assert_eq!(part(&state), None);
+    run(&mut state);
+    assert_eq!(session(&state).kind(), SessionKind::Varying);
+    assert!(is_valid(&state));
+}
+
+#[test]
+fn a_large_one_keeps_its_result_with_its_blocks() {
+    let mut state = asked();
+    type_number(&mut state, Parameter::Radius, "0.18");
+    assert!(state.form().draft.keeps_result_only());
+    run(&mut state);
+    let shown = session(&state);
+    assert_eq!(shown.kind(), SessionKind::Exact, "{}", notice_text(&state));
+    assert!(shown.recording().is_none() && is_valid(&state));
+    assert!(shown.run().blocks.leaves.len() > 100 && shown.summary.count > 20_000);
+}
+
+#[test]
+fn links_sessions_and_undo_carry_it() {
+    let mut state = made();
+    let tiled = session(&state).recipe();
+    state.apply(Command::Undo);
+    state.settle();
+    assert_eq!(session(&state).kind(), SessionKind::Varying);
+    state.apply(Command::Redo);
+    state.settle();
+    assert_eq!(session(&state).recipe(), tiled);
+
+    state.apply(Command::Time(TimeCommand::Jump(2_000)));
+    let written = state.link();
+    assert_eq!(written.left_out, Vec::<String>::new());
+    let (content, warnings) = link::read(&written.fragment);
+    assert_eq!(warnings.text(), "");
+    // A link has the corners of the park, but not the name of its file.
+    assert_eq!(content.parameters, tiled.parameters);
+    assert!(content.ground.expect("a shape").is_tiled(&tiled.parameters));
+    let mut other = self::state();
+    other.open_link(&written.fragment);
+    other.settle();
+    assert_eq!(session(&other).digest(), session(&state).digest());
+    assert_eq!(other.runs().first.cursor().unwrap().0, 2_000);
+
+    let folder = tempfile::tempdir().unwrap();
+    let path = folder.path().join("park.json");
+    for command in [
+        FileCommand::Sheet(Purpose::Save),
+        FileCommand::Path(path.to_string_lossy().into_owned()),
+        FileCommand::Go,
+    ] {
+        state.apply(Command::File(command));
+        state.settle();
+    }
+    let saved = std::fs::read(&path).unwrap();
+    let mut other = self::state();
+    drop_all(
+        &mut other,
+        vec![NamedBytes::new("park.json", saved.clone())],
+    );
+    assert_eq!(session(&other).digest(), session(&state).digest());
+    assert_eq!(session(&other).kind(), SessionKind::Exact);
+    assert_eq!(other.runs().first.cursor().unwrap().0, 2_000);
+    assert_eq!(other.form().recipe(), session(&other).recipe());
+
+    // Programs before these tilings made a shape by darts whatever the method: their sessions are still made so.
+    let mut older: Value = serde_json::from_slice(&saved).unwrap();
+    assert_eq!(older["version"], 6);
+    older["version"] = json!(4);
+    let bytes = older.to_string().into_bytes();
+    drop_all(&mut other, vec![NamedBytes::new("older.json", bytes)]);
+    let said = notice_text(&other);
+    assert!(said.contains("not the same run"), "{said}");
+}
+
+#[test]
+fn a_second_run_has_the_typed_parameters_alone() {
+    let state = made();
+    let refused = |preset| {
+        let runs = state.runs();
+        runs.preset_refusal(preset, state.form(), state.gpu())
+    };
+    assert!(refused(ComparePreset::NextSeed).unwrap().contains("shape"));
+    assert_eq!(refused(ComparePreset::Typed), None);
+    assert!(
+        !state
+            .gpu()
+            .differs(&state.runs().first, &state.form().draft)
+    );
+    let passes = state.gpu().passes_refusal(&state.runs().first);
+    assert!(passes.expect("a refusal").contains("shape"));
+}
+
+/// Returns what the certificate beside an exported set states of the way in which it was made.
+fn stated(path: &Path) -> Value {
+    let text = std::fs::read(tilescope_formats::certificate_path(path)).unwrap();
+    let certificate: Value = serde_json::from_slice(&text).unwrap();
+    assert_eq!(certificate["method"], "exact");
+    certificate["parameters"].clone()
+}
+
+#[test]
+fn an_export_that_is_opened_states_its_blocks_again_and_can_be_made_again() {
+    let mut state = made();
+    let folder = tempfile::tempdir().unwrap();
+    let [first, second] = ["first.csv", "second.csv"].map(|name| folder.path().join(name));
+    write(&mut state, ExportKind::Result, &first, &[]);
+    let by_run = stated(&first);
+    assert_eq!(
+        (&by_run["leaf"], &by_run["pattern"]["side"]),
+        (&json!(9.0), &json!(40.0))
+    );
+    // As the command line states it.
+    let recipe = session(&state).ground.as_ref().unwrap().recipe();
+    let made = recipe.make(&mut Unobserved).unwrap();
+    assert_eq!(by_run, json!(made.facts.parameters));
+
+    let read = |path: &Path| {
+        let name = path.file_name().unwrap().to_string_lossy();
+        NamedBytes::new(name, std::fs::read(path).unwrap())
+    };
+    let files = || {
+        vec![
+            read(&first),
+            read(&tilescope_formats::certificate_path(&first)),
+        ]
+    };
+    let mut other = self::state();
+    drop_all(&mut other, files());
+    let opened = session(&other);
+    assert!(
+        is_valid(&other) && opened.has_recipe(),
+        "{}",
+        notice_text(&other)
+    );
+    assert_eq!(
+        opened.recipe().parameters,
+        session(&state).recipe().parameters
+    );
+    write(&mut other, ExportKind::Result, &second, &[]);
+    assert_eq!(stated(&second), by_run);
+
+    // The form of the file makes the same set.
+    let positions = session(&other).run().positions();
+    run(&mut other);
+    assert_eq!(session(&other).kind(), SessionKind::Exact);
+    assert_eq!(session(&other).run().positions(), positions);
+
+    // Control: a certificate without a block size is judged, but does not pretend that the form can make its set.
+    let mut lacking = files();
+    let text = String::from_utf8(lacking[1].bytes.clone()).unwrap();
+    lacking[1].bytes = text.replace("\"leaf\"", "\"leafless\"").into_bytes();
+    drop_all(&mut other, lacking);
+    assert!(is_valid(&other) && !session(&other).has_recipe());
+    let remark = other.form().remark(&other.runs().first, other.gpu());
+    assert!(remark.unwrap().contains("exact tiling of a file"));
+}
