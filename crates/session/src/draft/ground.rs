@@ -439,6 +439,24 @@ impl Draft {
             .then_some("Something in the form is wrong: mend it, then paint.")
     }
 
+    /// Returns what the radius was before it was painted, as that of parameters and as a field; `None` if none is painted.
+    #[must_use]
+    pub fn before_painting(&self) -> Option<(f64, Option<RadiusSource>)> {
+        let before = self.ground.unpainted.as_deref();
+        let before = before.filter(|_| self.ground.is_painted())?;
+        // It was a radius with which a set was painted, so that it is a number.
+        let black = typed::number(&before.radius)?;
+        let ground = GroundDraft {
+            by: before.by,
+            image: before.image.clone(),
+            white: before.white.clone(),
+            expression: self.ground.expression.clone(),
+            ..GroundDraft::default()
+        };
+        let request = ground.request(black)?.ok();
+        Some((black, request.and_then(|request| request.radius)))
+    }
+
     /// Returns to the radii from before they were painted.
     pub fn unpaint(&mut self) {
         let Some(before) = self.ground.unpainted.take() else {

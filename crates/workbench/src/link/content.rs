@@ -34,6 +34,8 @@ pub struct LinkContent {
     pub nested: Option<NestedRequest>,
     /// The field and the shape, if the radius depends on the place or the domain is a shape.
     pub ground: Option<GroundRequest>,
+    /// Whether the set that is shown has a field or a shape that no link holds, so that the link leads to another set.
+    pub lacks_ground: bool,
     /// The third side in user units, if a set in space is shown.
     pub depth: Option<f64>,
     /// The layout of the combination, if one is shown instead of a run.

@@ -25,7 +25,7 @@ use super::parameters::{self, in_links, link_key};
 use super::text::{finite, from_base64, items, named, numbers, pairs, rings_of};
 use super::view::{read_layers, read_scene_view, read_selection};
 use super::warnings::LinkWarnings;
-use super::write::{GROUND, LINKS, NESTED, NINE_SETS};
+use super::write::{GROUND, LACKS, LACKS_GROUND, LINKS, NESTED, NINE_SETS};
 use super::{MAX_BYTES, MAX_COMBINATION, MAX_SAMPLES, MAX_SCENES, MAX_STOPS, MAX_TEXT, VERSION};
 use crate::clock::Clock;
 use crate::curve::ShownCurve;
@@ -33,7 +33,7 @@ use crate::layout;
 use crate::view::{speed, whole_run};
 
 /// The keys of a link besides the parameters of its runs.
-const OTHERS: &str = "v levels exactly order-within radius-expression shape origin depth combine at rank stage camera plane orbit layers colouring look curve select clock speed whole-run loop b break watch mark \
+const OTHERS: &str = "v levels exactly order-within radius-expression shape origin lacks depth combine at rank stage camera plane orbit layers colouring look curve select clock speed whole-run loop b break watch mark \
      mark-view layout lesson step practice language";
 
 /// The keys of texts that people write, in which every character counts.
@@ -206,6 +206,13 @@ impl LinkReader {
         if content.depth.is_some() && (content.nested.is_some() || content.ground.is_some()) {
             (content.nested, content.ground) = (None, None);
             let text = "The link's nested levels, field or shape were left out: a set in space has one radius in a box.";
+            self.warnings.add(text.to_owned());
+        }
+
+        let lacks = self.take(LACKS, |text| (text == LACKS_GROUND).then_some(()));
+        content.lacks_ground = lacks.is_some();
+        if content.lacks_ground {
+            let text = "The link was copied from a set with an image, such as painted radii, or a very long polygon, which no link holds: another set is shown.";
             self.warnings.add(text.to_owned());
         }
 

@@ -33,6 +33,10 @@ pub(super) const NESTED: [&str; 3] = ["levels", "exactly", "order-within"];
 /// The keys of a field and a shape: the radius as a function, the corners of a polygon, and the lower corner of the domain.
 pub(super) const GROUND: [&str; 3] = ["radius-expression", "shape", "origin"];
 
+/// The key of what a set has that its link lacks, and its one value. A reader of the link is told that it leads to another set.
+pub(super) const LACKS: &str = "lacks";
+pub(super) const LACKS_GROUND: &str = "ground";
+
 /// The name that stands for the paper's combination of nine sets; others are written by their layout.
 pub(super) const NINE_SETS: &str = "nine";
 
@@ -113,6 +117,9 @@ impl Writer {
         }
         if let Some(ground) = &content.ground {
             self.ground(ground);
+        }
+        if content.lacks_ground {
+            self.put(LACKS, LACKS_GROUND);
         }
         if let Some(depth) = content.depth {
             self.put("depth", exact(depth));

@@ -5,8 +5,10 @@ use serde_json::{Value, json};
 use tilescope_classroom::lessons::{LessonSource, Lessons, WantedLesson};
 use tilescope_core::Parameters;
 use tilescope_debugger::{SavedScene, Stops};
+use tilescope_session::ground::GroundRequest;
 use tilescope_session::language::is_english;
 use tilescope_session::words::{counted, grouped, quoted, slug, stage_name};
+use tilescope_sets::{PAINTED, RadiusSource};
 
 use super::effects::{Context, Effect};
 use super::{Form, RunView, Runs, State};
@@ -162,11 +164,11 @@ impl<'a> LinkSource<'a> {
         // Without a session, the link has the parameters as typed.
         content.parameters = self.form.draft.parameters;
         content.nested = self.form.draft.nesting();
-        content.ground = self.form.draft.ground_request();
         content.depth = self.form.draft.depth_asked();
+        let asked = self.form.draft.ground_request();
 
         let Some(session) = &self.runs.first.session else {
-            return;
+            return self.put_ground(asked, content, left_out);
         };
 
         match &session.combination {
@@ -175,15 +177,8 @@ impl<'a> LinkSource<'a> {
                 content.parameters = recipe.parameters;
                 content.nested = recipe.nested.filter(link::allows);
                 content.depth = recipe.depth;
-                // An image stays on the visitor's machine, and a long polygon would make no link.
                 let made = recipe.ground.as_deref().cloned();
-                content.ground = made.filter(link::carries);
-                if recipe.ground.is_some() && content.ground.is_none() {
-                    let what = "the field or the shape, which has an image, such as painted radii, or is too long for a link";
-                    left_out.push(what.to_owned());
-                    // The moment is one of the set that is left out.
-                    content.moment = NamedMoment::End;
-                }
+                self.put_ground(made, content, left_out);
                 left_out.extend(link::excess(&recipe.parameters, recipe.depth));
                 if session.nested.is_some() && content.nested.is_none() {
                     let why = match recipe.nested {
@@ -198,6 +193,7 @@ impl<'a> LinkSource<'a> {
             Some(combination) if combination.files > 0 => {
                 // The link has the parameters as typed, so that it leads to their run.
                 left_out.push("the combination, which has sets from files".to_owned());
+                content.ground = asked.filter(link::carries);
                 // The moment is one of the combination that is left out.
                 content.moment = NamedMoment::End;
             }
@@ -205,7 +201,7 @@ impl<'a> LinkSource<'a> {
                 // The typed parameters are not those of the combination. The default ones stand for them, and those of run B are given by
                 // their differences from the default ones.
                 (content.parameters, content.nested) = (Parameters::default(), None);
-                (content.ground, content.depth) = (None, None);
+                content.depth = None;
                 content.combination = Some(combination.layout.clone());
             }
         }
@@ -213,6 +209,43 @@ impl<'a> LinkSource<'a> {
         if session.own.is_some() {
             left_out.push("the pattern, which comes from a file".to_owned());
         }
+    }
+
+    /// Adds a field and a shape. An image stays on the visitor's machine, and a long polygon would make no link: then the link
+    /// says that it leads to another set. That of painted radii leads to the set from before they were painted.
+    fn put_ground(
+        &self,
+        asked: Option<GroundRequest>,
+        content: &mut LinkContent,
+        left_out: &mut Vec<String>,
+    ) {
+        let Some(request) = asked else {
+            return;
+        };
+        if link::carries(&request) {
+            content.ground = Some(request);
+            return;
+        }
+
+        // The moment is one of the set that is left out.
+        (content.lacks_ground, content.moment) = (true, NamedMoment::End);
+        let is_painted = matches!(&request.radius, Some(RadiusSource::Image { image, .. }) if image.name() == PAINTED);
+        let before = self.form.draft.before_painting().filter(|_| is_painted);
+        let Some((radius, field)) = before else {
+            let what = "the field or the shape, which has an image or is too long for a link, so that it leads to another set";
+            return left_out.push(what.to_owned());
+        };
+        left_out
+            .push("the painted radii: it leads to those from before they were painted".to_owned());
+
+        // Without its radii the request is that of the shape alone, or of nothing.
+        let unpainted = GroundRequest {
+            radius: field,
+            ..request
+        };
+        let is_asked = unpainted.radius.is_some() || unpainted.shape.is_some();
+        content.parameters.radius = radius;
+        content.ground = Some(unpainted).filter(|ground| is_asked && link::carries(ground));
     }
 
     /// Returns the name of the moment that is shown: its event, or without events its stage. At the end of the run it is the end, as

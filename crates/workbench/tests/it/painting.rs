@@ -216,13 +216,39 @@ fn session_digest(state: &State) -> String {
 }
 
 #[test]
-fn links_leave_painted_radii_out_and_say_why() {
+fn a_link_of_painted_radii_leads_to_those_before_and_says_so_on_both_sides() {
     let mut state = painting();
-    assert_eq!(state.link().left_out, Vec::<String>::new());
+    let before = state.link();
+    assert_eq!(before.left_out, Vec::<String>::new());
+    let digest = session_digest(&state);
     stroke(&mut state);
+    assert_ne!(session_digest(&state), digest);
     state.apply(Command::Time(TimeCommand::Jump(1_000)));
-    let left_out = state.link().left_out;
-    assert!(left_out[0].contains("painted radii"), "{left_out:?}");
+    let link = state.link();
+    assert!(
+        link.left_out[0].contains("painted radii"),
+        "{:?}",
+        link.left_out
+    );
+    // Its radius is not that of the darkest place, of which no set was ever shown.
+    assert_eq!(link.fragment.replace("&lacks=ground", ""), before.fragment);
+
+    let mut other = State::new(Arc::new(|| {}));
+    other.settle();
+    other.open_link(&link.fragment);
+    other.settle();
+    assert_eq!(session_digest(&other), digest);
+    let said = notice_text(&other);
+    assert!(
+        said.contains("painted radii") && said.contains("another set"),
+        "{said}"
+    );
+    // The set that is shown there has nothing to leave out.
+    assert_eq!(other.link(), before);
+
+    // Control: a link can lack nothing else.
+    let (_, warnings) = tilescope_workbench::link::read("v=1&lacks=leaf");
+    assert!(warnings.text().contains("invalid"), "{}", warnings.text());
 }
 
 #[test]
