@@ -6,7 +6,7 @@ use anyhow::{Context, Result, bail};
 use clap::Args;
 use tilescope_analysis::Boundary as Border;
 use tilescope_core::Boundary;
-use tilescope_formats::{Certificate, Overrides, read_whole};
+use tilescope_formats::{Certificate, Overrides, first_points, read_whole};
 use tilescope_sets::{
     Expression, GivenGround, GivenRadius, GrayImage, Ground, PlanarPolygon, RadiusSource,
     ShapeSource, VaryingRecipe,
@@ -133,18 +133,29 @@ impl GroundArguments {
         set: &SetArguments,
         stated: Option<&Certificate>,
     ) -> Result<Option<Ground>> {
-        let recipe = match stated.filter(|stated| stated.is_varying()) {
+        match self.recipe(set, stated)? {
+            Some(recipe) => Ok(Some(recipe.ground().in_file(file)?)),
+            None => Ok(None),
+        }
+    }
+
+    /// Returns the recipe of the field and the shape that [`Self::judged`] returns.
+    fn recipe(
+        &self,
+        set: &SetArguments,
+        stated: Option<&Certificate>,
+    ) -> Result<Option<VaryingRecipe>> {
+        Ok(match stated.filter(|stated| stated.is_varying()) {
             Some(stated) => {
                 // The certificate has the digests of the field's and the mask's values in its own domain: with another
                 // domain or radius they could only be found to differ.
                 set.refuse_domain("to which its field and its shape belong")?;
-                VaryingRecipe::of_certificate(stated, self.given(set.planar)?)?
+                let given = self.given(set.planar)?;
+                Some(VaryingRecipe::of_certificate(stated, given)?)
             }
-            None if self.is_given() => self.foreign(set)?,
-            None => return Ok(None),
-        };
-
-        Ok(Some(recipe.ground().in_file(file)?))
+            None if self.is_given() => Some(self.foreign(set)?),
+            None => None,
+        })
     }
 
     /// Puts the field and the shape in which a file is to be judged into the overrides: those of its certificate, or of these
@@ -155,8 +166,15 @@ impl GroundArguments {
         set: &SetArguments,
         overrides: &mut Overrides,
     ) -> Result<()> {
-        let stated = set.certificate(file)?;
-        if let Some(ground) = self.judged(file, set, stated.as_ref())? {
+        let certificate = set.certificate(file)?;
+        let stated = certificate.as_ref().filter(|stated| stated.is_varying());
+        if let Some(mut recipe) = self.recipe(set, stated)? {
+            // No certificate says by which method a mask was filled, and so on which lattice: the positions show it.
+            if stated.is_none() && recipe.has_two_lattices() {
+                let positions = first_points(file, overrides).in_file(file)?;
+                recipe = recipe.fitted_to(&positions).in_file(file)?;
+            }
+            let ground = recipe.ground().in_file(file)?;
             // An origin that is not given is that of the field and the shape: the certificate's, or the lower corner of the
             // rectangle around the shape.
             overrides.origin = overrides.origin.or(Some(ground.origin));

@@ -60,7 +60,7 @@ impl Overrides {
     }
 
     /// Returns the hint for decoding a file called `name`.
-    fn hint<'a>(&'a self, name: &'a str) -> Hint<'a> {
+    pub(crate) fn hint<'a>(&'a self, name: &'a str) -> Hint<'a> {
         Hint {
             name,
             format: self.format,

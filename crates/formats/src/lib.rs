@@ -84,7 +84,7 @@ pub use solid::{
 #[cfg(not(target_arch = "wasm32"))]
 pub use stream::{
     StreamExport, StreamOptions, StreamReader, Streamed, WHOLE_FILE_BYTES, check_stream,
-    checkpoint_token, finish_interrupted, partial_path, resume_path,
+    checkpoint_token, finish_interrupted, first_points, partial_path, resume_path,
 };
 pub use thinned::{ThinnedFacts, implied_kept};
 pub use varying::VaryingDomain;

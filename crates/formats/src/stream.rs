@@ -21,7 +21,7 @@ use crate::read::with_suffix;
 pub use check::{WHOLE_FILE_BYTES, check_stream};
 pub use export::{StreamExport, StreamOptions};
 pub use finish::Streamed;
-pub use read::StreamReader;
+pub use read::{StreamReader, first_points};
 pub use resume::{checkpoint_token, finish_interrupted};
 
 /// The name of the file `path` while it is being written as a stream.

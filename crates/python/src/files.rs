@@ -86,7 +86,7 @@ pub fn read<'py>(
         let stated = certificate
             .then(|| judge::certificate(&path, format))
             .flatten();
-        let ground = Ground::of_file(stated.as_ref(), &given, field.as_ref())?;
+        let ground = Ground::of_file((&path, overrides), stated.as_ref(), &given, field.as_ref())?;
         overrides.varying = ground.as_ref().map(|ground| Arc::clone(&ground.varying));
         overrides.origin = given.origin.or(ground.as_ref().map(Ground::corner));
         Ok(ground)

@@ -10,7 +10,7 @@ use pyo3::exceptions::PyValueError;
 use pyo3::prelude::*;
 use tilescope_analysis::lossy;
 use tilescope_core::Boundary;
-use tilescope_formats::{Certificate, VaryingDomain, read_whole};
+use tilescope_formats::{Certificate, Overrides, VaryingDomain, first_points, read_whole};
 use tilescope_sets::{
     Expression, Facts, GivenGround, GivenRadius, GrayImage, PlanarPolygon, RadiusGrid,
     RadiusSource, ShapeSource, VaryingRecipe,
@@ -269,9 +269,10 @@ impl Ground {
         self.origin
     }
 
-    /// Returns the field and the shape that a file is judged by, those of its certificate or those that are given;
-    /// nothing if there are none.
+    /// Returns the field and the shape that the file `path` is judged by, those of its certificate or those that are given;
+    /// nothing if there are none. `overrides` say how its positions are read.
     pub fn of_file(
+        (path, overrides): (&Path, &Overrides),
         stated: Option<&Certificate>,
         domain: &GivenDomain,
         field: Option<&FieldArgument<'_>>,
@@ -280,7 +281,13 @@ impl Ground {
             (Some(stated), _) => Self::of_certificate(stated, domain, field).map(Some),
             (None, Some(field)) => {
                 let like = bare(domain.size(), domain.origin, domain.bounded_or_given()?);
-                Ok(Some(Self::new(field.recipe(like)?)?))
+                let mut recipe = field.recipe(like)?;
+                // No certificate says by which method a mask was filled, and so on which lattice: the positions show it.
+                if recipe.has_two_lattices() {
+                    let positions = first_points(path, overrides).map_err(Failure::from)?;
+                    recipe = recipe.fitted_to(&positions).map_err(Failure::from)?;
+                }
+                Ok(Some(Self::new(recipe)?))
             }
             (None, None) => Ok(None),
         }

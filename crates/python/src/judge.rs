@@ -107,7 +107,7 @@ pub fn check(
 
     let with_ground = |overrides: &mut Overrides| -> PyResult<()> {
         let stated = certificate(&path, overrides.format);
-        let ground = Ground::of_file(stated.as_ref(), &given, field.as_ref())?;
+        let ground = Ground::of_file((&path, overrides), stated.as_ref(), &given, field.as_ref())?;
         // Without a given origin the domain begins at the corner of its field or shape.
         overrides.origin = given.origin.or(ground.as_ref().map(Ground::corner));
         overrides.varying = ground.map(|ground| ground.varying);

@@ -8,6 +8,7 @@ use std::path::{Path, PathBuf};
 
 use super::partial::read_some;
 use crate::certificate::Certificate;
+use crate::check::Overrides;
 use crate::codecs::rows::{Layout, Rows};
 use crate::destination::certificate_beside;
 use crate::detect::Detection;
@@ -22,6 +23,21 @@ const BLOCK: usize = 1 << 20;
 
 /// Bytes of a line with two numbers of 16 or 17 digits.
 const USUAL_LINE: u64 = 38;
+
+/// Returns the first points of the file `path`, in its own coordinates: those of the first block of a file that can be read in
+/// pieces, and all of another.
+///
+/// # Errors
+///
+/// As [`StreamReader::open`] and [`read`](crate::read).
+pub fn first_points(path: &Path, overrides: &Overrides) -> Result<Vec<[f64; 2]>, FormatError> {
+    let digested = false;
+    let columns = overrides.chosen_columns();
+    match StreamReader::try_open(path, overrides.format, columns, digested)? {
+        Ok(mut reader) => Ok(reader.next_stored()?.unwrap_or_default()),
+        Err(_) => Ok(crate::read(path, &overrides.hint(""))?.set.points),
+    }
+}
 
 /// A file that is read piece by piece.
 #[derive(Debug)]

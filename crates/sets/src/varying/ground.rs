@@ -4,7 +4,7 @@ use std::sync::Arc;
 
 use tilescope_analysis::{Radii, Shape as JudgedShape, VaryingRegion};
 use tilescope_core::{
-    Boundary, Domain, MAX_FIELD_RADIUS, MAX_PITCH_BITS, Point, R, RadiusField, Shape,
+    Boundary, Domain, MAX_FIELD_RADIUS, MAX_PITCH_BITS, Parameters, Point, R, RadiusField, Shape,
 };
 use tilescope_formats::{
     CertifiedRadius, CertifiedShape, RadiusField as CertifiedField, RadiusRule, VaryingDomain,
@@ -14,7 +14,7 @@ use tilescope_formats::{
 use super::error::VaryingError;
 use super::grid::pixels_around;
 use super::source::{RadiusSource, ShapeSource, radius_of_darkness, radius_of_grey};
-use super::{VaryingRecipe, samples_in};
+use super::{ExactBlocks, VaryingRecipe, samples_in};
 use crate::domain::region;
 
 /// The nodes along the longer side of an expression's domain: a radius that changes on a thousandth of it is followed.
@@ -217,6 +217,62 @@ impl VaryingRecipe {
         let squared_radii = frame.size[0] * frame.size[1] * mean;
         // The area is in squared radii, so that the radius is 1.
         Ok(samples_in(squared_radii, 1.0))
+    }
+
+    /// Returns whether sets of this recipe may lie on one of two lattices: a mask of one radius that darts make, whose pixels are
+    /// whole lattice squares, or that is tiled exactly, in whose radius there are R units. Every other recipe has one lattice.
+    #[must_use]
+    pub fn has_two_lattices(&self) -> bool {
+        let is_mask = matches!(
+            self.shape,
+            Some(ShapeSource::Mask(_) | ShapeSource::Dark { .. })
+        );
+        is_mask && matches!(self.radius, RadiusSource::Constant(_))
+    }
+
+    /// Returns this recipe for judging a set at these positions in file coordinates, by the lattice that they lie on: that of
+    /// exact tiling if they fit it, and better than that of darts. Positions of another program fit neither and are judged in
+    /// that of darts. A recipe of one lattice stays as it is.
+    ///
+    /// # Errors
+    ///
+    /// [`VaryingError`] when the domain is refused.
+    pub fn fitted_to(self, positions: &[[f64; 2]]) -> Result<Self, VaryingError> {
+        let RadiusSource::Constant(radius) = self.radius else {
+            return Ok(self);
+        };
+        if !self.has_two_lattices() {
+            return Ok(self);
+        }
+
+        let frame = self.frame(&self.radius)?;
+        // The mean square, in units, of how far coordinates are from those of the nearest point of a lattice.
+        let strayed = |domain: Domain| {
+            let unit = domain.radius() / f64::from(R);
+            let squares = positions.iter().map(|at| {
+                let inside = [0, 1].map(|axis| at[axis] - frame.origin[axis]);
+                let there = domain.user_from_lattice(domain.lattice_from_user(inside));
+                let squared = |axis: usize| ((there[axis] - inside[axis]) / unit).powi(2);
+                f64::midpoint(squared(0), squared(1))
+            });
+            squares.sum::<f64>() / positions.len().max(1) as f64
+        };
+        // A method that cannot make such a set has no lattice.
+        let of =
+            |nodes: Result<Nodes, _>| nodes.map_or(f64::INFINITY, |nodes| strayed(nodes.domain));
+        let by_darts = of(self.nodes(&frame, &self.radius));
+        let by_tiling = of(self.single(&frame, radius));
+
+        // Coordinates that have nothing to do with a lattice have a mean of 1/12, and those of a file of single precision less,
+        // unless its steps are longer than units. A quarter of that was chosen: by chance less is rare from some ten positions on.
+        let is_tiled = by_tiling < by_darts && by_tiling < 1.0 / 48.0;
+
+        // The lattice depends on the method, but not on its blocks.
+        let blocks = is_tiled.then(|| ExactBlocks::from(&Parameters::default()));
+        Ok(Self {
+            exact: blocks,
+            ..self
+        })
     }
 
     /// Returns about how many samples there are with these radii, if all of the domain is covered.

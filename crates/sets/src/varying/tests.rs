@@ -515,6 +515,54 @@ fn rings_are_checked_as_those_of_a_file() {
     assert!(refusal.to_string().contains("cross"), "{refusal}");
 }
 
+#[test]
+fn a_mask_without_a_certificate_is_judged_on_the_lattice_of_its_positions() {
+    let of_file = |exact: Option<ExactBlocks>| VaryingRecipe {
+        shape: Some(disk(0.4)),
+        exact,
+        ..recipe(RadiusSource::Constant(0.0117))
+    };
+    let verdict = |recipe: &VaryingRecipe, points: &[[f64; 2]]| {
+        let varying = recipe.ground().expect("a ground").varying;
+        let go_on = |_| ControlFlow::Continue(());
+        let report = varying
+            .judged
+            .verify(points, &VerifyOptions::default(), &go_on);
+        report.is_ok_and(|report| report.valid())
+    };
+
+    for exact in [None, Some(blocks())] {
+        let points = made(&of_file(exact)).set.points;
+        // Nothing is known but the mask, the radius and the positions.
+        let fitted = |points: &[[f64; 2]]| of_file(None).fitted_to(points).expect("a lattice");
+        let moved = |by: &dyn Fn(f64) -> f64| -> Vec<[f64; 2]> {
+            points.iter().map(|at| at.map(by)).collect()
+        };
+        let found = fitted(&points);
+        assert_eq!(found.exact.is_some(), exact.is_some());
+        assert!(verdict(&found, &points));
+        let single = moved(&|along| f64::from(along as f32));
+        assert_eq!(fitted(&single).exact.is_some(), exact.is_some());
+
+        // Controls: of some tilings, as of this one, the lattice of darts finds fault, and positions of no lattice are not taken
+        // for a tiling's.
+        if exact.is_some() {
+            assert!(!verdict(&of_file(None), &points));
+        }
+        let strayed = moved(&|along| along + 1e-7 * (1e5 * along).sin());
+        assert_eq!(fitted(&strayed).exact, None);
+        assert_eq!(fitted(&[]).exact, None);
+    }
+
+    // A polygon has one lattice.
+    let park = VaryingRecipe {
+        shape: Some(park()),
+        ..recipe(RadiusSource::Constant(0.6))
+    };
+    let fitted = park.clone().fitted_to(&[[0.123; 2]]);
+    assert_eq!(fitted.expect("a lattice"), park);
+}
+
 /// Blocks of exact tiling with a small pattern.
 fn blocks() -> ExactBlocks {
     ExactBlocks {

@@ -315,6 +315,26 @@ fn positions_of_others_are_in_the_coordinates_of_the_shape() {
 }
 
 #[test]
+fn masks_without_a_certificate_are_judged_whatever_made_them() {
+    let folder = tempdir().unwrap();
+    image(&folder, "island.png", [37, 37], |x, y| {
+        f64::from(u8::from((x - 0.5).hypot(y - 0.5) < 0.45))
+    });
+    for (method, seed) in [("reference", 1), ("exact", 1), ("exact", 2)] {
+        let line = format!(
+            "sample --mask island.png --radius 0.02 --seed {seed} --method {method} --out island.csv --json"
+        );
+        run(&folder, &line, 0);
+        fs::remove_file(folder.path().join("island.csv.certificate.json")).unwrap();
+        let line = "verify island.csv --mask island.png --radius 0.02 --json";
+        assert_eq!(run(&folder, line, 0)["valid"], true, "{method}");
+        // Control: one sample less.
+        tamper(&folder, "island.csv", 7, None);
+        assert!(run(&folder, line, 1)["gaps"].as_u64().unwrap() > 0);
+    }
+}
+
+#[test]
 fn counts_are_met_to_within_a_hundredth() {
     let folder = tempdir().unwrap();
     image(&folder, "photo.png", [60, 40], |x, y| {
