@@ -20,6 +20,9 @@ use crate::words::last_part;
 /// The most files that are read when several are opened together. Chosen, not measured.
 pub const MAX_FILES: usize = 64;
 
+/// The parameters of certificates that name an image by which a set was made.
+pub const IMAGES: [&str; 3] = ["radius-image", "density-image", "mask"];
+
 /// A file in memory.
 #[derive(Clone, PartialEq, Eq, serde::Serialize, serde::Deserialize)]
 pub struct NamedBytes {
@@ -191,23 +194,46 @@ impl Incoming {
     #[must_use]
     pub fn companion(&self, named: &str) -> Option<Self> {
         let last = last_part(named);
-        let file = self.beside.iter().find(|file| file.name == last)?;
+        let is_it = |file: &&NamedBytes| last_part(&file.name) == last;
+        let file = self.beside.iter().find(is_it)?;
         let mut found = Self::new(file.clone());
         let certificate = |other: &&NamedBytes| is_certificate_of(&other.name, last);
         found.beside = self.beside.iter().filter(certificate).cloned().collect();
         Some(found)
     }
 
-    /// Returns the files among `others` that it does not use: for a session or a layout those that it does not name,
-    /// otherwise all.
+    /// Returns the files among `others` that it does not use: for a session, a layout or a set with a certificate those that
+    /// it or its certificate does not name, otherwise all.
     #[must_use]
     pub fn without_named(&self, mut others: Vec<String>) -> Vec<String> {
-        if !others.is_empty() && self.is_document() {
+        if others.is_empty() {
+            return others;
+        }
+        let naming = if self.is_document() {
+            Some(&self.bytes)
+        } else {
+            self.certificate().map(|file| &file.bytes)
+        };
+        if let Some(bytes) = naming {
             // A document that is broken names no files.
-            let text = std::str::from_utf8(&self.bytes).unwrap_or_default();
+            let text = std::str::from_utf8(bytes).unwrap_or_default();
             others.retain(|name| !text.contains(last_part(name)));
         }
         others
+    }
+
+    /// Returns the names of the images that its certificate states as its field and its mask, without folders.
+    #[must_use]
+    pub fn named_images(&self) -> Vec<String> {
+        let certificate = self.certificate();
+        let stated: Option<Value> =
+            certificate.and_then(|file| serde_json::from_slice(&file.bytes).ok());
+        let parameters = stated.map(|stated| stated["parameters"].clone());
+        let file = |image: &str| {
+            let name = parameters.as_ref()?[image]["file"].as_str()?;
+            Some(last_part(name).to_owned())
+        };
+        IMAGES.into_iter().filter_map(file).collect()
     }
 
     /// Returns whether it is an archive of files.
@@ -290,7 +316,8 @@ pub fn holds_document(bytes: &[u8]) -> Option<bool> {
 
 /// Returns which of several files is to be opened, and which files belong neither to it nor to another one. A
 /// certificate goes with its set. A session or layout (`is_document` tests the file at an index) is opened before
-/// the sets that it may name. `None` without files.
+/// the sets that it may name, and a set with its certificate before the image or the polygon that this may name: the order of
+/// the files decides between files of one kind alone. `None` without files.
 pub fn pick(
     names: &[&str],
     mut is_document: impl FnMut(usize) -> bool,
@@ -315,7 +342,16 @@ pub fn pick(
         let has_others = lone.len() > 1;
         has_others && is_document(k)
     });
-    let opened = document.or_else(|| lone.first().copied())?;
+    let has_certificate = |k: &usize| {
+        let names = &names[..considered];
+        names
+            .iter()
+            .any(|other| is_certificate_of(other, names[*k]))
+    };
+    let certified = || lone.iter().copied().find(has_certificate);
+    let opened = document
+        .or_else(certified)
+        .or_else(|| lone.first().copied())?;
 
     let mut left = lone;
     left.retain(|&k| k != opened);
@@ -342,8 +378,8 @@ pub fn gather(mut files: Vec<NamedBytes>) -> Option<(Incoming, Vec<String>)> {
     // The removed file counts, too. Those beyond the limit were not looked at, and are not kept either.
     files.truncate(MAX_FILES - 1);
     let mut incoming = Incoming::new(file);
-    let unused = incoming.without_named(other_names);
     incoming.beside = files;
+    let unused = incoming.without_named(other_names);
     Some((incoming, unused))
 }
 

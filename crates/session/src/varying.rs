@@ -16,7 +16,7 @@ use tilescope_sets::{
 };
 
 use crate::ground::{GroundRequest, MAX_RECORDED, MadeGround};
-use crate::incoming::Incoming;
+use crate::incoming::{IMAGES, Incoming};
 use crate::jobs::Monitor;
 use crate::recipe::Recipe;
 use crate::session::{MakeError, Reporter, Session};
@@ -151,12 +151,11 @@ fn certified(
         let found = incoming.companion(file)?;
         GrayImage::read(&found.name, &found.bytes).ok()
     };
-    let image = ["radius-image", "density-image"]
-        .into_iter()
-        .find_map(image_of);
+    let [radius_image, density_image, mask] = IMAGES;
+    let image = image_of(radius_image).or_else(|| image_of(density_image));
     let given = GivenGround {
         radius: image.map_or(GivenRadius::Nothing, GivenRadius::Image),
-        shape: image_of("mask").map(ShapeSource::Mask),
+        shape: image_of(mask).map(ShapeSource::Mask),
     };
 
     // The file states no lattice: the field gives it, as it did when the set was made.

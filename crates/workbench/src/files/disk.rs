@@ -12,7 +12,7 @@ use tilescope_session::jobs::{Job, Monitor, Wake};
 use tilescope_session::limits::MAX_PATTERN_BYTES;
 use tilescope_session::recipe::{OwnPattern, load};
 
-use super::{FileForm, Incoming, Purpose, SESSION_NAME};
+use super::{FileForm, Incoming, NamedBytes, Purpose, SESSION_NAME};
 
 fn sentence(unread: Unread) -> String {
     match unread {
@@ -56,11 +56,31 @@ pub(super) fn gather_paths(
     };
 
     let read = Incoming::from_path(&paths[opened], limit, monitor);
-    let incoming = read.map_err(sentence)?;
+    let mut incoming = read.map_err(sentence)?;
+    add_images(&mut incoming, paths, monitor)?;
     // A session finds its pattern on the disk by the path that it names, so that a file that it names counts as used.
     let others = left.into_iter().map(|k| names[k].to_owned()).collect();
     let unused = incoming.without_named(others);
     Ok((incoming, unused))
+}
+
+/// Puts the images that a set's certificate names beside it: those among `paths`, otherwise those in the set's folder. One that
+/// is in neither is missing when the set is made, and the error there names it.
+fn add_images(incoming: &mut Incoming, paths: &[PathBuf], monitor: &Monitor) -> Result<(), String> {
+    for name in incoming.named_images() {
+        let is_named = |path: &&PathBuf| path.file_name().is_some_and(|own| *own == *name);
+        let given = paths.iter().find(is_named).cloned();
+        let in_folder = || {
+            let path = incoming.folder.as_ref()?.join(&name);
+            path.is_file().then_some(path)
+        };
+        let Some(path) = given.or_else(in_folder) else {
+            continue;
+        };
+        let bytes = read_limited(&path, MAX_PATTERN_BYTES, monitor).map_err(sentence)?;
+        incoming.beside.push(NamedBytes::new(name, bytes));
+    }
+    Ok(())
 }
 
 /// Reads a session's pattern from the folder of the session's file, otherwise from its saved path.

@@ -1,14 +1,16 @@
 //! Exact tilings of shapes: made by the form, visited, verified, linked, saved, undone, exported and opened.
 
-use std::path::Path;
+use std::path::{Path, PathBuf};
 use std::sync::Arc;
 
 use serde_json::{Value, json};
-use tilescope_core::{Parameter, RunEvent, TilingMethod, Unobserved};
+use tilescope_core::{Boundary, Parameter, Parameters, RunEvent, TilingMethod, Unobserved};
 use tilescope_debugger::{EventKind, why};
+use tilescope_session::ground::MadeGround;
 use tilescope_session::incoming::NamedBytes;
 use tilescope_session::layers::{Layer, Layers, SessionKind};
 use tilescope_session::session::Session;
+use tilescope_sets::{ExactBlocks, GrayImage, RadiusSource, ShapeSource, VaryingRecipe};
 use tilescope_workbench::command::{FormCommand, TimeCommand};
 use tilescope_workbench::compare::ComparePreset;
 use tilescope_workbench::draft::{Choice, FormPart};
@@ -321,4 +323,80 @@ fn an_export_that_is_opened_states_its_blocks_again_and_can_be_made_again() {
     assert!(is_valid(&other) && !session(&other).has_recipe());
     let remark = other.form().remark(&other.runs().first, other.gpu());
     assert!(remark.unwrap().contains("exact tiling of a file"));
+}
+
+/// An image whose left half is light.
+fn half_light() -> Vec<u8> {
+    let mut bytes = Vec::new();
+    let mut encoder = png::Encoder::new(&mut bytes, 24, 12);
+    encoder.set_color(png::ColorType::Grayscale);
+    let pixels: Vec<u8> = (0..24 * 12)
+        .map(|pixel| u8::from(pixel % 24 < 12) * 255)
+        .collect();
+    let mut writer = encoder.write_header().unwrap();
+    writer.write_image_data(&pixels).unwrap();
+    writer.finish().unwrap();
+    bytes
+}
+
+#[test]
+fn a_set_its_certificate_and_its_mask_find_each_other_in_any_order() {
+    let folder = tempfile::tempdir().unwrap();
+    let elsewhere = tempfile::tempdir().unwrap();
+    let mask = elsewhere.path().join("light.png");
+    std::fs::write(&mask, half_light()).unwrap();
+    let made = VaryingRecipe {
+        radius: RadiusSource::Constant(0.04),
+        shape: Some(ShapeSource::Mask(
+            GrayImage::read("light.png", &half_light()).unwrap(),
+        )),
+        size: [None; 2],
+        origin: None,
+        boundary: Boundary::Bounded,
+        seed: 3,
+        count: None,
+        exact: Some(ExactBlocks::from(&Parameters::default())),
+    };
+    let made = made.make(&mut Unobserved).unwrap();
+    let set = folder.path().join("set.csv");
+    let go_on = |_: tilescope_analysis::Progress| std::ops::ControlFlow::Continue(());
+    tilescope_formats::export(&set, &made.set, &made.facts.context(), &go_on).unwrap();
+    let certificate = tilescope_formats::certificate_path(&set);
+
+    let all = [&set, &certificate, &mask];
+    let is_opened = |command: FileCommand| {
+        let mut state = self::state();
+        state.apply(Command::File(command));
+        state.settle();
+        state.settle();
+        let ground = session(&state).ground.as_ref();
+        let said = notice_text(&state);
+        ground.is_some_and(MadeGround::is_tiled) && is_valid(&state) && !said.contains("light.png")
+    };
+    for order in [
+        [0, 1, 2],
+        [0, 2, 1],
+        [1, 0, 2],
+        [1, 2, 0],
+        [2, 0, 1],
+        [2, 1, 0],
+    ] {
+        let files = order.map(|index| all[index]);
+        let path_of = |path: &&PathBuf| path.to_string_lossy().into_owned();
+        let paths: Vec<String> = files.iter().map(path_of).collect();
+        assert!(is_opened(FileCommand::Dropped(paths)), "{order:?}");
+        let named = |path: &&PathBuf| {
+            let name = path.file_name().unwrap().to_string_lossy();
+            NamedBytes::new(name, std::fs::read(path).unwrap())
+        };
+        let bytes = files.iter().map(named).collect();
+        let dropped = FileCommand::DroppedBytes(bytes, Vec::new());
+        assert!(is_opened(dropped), "{order:?}");
+    }
+
+    // A mask in the folder of its set is found by its name. Without one the set is not opened.
+    let alone = || FileCommand::Dropped(vec![set.to_string_lossy().into_owned()]);
+    assert!(!is_opened(alone()));
+    std::fs::copy(&mask, folder.path().join("light.png")).unwrap();
+    assert!(is_opened(alone()));
 }
