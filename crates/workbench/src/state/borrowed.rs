@@ -55,10 +55,11 @@ mod tests {
     use crate::scenes::{SceneCommand, SceneList};
     use crate::tour::tour;
     use tilescope_classroom::lessons::LessonCommand;
-    use tilescope_core::Parameter;
+    use tilescope_core::{Parameter, Parameters};
     use tilescope_debugger::Direction;
     use tilescope_lessons::shipped::TEMPLATE;
     use tilescope_session::layers::Layer;
+    use tilescope_session::recipe::Recipe;
     use tilescope_session::selection::Selection;
 
     fn apply(state: &mut State, command: Command) {
@@ -238,6 +239,24 @@ mod tests {
         assert!(state.runs.first.is_at_end() && state.runs.first.is_fitted());
         assert_eq!(state.window.layout, layout);
         assert!(state.runs.first.verdict().unwrap().report.maximal());
+    }
+
+    #[test]
+    fn a_tour_at_the_start_is_not_shown_in_the_run_of_a_link() {
+        let mut state = State::new(std::sync::Arc::new(|| {}));
+        state.open_link("v=1&radius=0.03");
+        state.apply(Command::Scene(SceneCommand::Tour));
+        state.settle();
+        let session = state.runs.first.session.as_ref().unwrap();
+        assert_eq!(session.recipe(), Recipe::from(Parameters::default()));
+        assert!(state.scenes.is_touring());
+
+        // Control: without the tour the link's run is made.
+        let mut state = State::new(std::sync::Arc::new(|| {}));
+        state.open_link("v=1&radius=0.03");
+        state.settle();
+        let session = state.runs.first.session.as_ref().unwrap();
+        assert_ne!(session.recipe(), Recipe::from(Parameters::default()));
     }
 
     #[test]

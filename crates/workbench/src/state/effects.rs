@@ -41,8 +41,9 @@ pub(crate) enum Effect {
     Inspect,
     /// Download a file through the browser.
     Download(NamedBytes),
-    /// Write a new file, beside where the program runs; on a page, download it.
-    Save(Box<NewFile>),
+    /// Write painted radii to a new file, beside where the program runs, or on a page download them. They count as saved once
+    /// they are written.
+    SaveRadii(Box<GrayImage>, Box<NewFile>),
     /// Show a notice that only confirms a command: it goes with the next move in time or the next scene.
     TellBriefly(String),
     /// Carry out a command.
@@ -220,8 +221,10 @@ impl State {
                 Effect::CloseNotice => self.messages.notice = None,
                 Effect::Copy(text) => self.window.copied = Some(text),
                 Effect::Download(file) => self.files.downloads.push(file),
-                Effect::Save(file) => {
-                    self.with(|state, context| state.files.save_new(*file, context));
+                Effect::SaveRadii(image, file) => {
+                    if self.with(|state, context| state.files.save_new(*file, context)) {
+                        self.form.saved_radii = Some(*image);
+                    }
                 }
                 Effect::CloseFileSheet => self.files.sheet = None,
                 Effect::Issue(command) => self.dispatch(*command),
@@ -356,7 +359,9 @@ impl State {
             E::Package(order) => {
                 self.with(|state, context| state.files.start_packaging(*order, context));
             }
-            E::Save(file) => self.with(|state, context| state.files.save_new(file, context)),
+            E::Save(file) => {
+                self.with(|state, context| state.files.save_new(file, context));
+            }
             E::Copy(text) => self.window.copied = Some(text),
             E::CloseMenus => (self.window.finder, self.window.help) = (None, None),
 
@@ -524,6 +529,11 @@ impl State {
         self.classroom.lessons.shows_list = false;
         self.borrow_window();
         self.form.take(Form::default());
+        // At the start of the program a link's run may still be being made, in which the scenes of the tour are not: it stops,
+        // and the link with it. A run that was set aside is being made there.
+        if self.runs.first.sampling.is_some() && self.runs.arriving.is_some() {
+            self.runs.stop_making();
+        }
 
         let borrowed = self.past.borrowed.as_ref();
         let known = borrowed.and_then(|borrowed| borrowed.session_of(&self.form.recipe()));

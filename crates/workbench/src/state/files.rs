@@ -494,15 +494,14 @@ impl FileState {
 
         let why = match (curve, run.curve.number()) {
             (Some(Ok(bytes)), Some(number)) => {
-                return self.save_new(
-                    NewFile {
-                        stem: format!("curve-{}", number.key()),
-                        extension: format.extension(),
-                        path: None,
-                        bytes,
-                    },
-                    context,
-                );
+                let file = NewFile {
+                    stem: format!("curve-{}", number.key()),
+                    extension: format.extension(),
+                    path: None,
+                    bytes,
+                };
+                self.save_new(file, context);
+                return;
             }
             (Some(Err(error)), _) => sentence(&error.to_string()),
             (_, Some(_)) => "The curve is not made yet.".to_owned(),
@@ -512,8 +511,9 @@ impl FileState {
         context.tell_error(why);
     }
 
-    /// Writes a file to its path, or without a path to a new one in the current folder; on a page, downloads it.
-    pub(super) fn save_new(&self, file: NewFile, context: &mut Context) {
+    /// Writes a file to its path, or without a path to a new one in the current folder; on a page, downloads it. Returns whether
+    /// it was written or given to the browser; a notice says so, or why not.
+    pub(super) fn save_new(&self, file: NewFile, context: &mut Context) -> bool {
         let NewFile {
             stem,
             extension,
@@ -523,7 +523,8 @@ impl FileState {
 
         if self.in_browser() {
             let file = NamedBytes::new(format!("{stem}.{extension}"), bytes);
-            return context.ask(Effect::Download(file));
+            context.ask(Effect::Download(file));
+            return true;
         }
 
         let named = |number: usize| match number {
@@ -534,7 +535,7 @@ impl FileState {
         // has. A thousand numbers were taken to be enough: without a free one the path is empty, and writing fails with
         // a notice.
         let path = path.or_else(|| (0..1_000).map(named).find(|path| !path.exists()));
-        write_new(&path.unwrap_or_default(), &bytes, context);
+        write_new(&path.unwrap_or_default(), &bytes, context)
     }
 
     /// Lists a file as the most recent one. Its path is complete, so that it is found from other folders.
@@ -551,12 +552,16 @@ impl FileState {
 }
 
 #[cfg(target_arch = "wasm32")]
-fn write_new(_: &Path, _: &[u8], _: &mut Context) {}
+fn write_new(_: &Path, _: &[u8], _: &mut Context) -> bool {
+    false
+}
 
-/// Writes a file, and reports its path or why it was not written.
+/// Writes a file, and reports its path or why it was not written. Returns whether it was.
 #[cfg(not(target_arch = "wasm32"))]
-fn write_new(path: &Path, bytes: &[u8], context: &mut Context) {
-    match tilescope_formats::write_whole(path, bytes) {
+fn write_new(path: &Path, bytes: &[u8], context: &mut Context) -> bool {
+    let written = tilescope_formats::write_whole(path, bytes);
+    let is_written = written.is_ok();
+    match written {
         Ok(()) => {
             // Without a current folder the path is shown as it is.
             let path = std::path::absolute(path).unwrap_or_else(|_| path.to_owned());
@@ -568,6 +573,7 @@ fn write_new(path: &Path, bytes: &[u8], context: &mut Context) {
         }
         Err(error) => context.tell_error(sentence(&error.to_string())),
     }
+    is_written
 }
 
 /// Returns the command that opens a lesson from a file in memory, named as the file without its ending.

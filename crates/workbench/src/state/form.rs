@@ -203,20 +203,21 @@ impl Form {
     }
 
     /// Saves the painted radii as a file that the command line reads.
-    fn save_painted(&mut self, context: &mut Context) {
+    fn save_painted(&self, context: &mut Context) {
         let ground = &self.draft.ground;
         let Some(image) = ground.image.as_ref().filter(|_| ground.is_painted()) else {
             return context.tell("No radii were painted.".to_owned());
         };
         match image.to_png() {
             Ok(bytes) => {
-                self.saved_radii = Some(image.clone());
-                context.ask(Effect::Save(Box::new(NewFile {
+                let file = NewFile {
                     stem: PAINTED.trim_end_matches(".png").to_owned(),
                     extension: "png",
                     path: None,
                     bytes,
-                })));
+                };
+                let image = Box::new(image.clone());
+                context.ask(Effect::SaveRadii(image, Box::new(file)));
             }
             Err(error) => context.tell_error(error.to_string()),
         }
@@ -240,6 +241,26 @@ mod tests {
         state.apply(Command::Form(FormCommand::Reset));
         assert_eq!(state.form, Form::default());
         assert_eq!(state.gpu.engine, EngineChoice::Auto);
+    }
+
+    #[test]
+    fn painted_radii_are_saved_once_they_are_written() {
+        let mut state = State::new(std::sync::Arc::new(|| {}));
+        let folder = tempfile::tempdir().unwrap();
+        let image = GrayImage::from_grey(2, vec![9; 4]).unwrap();
+        let mut save_to = |path: std::path::PathBuf| {
+            let file = NewFile {
+                stem: "painted".to_owned(),
+                extension: "png",
+                path: Some(path),
+                bytes: vec![1],
+            };
+            let effect = Effect::SaveRadii(Box::new(image.clone()), Box::new(file));
+            state.carry_out(crate::command::Which::First, vec![effect]);
+            state.form.saved_radii.is_some()
+        };
+        assert!(!save_to(folder.path().join("absent").join("painted.png")));
+        assert!(save_to(folder.path().join("painted.png")));
     }
 
     #[test]
