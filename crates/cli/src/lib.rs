@@ -184,6 +184,7 @@ impl Arguments {
         // Coordinates may be negative; without this clap would take -0.5 for an option.
         let mut command = Self::command().mut_subcommands(|one| one.allow_negative_numbers(true));
         let words: Vec<OsString> = words.into_iter().map(plain).collect();
+        let words = with_direction(words);
 
         // The first word is the name of the program, and the second one that of the command.
         let reads_input = words.get(1).is_some_and(|word| word == "script");
@@ -248,6 +249,29 @@ fn plain(word: OsString) -> OsString {
         .filter(|number| number.is_finite());
     // Decimal digits give back the same number, to the bit.
     number.map_or(word, |number| number.to_string().into())
+}
+
+/// Joins a direction behind `--orbit` to it, which clap would take for an option where it begins with a minus. Its own setting for
+/// that would take `--turn` for a direction.
+fn with_direction(words: Vec<OsString>) -> Vec<OsString> {
+    let is_direction = |word: &OsString| {
+        let text = word.to_string_lossy();
+        let degrees = text.strip_prefix('-').unwrap_or_default();
+        // `-20,5`: no option has a digit or a point behind its minus.
+        degrees.starts_with(|first: char| first.is_ascii_digit() || first == '.')
+    };
+
+    let mut joined: Vec<OsString> = Vec::with_capacity(words.len());
+    for word in words {
+        match joined.last_mut() {
+            Some(last) if *last == "--orbit" && is_direction(&word) => {
+                last.push("=");
+                last.push(word);
+            }
+            _ => joined.push(word),
+        }
+    }
+    joined
 }
 
 /// Functions of the window's crates that commands call; this crate does not depend on those.

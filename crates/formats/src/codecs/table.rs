@@ -112,7 +112,11 @@ fn column_by(
     let Some(rows) = &mut table.rows else {
         return Ok(values);
     };
-    let place = FilePlace::Line(table.line + 1);
+    // The line that names the columns is at fault: the header, or else a remark, or else the first row. Lines count from 1, with
+    // the header.
+    let named_in = [table.header.line, table.remark.line];
+    let line = named_in.into_iter().find(|line| *line > 0);
+    let place = FilePlace::Line(line.unwrap_or(table.line + 1));
     let column = pick(rows).map_err(|reason| FormatError::Header {
         format,
         place,

@@ -256,6 +256,8 @@ fn balls_are_drawn_as_pictures_and_turn() {
             "draw a.ply a.svg --orbit 10,-20 --size 120 --theme dark",
             "a.svg",
         ),
+        // A direction that begins with a minus is no option.
+        ("draw a.ply back.png --orbit -20,5 --size 120", "back.png"),
     ] {
         let said = ends(&folder, line, 0);
         assert!(said.contains("balls drawn into"), "{said}");

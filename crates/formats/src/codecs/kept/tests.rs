@@ -215,7 +215,19 @@ fn what_has_no_columns_is_refused_by_name() {
         )
     };
     assert!(column("a.txt", "1\n1 2\n", "w").contains("no column beside"));
-    assert!(column("a.csv", "x,y,w\n1,2,3\n", "v").contains("there is no column \"v\""));
+    // Lines count from 1, with the header and what is above it.
+    let wrong = column("a.csv", "x,y,w\n1,2,3\n", "v");
+    assert!(
+        wrong.contains("line 1: there is no column \"v\""),
+        "{wrong}"
+    );
+    let wrong = column("a.csv", "sep=;\nx;y;w\n1;2;3\n", "v");
+    assert!(
+        wrong.contains("line 2: there is no column \"v\""),
+        "{wrong}"
+    );
+    let wrong = column("a.csv", "\n1,2,3\n", "v");
+    assert!(wrong.contains("line 2: "), "{wrong}");
     assert!(
         column("a.csv", "x,y,w\n1,2,3\n4,5,nan\n", "w").contains("line 3: \"nan\" in column w")
     );
