@@ -250,6 +250,7 @@ fn ground_sentence(session: &Session, stage: Stage) -> Option<String> {
     if session.is_exact() {
         return None;
     }
+
     let samples = |count: usize| counted(count, "sample", "samples");
     // A tiled shape comes here without its tiles only from a file.
     let how = if request.is_tiled(parameters) {
@@ -257,6 +258,7 @@ fn ground_sentence(session: &Session, stage: Stage) -> Option<String> {
     } else {
         "by darts, in the order of their arrival"
     };
+
     Some(match stage {
         // Each throw of darts is a stage of its own.
         Stage::Iterate(k) => {

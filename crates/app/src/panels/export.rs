@@ -73,7 +73,8 @@ impl Sheet<'_> {
     fn contents(&mut self, ui: &mut Ui) {
         self.kinds(ui);
         ui.add_space(6.0);
-        ui.label(RichText::new(self.explanation()).color(self.palette.muted))
+        let explanation = ui.words(self.explanation());
+        ui.label(RichText::new(explanation).color(self.palette.muted))
             .known_as("export.explanation");
         ui.add_space(8.0);
         self.file(ui);
@@ -137,7 +138,7 @@ impl Sheet<'_> {
             for kind in ExportKind::ALL {
                 let refusal = (self.source.kind_refusal(kind)).map(|refusal| refusal.to_string());
                 let chosen = self.form.kind == kind;
-                let button = Button::selectable(chosen, kind.name());
+                let button = Button::selectable(chosen, ui.words(kind.name()));
                 // A kind that is chosen stays enabled, and readable, when it cannot be written: the reason is shown below.
                 let response = ui.add_enabled(chosen || refusal.is_none(), button);
                 response.known_as(format_args!("export.{}", Kebab(kind)));
@@ -147,7 +148,7 @@ impl Sheet<'_> {
                 }
             }
         });
-        name_group(&shown.response, "Kind of file");
+        name_group(&shown.response, &ui.words("Kind of file"));
     }
 
     /// Returns a description of the export of the chosen kind, in words.
@@ -211,7 +212,8 @@ impl Sheet<'_> {
     fn file(&mut self, ui: &mut Ui) {
         // A browser chooses the folder itself, so that there is nothing to browse for.
         let in_browser = self.in_browser;
-        let label = ui.label(if in_browser { "File name" } else { "File" });
+        let name = if in_browser { "File name" } else { "File" };
+        let label = ui.label(ui.words(name));
         ui.horizontal(|ui| {
             let mut path = self.form.path.clone();
             let edit = TextEdit::singleline(&mut path)
@@ -242,7 +244,7 @@ impl Sheet<'_> {
             if in_browser {
                 return;
             }
-            let browse = ui.button("Browse\u{2026}");
+            let browse = ui.button(ui.words("Browse\u{2026}"));
             if browse.known_as("export.browse").clicked() {
                 self.commands.push(ExportCommand::Browse);
             }
@@ -270,7 +272,7 @@ impl Sheet<'_> {
 
         if let Some(taken) = &self.form.taken {
             let name = taken.file_name().unwrap_or_default().to_string_lossy();
-            let text = format!("{name} exists already and would be replaced.");
+            let text = ui.words(format!("{name} exists already and would be replaced."));
             ui.label(RichText::new(text).small().color(self.palette.conflict))
                 .known_as("export.taken");
         }
@@ -294,7 +296,7 @@ impl Sheet<'_> {
                 }
             }
         });
-        name_group(&shown.response, "Format");
+        name_group(&shown.response, &ui.words("Format"));
     }
 
     /// Returns the folder of the file in a sentence; nothing where a browser chooses it.
@@ -322,10 +324,10 @@ impl Sheet<'_> {
             ] {
                 let shown =
                     format.map_or(sheet.form.precision, |f| f.precision(sheet.form.precision));
-                let button = Button::selectable(shown == precision, name);
+                let button = Button::selectable(shown == precision, ui.words(name));
                 let response = ui.add_enabled(has_choice, button);
                 response.known_as(format_args!("export.{}", Kebab(precision)));
-                let why = "This format has only one option.";
+                let why = ui.words("This format has only one option.");
                 if response.on_disabled_hover_text(why).clicked() {
                     sheet.commands.push(ExportCommand::Precision(precision));
                 }
@@ -342,7 +344,7 @@ impl Sheet<'_> {
             } else {
                 "SVG can be shown at any scale"
             };
-            ui.label(RichText::new(unit).color(sheet.palette.muted));
+            ui.label(RichText::new(ui.words(unit)).color(sheet.palette.muted));
         });
     }
 
@@ -373,8 +375,8 @@ impl Sheet<'_> {
                 if response.changed() {
                     sheet.commands.push(ExportCommand::Ink(command(text)));
                 }
-                let unit = "#rrggbb, black or white; if empty, as the tone asks for";
-                ui.label(RichText::new(unit).color(sheet.palette.muted));
+                let unit = "black, white or #rrggbb; if empty, as the tone asks for";
+                ui.label(RichText::new(ui.words(unit)).color(sheet.palette.muted));
             });
         }
 
@@ -385,8 +387,8 @@ impl Sheet<'_> {
             ] {
                 let chosen = sheet.form.ink.by_darkness == by_darkness;
                 let command = ExportCommand::Ink(InkCommand::ByDarkness(by_darkness));
-                ui.add(Button::selectable(chosen, name))
-                    .issues(id, command, &mut sheet.commands);
+                let button = Button::selectable(chosen, ui.words(name));
+                ui.add(button).issues(id, command, &mut sheet.commands);
             }
         });
     }
@@ -401,7 +403,7 @@ impl Sheet<'_> {
             } else {
                 "SVG can be shown at any scale"
             };
-            ui.label(RichText::new(unit).color(sheet.palette.muted));
+            ui.label(RichText::new(ui.words(unit)).color(sheet.palette.muted));
         });
     }
 
@@ -410,12 +412,13 @@ impl Sheet<'_> {
         self.named(ui, "Colours", |sheet, ui, _| {
             if sheet.form.kind == ExportKind::Picture && sheet.source.is_stipple() {
                 let command = ExportCommand::Ink(InkCommand::OnPaper);
-                ui.add(Button::selectable(is_on_paper, "ink on paper"))
+                let button = Button::selectable(is_on_paper, ui.words("ink on paper"));
+                ui.add(button)
                     .issues("export.on-paper", command, &mut sheet.commands);
             }
             for (print, name) in [(false, "as in the window"), (true, "for print")] {
                 let chosen = sheet.form.print == print && !is_on_paper;
-                let button = Button::selectable(chosen, name);
+                let button = Button::selectable(chosen, ui.words(name));
                 if ui.add(button).clicked() {
                     sheet.commands.push(ExportCommand::Print(print));
                 }
@@ -426,7 +429,8 @@ impl Sheet<'_> {
     fn legend(&mut self, ui: &mut Ui) {
         self.named(ui, "Legend", |sheet, ui, _| {
             let mut legend = sheet.form.legend;
-            let switch = ui.checkbox(&mut legend, "below the picture");
+            let text = ui.words("below the picture");
+            let switch = ui.checkbox(&mut legend, text);
             if switch.known_as("export.legend").changed() {
                 sheet.commands.push(ExportCommand::Legend(legend));
             }
@@ -452,7 +456,8 @@ impl Sheet<'_> {
         let (has_plane, has_events) = self.source.plane_and_events();
         self.named(ui, "Shows", |sheet, ui, _| {
             if has_plane {
-                let button = Button::selectable(passes, "the plane's passage");
+                let text = ui.words("the plane's passage");
+                let button = Button::selectable(passes, text);
                 let button = ui.add(button);
                 if button.known_as("export.passage").clicked() {
                     sheet.commands.push(ExportCommand::Passage(true));
@@ -463,7 +468,7 @@ impl Sheet<'_> {
             let spans = [(false, part), (true, "the whole run")];
             for (whole, name) in spans.into_iter().filter(|_| has_events) {
                 let chosen = !passes && sheet.form.whole_run == whole;
-                let button = Button::selectable(chosen, name);
+                let button = Button::selectable(chosen, ui.words(name));
                 let id = if whole { "whole-run" } else { "part" };
                 if ui
                     .add(button)
@@ -484,7 +489,7 @@ impl Sheet<'_> {
             // A run's GPU passes have no events.
             let clocks = Clock::ALL.into_iter().filter(|&c| c != Clock::Pass);
             for clock in clocks {
-                let plural = format!("{}s", clock.name());
+                let plural = ui.words(format!("{}s", clock.name()));
                 let button = Button::selectable(sheet.form.clock == clock, plural);
                 let id = format_args!("export.{}", Kebab(clock));
                 if ui.add(button).known_as(id).clicked() {
@@ -499,7 +504,7 @@ impl Sheet<'_> {
             let enabled = true;
             sheet.number(ui, NumberField::Delay, enabled, label);
             let unit = "ms for a frame";
-            ui.label(RichText::new(unit).color(sheet.palette.muted));
+            ui.label(RichText::new(ui.words(unit)).color(sheet.palette.muted));
         });
     }
 
@@ -579,9 +584,13 @@ impl Sheet<'_> {
             ui.horizontal(|ui| {
                 ui.set_height(18.0);
                 if job.is_cancelled() {
-                    ui.label(RichText::new("Stopping").small().color(self.palette.muted));
+                    ui.label(
+                        RichText::new(ui.words("Stopping"))
+                            .small()
+                            .color(self.palette.muted),
+                    );
                 } else {
-                    let cancel = ui.link(RichText::new("Cancel export").small());
+                    let cancel = ui.link(RichText::new(ui.words("Cancel export")).small());
                     if cancel.known_as("export.cancel").clicked() {
                         self.commands.push(ExportCommand::Cancel);
                     }

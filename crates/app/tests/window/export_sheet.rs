@@ -5,11 +5,13 @@ use std::path::Path;
 use egui::{Key, Modifiers};
 use egui_kittest::Harness;
 use tilescope_app::App;
+use tilescope_classroom::lessons::LessonCommand;
 use tilescope_session::look::Look;
 use tilescope_workbench::Command;
 use tilescope_workbench::command::{AppearanceCommand, TimeCommand, WindowCommand};
 use tilescope_workbench::export::{ExportCommand, ExportKind};
 
+use crate::language::texts;
 use crate::support::{find, is_disabled, node, opened, opened_at, settle, text};
 
 fn press(harness: &mut Harness<'_, App>, modifiers: Modifiers, key: Key) {
@@ -213,4 +215,40 @@ fn the_analysis_is_put_beside_pictures_by_a_click() {
         harness.run();
         assert_eq!(text(&harness, "export.prospect"), before);
     }
+}
+
+#[test]
+fn the_sheet_has_the_language_of_the_window() {
+    let shown = |language: &str| {
+        let mut harness = opened();
+        // The language of the window is that of an open lesson.
+        let lesson = LessonCommand::Open("welcome".to_owned());
+        for command in [
+            Command::Lesson(LessonCommand::Language(language.to_owned())),
+            Command::Lesson(lesson),
+            Command::Export(ExportCommand::Open(ExportKind::Picture)),
+        ] {
+            harness.state_mut().state.apply(command);
+            settle(&mut harness);
+        }
+        harness.run();
+        texts(&harness)
+    };
+    let english = shown("en");
+    let others = ["de", "es"].map(shown);
+    let canvas = "The canvas as it is, with the parameters inside. Marks of a comparison and of GPU buffers are left out.";
+    for text in [
+        canvas,
+        "Scale",
+        "Colours",
+        "for print",
+        "below the picture",
+        "pixels for a point of the window",
+        "Write picture",
+    ] {
+        assert!(english.contains(text), "{text}");
+        assert!(others.iter().all(|texts| !texts.contains(text)), "{text}");
+    }
+    let [german, spanish] = &others;
+    assert!(german.contains("Bild schreiben") && spanish.contains("Escribir imagen"));
 }

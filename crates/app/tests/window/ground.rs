@@ -2,7 +2,8 @@
 
 use egui_kittest::Harness;
 use tilescope_app::App;
-use tilescope_core::{RunEvent, Verdict};
+use tilescope_core::{Parameter, RunEvent, Verdict};
+use tilescope_debugger::EventKind;
 use tilescope_session::incoming::NamedBytes;
 use tilescope_session::layers::Layer;
 use tilescope_session::selection::Selection;
@@ -56,6 +57,54 @@ fn the_form_takes_a_formula_and_tells_its_error_at_the_field() {
     let refusal = text(&harness, "refusal-radius-expression");
     assert!(refusal.contains("cannot be read at character"), "{refusal}");
     assert!(is_disabled(&harness, "run"));
+}
+
+#[test]
+fn a_shape_of_one_radius_is_tiled_exactly_where_the_form_says_so() {
+    let mut harness = drawn([1_400.0, 900.0], false);
+    let park =
+        r#"{"type": "Polygon", "coordinates": [[[500, 300], [560, 305], [545, 340], [505, 330]]]}"#;
+    let files = vec![NamedBytes::new("park.geojson", park)];
+    let dropped = FileCommand::DroppedBytes(files, Vec::new());
+    apply(&mut harness, Command::File(dropped));
+    // By darts the form has a method, but no blocks.
+    assert!(find(&harness, "method").is_some() && find(&harness, "no-tiling").is_some());
+    assert!(find(&harness, "leaf").is_none());
+
+    let exact = Choice::Parameter(Parameter::Method, "exact".into());
+    apply(&mut harness, Command::Form(FormCommand::Choose(exact)));
+    for id in [
+        "method",
+        "leaf",
+        "pattern",
+        "pattern-seed",
+        "pattern-boundary",
+        "dihedral",
+        "seed",
+    ] {
+        assert!(find(&harness, id).is_some(), "{id}");
+    }
+    for id in ["no-tiling", "order", "levels"] {
+        assert!(find(&harness, id).is_none(), "{id}");
+    }
+    apply(&mut harness, Command::Run);
+    assert_eq!(text(&harness, "verdict"), "Verdict: verified");
+
+    // Its events are those of an exact tiling, and its blocks are drawn on the shape.
+    let woken = {
+        let recording = debugger(&harness).recording();
+        let mut events = recording.tape().iter();
+        events.position(|event| event.kind() == EventKind::Wake)
+    };
+    let woken = woken.expect("darts at the border of the shape");
+    apply(&mut harness, Command::Time(TimeCommand::Jump(woken + 1)));
+    let said = text(&harness, "status");
+    assert!(said.contains("is woken"), "{said}");
+
+    // A formula gives radii that a pattern has not: darts make the set, and no method is offered.
+    let by = FormCommand::Choose(Choice::RadiusBy(RadiusBy::Expression));
+    apply(&mut harness, Command::Form(by));
+    assert!(find(&harness, "method").is_none() && find(&harness, "no-tiling").is_some());
 }
 
 #[test]

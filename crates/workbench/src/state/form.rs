@@ -208,6 +208,7 @@ impl Form {
         let Some(image) = ground.image.as_ref().filter(|_| ground.is_painted()) else {
             return context.tell("No radii were painted.".to_owned());
         };
+
         match image.to_png() {
             Ok(bytes) => {
                 let file = NewFile {
