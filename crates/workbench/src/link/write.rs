@@ -112,6 +112,7 @@ impl Writer {
             Some(layout) => self.combination(layout),
             None => self.parameters("", &content.parameters, &Parameters::default()),
         }
+
         if let Some(nested) = &content.nested {
             self.nested(nested);
         }
@@ -124,6 +125,7 @@ impl Writer {
         if let Some(depth) = content.depth {
             self.put("depth", exact(depth));
         }
+
         match &content.moment {
             // A link without a moment shows the end.
             NamedMoment::End => {}
