@@ -7,8 +7,8 @@ use std::sync::Arc;
 
 use serde_json::Value;
 use tilescope_analysis::Region;
-use tilescope_core::Pattern;
 use tilescope_core::combine::file::Layout;
+use tilescope_core::{Pattern, TilingMethod};
 use tilescope_debugger::{Debugger, PatternFile, Session as Saved, SessionError};
 use tilescope_formats::CERTIFICATE_SUFFIX;
 use tilescope_session::combining::{SavedCombination, make};
@@ -399,7 +399,7 @@ fn session_in_space(
 /// Makes the run of a saved session in a field or a shape again.
 fn session_on_ground(
     incoming: &Incoming,
-    saved: Saved,
+    mut saved: Saved,
     generation: u64,
     monitor: &Monitor,
 ) -> Made {
@@ -414,6 +414,10 @@ fn session_on_ground(
         .map_err(|error| refused(error.to_string()))?;
     let request = asked.ok_or_else(|| refused("it asks for neither".to_owned()))?;
 
+    // Only a shape of one radius is tiled: whatever the file says, darts make a field.
+    if !request.is_tiled(&saved.parameters) {
+        saved.parameters.method = TilingMethod::Kdrt;
+    }
     let recipe = Recipe {
         ground: Some(Box::new(request.clone())),
         ..Recipe::from(saved.parameters)
