@@ -316,10 +316,13 @@ fn a_stipple_is_undone_kept_nowhere_and_refused_at_its_fields() {
     assert_eq!(state.form().remark(&state.runs().first, state.gpu()), None);
     let said = state.runs().first.save_refusal().expect("a refusal");
     assert!(said.contains("image"), "{said}");
-    // A link leaves the image out, and asks for a run that is possible in the same domain.
+    // A link leaves the image out, and asks for a run that is possible in the same domain: nothing is said of it but that.
     let link = state.link();
     assert!(link.left_out.concat().contains("image"));
-    assert_eq!(link::read(&link.fragment).1.text(), "");
+    let possible = link.fragment.replace("&lacks=ground", "");
+    assert_eq!(link::read(&possible).1.text(), "");
+    let warnings = link::read(&link.fragment).1.text();
+    assert!(warnings.contains("another set"), "{warnings}");
     assert_eq!(state::session_to_keep(&state), None);
 
     let white = FormCommand::Stipple(StippleNumber::White, "0.9".to_owned());
