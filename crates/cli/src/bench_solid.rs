@@ -18,15 +18,15 @@ use crate::{interrupt, output, verdict_code};
 /// The kinds of work that each round times.
 #[derive(Clone, Copy, Debug, PartialEq)]
 enum TimedWork {
-    /// The engine makes it that is there to be read and recorded, on one thread.
+    /// The sequential engine makes the set on one thread. Its code is made to be read, and recordings are of its runs.
     MakeInSequence,
-    /// One thread makes the set as all of them do.
+    /// The parallel engine makes the set on one thread.
     MakeAlone,
-    /// All threads make it.
+    /// The parallel engine makes the set on all threads.
     Make,
-    /// All threads judge it by cubes.
+    /// All threads judge the set by cubes.
     JudgeByCubes,
-    /// All threads judge it by covered circles.
+    /// All threads judge the set by covered circles.
     JudgeByCircles,
 }
 
@@ -84,7 +84,7 @@ pub fn run(arguments: &BenchArguments) -> Result<u8> {
     Ok(verdict_code(timed.is_valid))
 }
 
-/// Makes a set in both ways and judges it by both judges: every kind of work runs once.
+/// Makes a set by both engines and judges it by both judges: every kind of work runs once.
 fn add_round(timed: &mut Timed, samples: u64, seed: u64) -> Result<()> {
     let request = SolidRequest {
         size: [1.0; 3],
@@ -102,7 +102,7 @@ fn add_round(timed: &mut Timed, samples: u64, seed: u64) -> Result<()> {
     };
 
     let single = ThreadPoolBuilder::new().num_threads(1).build()?;
-    // In the order of `TimedWork::ALL`: the first work makes the set that is judged.
+    // The work is done in the order of `TimedWork::ALL`: the first kind makes the positions that later kinds compare and judge.
     let mut positions = Vec::new();
     for (work, seconds) in &mut timed.seconds {
         let began = Instant::now();
@@ -121,7 +121,7 @@ fn add_round(timed: &mut Timed, samples: u64, seed: u64) -> Result<()> {
                     make()?
                 };
                 seconds.push(began.elapsed().as_secs_f64());
-                // Both ways promise the same set. Rates of different sets could not be compared.
+                // Both engines promise the same set. Rates of different sets could not be compared.
                 ensure!(
                     domain.users_from_lattice(&places) == positions,
                     "the two engines make different sets of seed {seed}"

@@ -141,8 +141,8 @@ fn glue(path: &Path, out: Option<&Path>) -> Result<Glued> {
             PieceSource::File { path, .. } => Some(folder.join(path)),
             PieceSource::Run { .. } | PieceSource::Reference { .. } => None,
         };
-        let files = placed.pieces.iter();
-        let files: Vec<PathBuf> = files.filter_map(|piece| of_file(&piece.source)).collect();
+        let pieces = placed.pieces.iter();
+        let files: Vec<PathBuf> = pieces.filter_map(|piece| of_file(&piece.source)).collect();
         check_inputs_stay(out, files.iter().map(PathBuf::as_path))?;
     }
 

@@ -76,8 +76,8 @@ pub fn run(arguments: &ConvertArguments) -> Result<u8> {
         // they are given, are refused.
         let is_given = true;
         let ground = arguments.ground.option().map(|name| (name, is_given));
-        let kept = arguments.ranks.option().map(|name| (name, is_given));
-        let planar: Vec<_> = ground.into_iter().chain(kept).collect();
+        let ranks = arguments.ranks.option().map(|name| (name, is_given));
+        let planar: Vec<_> = ground.into_iter().chain(ranks).collect();
         solid::refuse(&planar, solid::PLANAR)?;
         return solid::check::convert([input, path], arguments.to, given, &arguments.judge);
     }

@@ -349,8 +349,8 @@ fn own_radii(arguments: &DrawArguments, read: &ReadSet) -> Result<Option<Vec<f64
     if arguments.no_disks || (set.radius.is_some() && !ground.is_given()) {
         return Ok(None);
     }
-    // Radii in a column need no field. If there is a certificate, they are certified with the file, whose digest is
-    // compared.
+    // Radii that stand in a column of the file need no field. Reading has compared the file's digest with that of its
+    // certificate, if there is one, so that these are the certified radii.
     if let (Some(radii), false) = (&read.radii, ground.is_given()) {
         return Ok(Some(radii.clone()));
     }

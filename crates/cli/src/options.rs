@@ -173,8 +173,8 @@ impl SetArguments {
         let region = || self.region_over(stated.unwrap_or(Region::UNIT_SQUARE));
         // The parser of arguments takes two names or none, so that no other number gets lost here.
         let columns = self.columns.clone();
-        // A region of which nothing is given, and a radius and an origin that are not, stay empty: the check takes them from
-        // the certificate.
+        // The region stays empty if none of its parts is given. So does a radius or an origin that is not given. The check
+        // takes the values of empty fields from the certificate.
         Ok(Overrides {
             format: self.format,
             set: self.set,
@@ -233,9 +233,9 @@ impl SetArguments {
         }
         let hint = Hint {
             format: self.format,
-            // A certificate is that of the file, whichever of its sets is chosen, and whatever z is: a set that was thinned by x and
-            // y keeps it.
+            // A certificate belongs to the whole file: it is read with any set of it.
             set: self.set.or(Some(0)),
+            // Only the certificate is wanted, so that points with a third coordinate are no reason to refuse the file.
             any_z: true,
             columns: columns(self.columns.as_deref()),
             certificate: CertificateUse::AsStated,

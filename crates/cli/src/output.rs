@@ -256,7 +256,7 @@ pub fn warning_line(warning: &str) -> String {
     format!("{}{warning}\n", if is_note { "" } else { "warning: " })
 }
 
-/// Returns "0.01", or "0.01 to 0.2, a field".
+/// Returns "0.01", "0.01 to 0.2, a field", or "0.01 to 0.2, the column radius".
 pub fn radius_text(radius: &CertifiedRadius) -> String {
     match radius {
         CertifiedRadius::Constant(radius) => Number(*radius).to_string(),
@@ -298,7 +298,7 @@ fn stage_table(facts: &Facts, seconds: &[(Stage, f64)]) -> String {
     let levels_share_row = summary.is_none() || facts.method == "exact";
 
     // Algorithm 4 as printed fills the first gaps while it eliminates, and has no separate iteration 1. Sets that are
-    // made by regions have no row in which it would matter.
+    // made by regions have no iteration 1 either, but none of their rows uses this value.
     let at_once = !seconds.iter().any(|&(stage, _)| stage == Stage::Iterate(1));
     for &(stage, time) in seconds {
         if matches!(stage, Stage::Iterate(_)) && levels_share_row {
@@ -367,8 +367,8 @@ pub fn verdict_text(report: &Report, levels: &[CertifiedLevel]) -> String {
             "   samples   smallest distance above   covering radius up to\n{rows}verdict        {valid}\n"
         );
     }
-    // Sets that are judged by subdivision alone mostly have radii that vary: their lengths are given in the unit of the
-    // file.
+    // Subdivision judges sets whose radius varies or that cover a shape. Few of these have one radius that could be the
+    // unit of lengths, so that lengths are in the unit of the file.
     if report.judges == [Judge::Subdivision] {
         return subdivision_text(report);
     }

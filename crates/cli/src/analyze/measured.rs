@@ -307,11 +307,11 @@ fn read(source: Source<'_>, arguments: &SetArguments) -> Result<VerifiedFile> {
     let path = source.path;
     let mut overrides = arguments.overrides(path)?;
     overrides.set = source.set.or(overrides.set);
-    let check =
+    let check_with =
         |overrides: &_| verifying(|control| tilescope_formats::check(path, overrides, control));
 
     // A set without a stated domain is taken for one of the periodic unit square.
-    let mut outcome = check_or_unit_square(&overrides, check);
+    let mut outcome = check_or_unit_square(&overrides, check_with);
     let has_radius = !matches!(outcome, Err(CheckError::NoRadius));
     if !has_radius {
         // Read once more, as a check without a radius returns no points.
@@ -323,7 +323,7 @@ fn read(source: Source<'_>, arguments: &SetArguments) -> Result<VerifiedFile> {
         // The smallest distance and the covering radius do not depend on the radius; the spacing keeps the search quick.
         let region = overrides.region.unwrap_or(Region::UNIT_SQUARE);
         overrides.radius = Some((region.area() / count as f64).sqrt());
-        outcome = check_or_unit_square(&overrides, check);
+        outcome = check_or_unit_square(&overrides, check_with);
     }
 
     let (set, check) = outcome.map_err(reason)?;

@@ -151,15 +151,16 @@ impl InSpace {
 
     fn table(&self) -> Table {
         let rows = self.all().next().map_or(&[][..], |first| &first.numbers);
-        let words = ["domain", "radius is"].map(|label| (label.to_owned(), ""));
-        let labels = rows.iter().map(|own| (own.label.clone(), own.unit));
+        // The rows of words come first, in the order of `SolidSubject::words`.
+        let rows_of_words = ["domain", "radius is"].map(|label| (label.to_owned(), ""));
+        let rows_of_numbers = rows.iter().map(|own| (own.label.clone(), own.unit));
 
         let mut columns = Vec::new();
         for subject in self.all() {
-            let mean = subject.numbers.iter().map(|own| own.text(own.value, 0));
+            let values = subject.numbers.iter().map(|own| own.text(own.value, 0));
             columns.push(Column::new(
                 &subject.label,
-                subject.words.iter().cloned().chain(mean),
+                subject.words.iter().cloned().chain(values),
             ));
             if subject.numbers.iter().any(|own| own.spread.is_some()) {
                 // Errors are smaller than their numbers, so that they have one more decimal.
@@ -175,7 +176,7 @@ impl InSpace {
 
         Table {
             head: "measure".to_owned(),
-            rows: words.into_iter().chain(labels).collect(),
+            rows: rows_of_words.into_iter().chain(rows_of_numbers).collect(),
             columns,
         }
     }
@@ -230,7 +231,8 @@ impl InSpace {
             report::csv_measures(&mut out, &name, &one.numbers);
             report::csv_curves(&mut out, &name, &one.curves);
         }
-        // Differences of measures have no lines, as they follow from those of the two subjects.
+        // The difference of a measure has no line, as it follows from the two measures. The difference of two curves has
+        // lines, and so have the numbers that are measured from it (`of_curves`).
         for (one, of) in self.subjects.iter().zip(&self.differences) {
             let name = report::quoted(&one.name);
             report::csv_measures(&mut out, &name, &of.of_curves);
@@ -272,14 +274,14 @@ impl InSpace {
 
         let power =
             spectra::radial_mean(FREQUENCY, curves::cut("power P(\u{3bd})", &powers), powers);
-        // In a set without a preferred direction the powers of a shell have a deviation as large as their mean: 0 dB.
-        // This does not depend on how many powers there are, and averages are means of such curves.
-        let none = vec![Level {
+        // If a set has no preferred direction, the powers of a shell deviate by as much as their mean: 0 dB. The number of
+        // powers in the shell does not matter. An average of sets is the mean of their curves, so that its level is 0 dB, too.
+        let no_direction = vec![Level {
             name: "no preferred direction".to_owned(),
             y: 0.0,
         }];
         let axis = Axis::new("anisotropy, dB");
-        let anisotropy = chart("Anisotropy", FREQUENCY, axis, anisotropies, none);
+        let anisotropy = chart("Anisotropy", FREQUENCY, axis, anisotropies, no_direction);
         let noise = vec![Level {
             name: "white noise".to_owned(),
             y: 1.0,
@@ -302,7 +304,7 @@ impl InSpace {
     }
 }
 
-/// Measures what the sets are compared with: one set, or the average of several.
+/// Measures what the sets are compared with: one set, or the average of several. Returns `None` without paths.
 fn reference(paths: &[PathBuf], request: &Request<'_>) -> Result<Option<SolidSubject>> {
     let mut measured: Vec<Measured> = Vec::new();
     for path in paths {

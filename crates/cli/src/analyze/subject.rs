@@ -161,7 +161,7 @@ impl Population {
 
         let curves = [
             ("power", Curve::new(spectrum.power(), bands)),
-            // Annuli without an anisotropy are left out: its points are not those of the power.
+            // The bands of the power do not fit this curve: it leaves out the annuli that have no anisotropy.
             ("anisotropy_db", Curve::new(spectrum.anisotropy(), None)),
             (
                 "pair_correlation",

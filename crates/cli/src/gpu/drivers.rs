@@ -132,7 +132,7 @@ impl System<'_> {
         // The loader does not read the older name where the newer one is set.
         let variable = VARIABLES.into_iter().find_map(with_value);
         let mut looked_in = Vec::new();
-        // The variable may list a file twice, and other variables a directory: a set has each file once.
+        // A variable may list a file or a directory twice. A set has each file once.
         let paths: BTreeSet<PathBuf> = if let Some((_, value)) = &variable {
             std::env::split_paths(value).collect()
         } else {

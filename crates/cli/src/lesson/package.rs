@@ -79,7 +79,7 @@ pub fn package(arguments: &PackageArguments) -> Result<String> {
         extension(out) == "zip",
         "--out {path}: the file must end in .zip"
     );
-    // Before the work, so that it is not in vain.
+    // The path is checked before the work, which would be in vain if the file could not be written.
     check_file(out)?;
     check_inputs_stay(out, [Path::new(lesson_name)])?;
     let language = arguments.language.as_str();

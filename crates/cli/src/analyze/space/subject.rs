@@ -72,8 +72,8 @@ impl SolidSubject {
             (power?, anisotropy?, pairs?);
         let names: Vec<&str> = sets.iter().map(|set| set.name.as_str()).collect();
         Ok(Self {
-            // All have the box of the first set. Where its radius is from is said for it alone: its radius is the unit
-            // of all distances.
+            // All sets have the box of the first set. Distances are in radii of the first set, so that the words say
+            // where that radius is from. The radii of the other sets may be from elsewhere.
             words: words(&sets[0]),
             name: names::pattern(&names),
             label: format!("mean of {}", sets.len()),
@@ -90,8 +90,9 @@ impl SolidSubject {
             DifferenceCurve::of_means(&self.means[which], &reference.means[which], Spectrum::LEVEL)
         };
         let (mut power, pairs) = (of_curve(0)?, of_curve(1)?);
-        // Between two single sets there is no spread, but both have the scatter between their frequencies. The difference of a
-        // curve of squared errors and of one of their opposites is the sum of both, at the same frequencies.
+        // Two single sets have no spread between sets, but each has the scatter between its frequencies. The squared error of
+        // their difference is the sum of their squared errors. `DifferenceCurve` only subtracts, and does so at the
+        // frequencies of `power`: the sum is the difference from the negated squares.
         if let (Some(own), Some(base)) = (&self.scatter, &reference.scatter) {
             let opposite = MeanCurve {
                 y: base.y.iter().map(|square| -square).collect(),
@@ -101,12 +102,12 @@ impl SolidSubject {
             let band = |point: &[f64; 2]| [-REACH, REACH].map(|by| by * point[1].sqrt());
             power.bands = Some(sums.points.iter().map(band).collect());
         }
-        let words = ["shells", "r"];
+        let points_and_unit = ["shells", "r"];
         Ok(Differences::between(
             &self.numbers,
             &reference.numbers,
             [power, pairs],
-            words,
+            points_and_unit,
         ))
     }
 }
@@ -141,9 +142,9 @@ fn named_curves([power, anisotropy, pairs]: [Curve; 3]) -> [(&'static str, Curve
     ]
 }
 
-/// Returns the mean of some curves, and as it is drawn with its band.
+/// Returns the mean of some curves in two forms: with its errors, for differences; and with its band, to be drawn.
 fn mean_curve(curves: &[&[[f64; 2]]]) -> Result<(MeanCurve, Curve)> {
-    // Rounding may cost one of them the last shell.
+    // Rounding may cost one of the curves its last shell: the mean ends where the shortest curve does.
     let length = curves.iter().map(|curve| curve.len()).min().unwrap_or(0);
     let [mut x, mut y] = [Average::new(length), Average::new(length)];
     for curve in curves {
