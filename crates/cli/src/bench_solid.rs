@@ -102,7 +102,8 @@ fn add_round(timed: &mut Timed, samples: u64, seed: u64) -> Result<()> {
     };
 
     let single = ThreadPoolBuilder::new().num_threads(1).build()?;
-    // The work is done in the order of `TimedWork::ALL`: the first kind makes the positions that later kinds compare and judge.
+    // The work is done in the order of `TimedWork::ALL`: the first kind makes the positions that the later kinds
+    // compare and judge.
     let mut positions = Vec::new();
     for (work, seconds) in &mut timed.seconds {
         let began = Instant::now();

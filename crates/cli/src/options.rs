@@ -173,8 +173,8 @@ impl SetArguments {
         let region = || self.region_over(stated.unwrap_or(Region::UNIT_SQUARE));
         // The parser of arguments takes two names or none, so that no other number gets lost here.
         let columns = self.columns.clone();
-        // The region stays empty if none of its parts is given. So does a radius or an origin that is not given. The check
-        // takes the values of empty fields from the certificate.
+        // The region stays empty if none of its parts is given. So does a radius or an origin that is not given. The
+        // check takes the values of empty fields from the certificate.
         Ok(Overrides {
             format: self.format,
             set: self.set,

@@ -307,7 +307,8 @@ impl Device {
         let kernel = self.gpu.kernels.get(&self.gpu.device, pass, checks);
 
         let group = self.bind(&kernel.layout, pass, job);
-        // `next` counts the passes reported so far, so it comes before the report of this one.
+        // `next` gives the timestamps behind those of the pending passes. The report adds this pass to them, so that it
+        // comes second.
         let first_time = self.times.as_mut().and_then(Times::next);
         self.report(pass, size, stage);
         let timestamp_writes = first_time.and_then(|first| {

@@ -103,8 +103,8 @@ pub(crate) fn plan(
         })
     };
 
-    // The first checks need no plan, whose memory grows with the window. The grid takes 16 bytes a cell, and numbers of
-    // cells are compared as bytes, since the error states bytes.
+    // The first checks come before the plan: the plan of a window that is far too large would itself take much memory.
+    // The grid takes 16 bytes a cell, and numbers of cells are compared as bytes, since the error states bytes.
     let (cell_bytes, around) = (16, 2 * halo as u64);
     let binding = limits.max_storage_buffer_binding_size;
     // A side is counted as in a periodic domain. The frame of a bounded one may end sooner, so that this check may refuse

@@ -49,7 +49,7 @@ impl Kernel {
 
         let source = compose(pass.shader, pass.bindings);
         let module = shader_module(device, pass.name, source, checks);
-        let all = device.create_pipeline_layout(&wgpu::PipelineLayoutDescriptor {
+        let pipeline_layout = device.create_pipeline_layout(&wgpu::PipelineLayoutDescriptor {
             label: Some(pass.name),
             bind_group_layouts: &[Some(&layout)],
             immediate_size: 0,
@@ -57,7 +57,7 @@ impl Kernel {
 
         let pipeline = device.create_compute_pipeline(&wgpu::ComputePipelineDescriptor {
             label: Some(pass.name),
-            layout: Some(&all),
+            layout: Some(&pipeline_layout),
             module: &module,
             entry_point: Some("main"),
             compilation_options: wgpu::PipelineCompilationOptions::default(),

@@ -37,7 +37,8 @@ impl Phase {
     pub(crate) fn needs(self, name: Name, sources: bool) -> bool {
         match name {
             Name::Pieces | Name::TileImages => self == Self::Tile,
-            // Detection reads where samples were lost; the sources need all of them at the end.
+            // Detection reads where samples were lost. At the end the sources follow from the places and origins of all
+            // samples.
             Name::Places | Name::Origins => sources || self <= Self::Fill,
             Name::Grid => self >= Self::Fill,
             Name::List | Name::Unsure | Name::Proposals | Name::Active => {

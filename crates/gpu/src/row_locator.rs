@@ -100,7 +100,8 @@ impl RowLocator {
             RowPlace::Rect(rect) => rect.min,
         };
 
-        // Words of the frame may have been overwritten to inject a fault: a side may be 0, and a sum below too large.
+        // Words of the frame may have been overwritten to inject a fault: a side may be 0, and the sums in `moved` may
+        // overflow.
         let back = |at: i32, side: u32| match side {
             0 => 0,
             side => (i64::from(at).rem_euclid(side.into()) - i64::from(at)) as i32,

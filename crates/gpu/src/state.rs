@@ -242,6 +242,7 @@ impl State {
             .collect();
 
         let is_uniform = run.parameters.insertion == Insertion::Uniform;
+        // Proposals of uniform insertion are darts, not candidates.
         let candidates = if is_uniform {
             Vec::new()
         } else {

@@ -344,7 +344,8 @@ impl WindowRun {
         }
 
         self.reads = self.reads_after(self.step);
-        // Cells of level k have sides of 2^side_bits(k) units.
+        // Cells of level k have sides of 2^side_bits(k) units. Those of the last level have sides of one unit, and each
+        // level before has sides twice as long.
         let side_bits = |k: u32| LAST_LEVEL - k;
         let (commands, next) = match self.step {
             Step::Blocks => (passes::blocks(&self.plan), Step::Tile),
@@ -553,10 +554,10 @@ impl WindowRun {
             };
         }
 
-        // An iteration that inserts nothing is the last one, unless cells became unsure in it, which means that some of
-        // their samples are unknown: the next detection spreads them.
-        let spread = self.counter(counter::UNSURE) == self.counter(counter::SPREAD);
-        if self.counter(counter::INSERTED) == 0 && spread {
+        // An iteration that inserts nothing is the last one, unless cells became unsure in it, so that some of their
+        // samples are unknown. The next detection must then mark the cells around these unsure cells.
+        let are_all_spread = self.counter(counter::UNSURE) == self.counter(counter::SPREAD);
+        if self.counter(counter::INSERTED) == 0 && are_all_spread {
             Step::Finish
         } else {
             Step::Iterate(k + 1)

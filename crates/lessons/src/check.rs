@@ -106,7 +106,7 @@ impl Checked {
     /// Adds the findings about a step, and the keys of its gate if it has one. `is_test` is whether the lesson is a form.
     fn add(&mut self, step: &Step, mut found: Findings, is_test: bool) {
         let Some(gate) = &step.gate else {
-            // No question of many runs: all faults are listed.
+            // A step without a gate asks no question in many runs, so that all of its faults are listed.
             self.faults.append(&mut found.faults);
             return;
         };

@@ -231,8 +231,8 @@ impl InSpace {
             report::csv_measures(&mut out, &name, &one.numbers);
             report::csv_curves(&mut out, &name, &one.curves);
         }
-        // The difference of a measure has no line, as it follows from the two measures. The difference of two curves has
-        // lines, and so have the numbers that are measured from it (`of_curves`).
+        // The difference of a measure has no line, as it follows from the two measures. The difference of two curves
+        // has lines, and so have the numbers that are measured from it (`of_curves`).
         for (one, of) in self.subjects.iter().zip(&self.differences) {
             let name = report::quoted(&one.name);
             report::csv_measures(&mut out, &name, &of.of_curves);
@@ -274,8 +274,9 @@ impl InSpace {
 
         let power =
             spectra::radial_mean(FREQUENCY, curves::cut("power P(\u{3bd})", &powers), powers);
-        // If a set has no preferred direction, the powers of a shell deviate by as much as their mean: 0 dB. The number of
-        // powers in the shell does not matter. An average of sets is the mean of their curves, so that its level is 0 dB, too.
+        // If a set has no preferred direction, the powers of a shell deviate by as much as their mean: 0 dB. The number
+        // of powers in the shell does not matter. The curve of an average is the mean of the sets' curves, so that its
+        // level is 0 dB, too.
         let no_direction = vec![Level {
             name: "no preferred direction".to_owned(),
             y: 0.0,

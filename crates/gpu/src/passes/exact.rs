@@ -233,7 +233,8 @@ pub(crate) fn lay(ground: &Ground) -> Vec<Command> {
 /// Records the beginning of a throw: its cells, its darts and its questions. The first `own` darts are the pattern's samples.
 pub(crate) fn begin(throw: Throw, own: u32) -> Vec<Command> {
     let mut commands = vec![clear_counter(counter::THROWN)];
-    // Cells are cut when a level begins. Those of the first level have not been listed yet, and are as wide as marked ones.
+    // When a level begins, the open cells are cut into cells of that level. Level 0 has no open cells yet: `thrown`
+    // lists its first ones, the marked cells, which are as wide as that level needs.
     if throw.number == 0 && throw.level > 0 {
         let Throw { side_bits, .. } = throw;
         // The throw, the binary logarithms of the sides before and after, and the counter of the cells that are cut.
@@ -265,7 +266,8 @@ pub(crate) fn begin(throw: Throw, own: u32) -> Vec<Command> {
 /// preparation gets `flags`, beside that for linked darts.
 fn thrown(throw: Throw, flags: u32) -> Vec<Command> {
     let Throw { side_bits, key, .. } = throw;
-    // Only samples of earlier throws leave a cell out, since those of this one may still be lost.
+    // A cell is left out if a sample of an earlier throw covers it. Samples of this throw do not count, as they may
+    // still be lost. The four numbers have the same meanings as those of the job in `begin`.
     let cut = [
         throw.label(),
         // Marked cells have sides of R.

@@ -72,7 +72,7 @@ pub(crate) fn finish(plan: &WindowPlan, sources: bool) -> Vec<Command> {
         &ADD_HEADS,
         plan.cells() + 1,
         counter::KEPT,
-        // Without a limit, since `gather` looks itself for the end of the result.
+        // There is no limit, as `gather` itself checks that samples fit the result.
         u32::MAX,
     ));
 

@@ -106,8 +106,8 @@ pub(super) fn ask(
 }
 
 /// Returns the score of a learner who gives `answers` to the question, after all earlier answers were taken back.
-/// `answers` gets the number of events that were traced so far, and the number of answers before this one; the score is
-/// `None` if it gives no answer where the question needs one.
+/// `answers` gets the number of events that were traced so far, and the number of answers before this one. The score is
+/// `None` if `answers` returns `None` before the question is done.
 fn score(
     learner: &mut Learner,
     question: &Question,

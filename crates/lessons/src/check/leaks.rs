@@ -12,6 +12,9 @@ use crate::question::Question;
 
 /// How many words before and after a number say what it counts.
 const BESIDE: usize = 3;
+/// The index of the event whose question is searched for leaks. Only a trace asks about further events, and its secret
+/// is the right option of the first one.
+const EVENT: usize = 0;
 /// The word that makes a number beside it that of a sample; also in the plural.
 const SAMPLE: &str = "sample";
 
@@ -35,7 +38,7 @@ pub fn leak(question: &Question, texts: &BTreeSet<String>) -> Option<String> {
 
             // A sample that the question names may be named by other texts, too, unless the question names all candidates.
             let mut known: BTreeSet<usize> = (0..candidates.len())
-                .filter(|&index| question.named(0).contains(&candidates[index]))
+                .filter(|&index| question.named(EVENT).contains(&candidates[index]))
                 .collect();
             if known.len() == candidates.len() {
                 known.clear();
@@ -55,7 +58,7 @@ pub fn leak(question: &Question, texts: &BTreeSet<String>) -> Option<String> {
 fn is_free(text: &str, question: &Question) -> bool {
     let options = question.interaction.listed();
     let is_option = |option: &String| option.contains(text) || text.ends_with(option.as_str());
-    let is_asked = question.ask(0).contains(text) || text.contains(question.ask(0));
+    let is_asked = question.ask(EVENT).contains(text) || text.contains(question.ask(EVENT));
     is_asked || is_row(text) || options.iter().any(is_option)
 }
 
@@ -94,7 +97,7 @@ fn is_number(part: &str, wanted: f64) -> bool {
 
 /// Returns whether a text has a number beside a word of the question.
 fn states(text: &str, wanted: f64, question: &Question) -> bool {
-    let asked = content_words(question.ask(0));
+    let asked = content_words(question.ask(EVENT));
     let parts = parts(text);
     let is_asked = |part: &String| !content_words(part).is_disjoint(&asked);
     parts.iter().enumerate().any(|(at, part)| {

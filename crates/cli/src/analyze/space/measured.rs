@@ -71,8 +71,8 @@ impl Request<'_> {
         let (points, region, radius) = (&given.points[..], given.region, given.radius);
         let shortest = region.size().into_iter().fold(f64::INFINITY, f64::min);
 
-        // Sets are averaged at the frequencies and the distances of the first set. `most` and `bin` are therefore in units of
-        // length, as nu and the radius differ from set to set. `unit` is the frequency at which nu is 1 in this set.
+        // Sets are averaged at the frequencies and the distances of the first set. `most` and `bin` are therefore in
+        // units of length, as nu and the radius differ from set to set. In this set nu is 1 at the frequency `unit`.
         let unit = (points.len() as f64 / region.volume()).cbrt();
         let usual = || self.most.unwrap_or(SolidSpectrum::USUAL) * unit;
         let most = first.map_or_else(usual, |first| first.most);
@@ -247,8 +247,8 @@ impl Measured {
     /// in radii.
     pub fn curves(&self) -> [Vec<[f64; 2]>; 3] {
         let shells = || self.spectrum.shells.iter();
-        // A bin is `BIN` radii wide. If several sets are averaged, its width is that of the first set, so that distances are
-        // in radii of the first set.
+        // A bin is `BIN` radii wide. If several sets are averaged, all have the bins of the first set, so that this
+        // radius is that of the first set.
         let radius = self.correlation.bin_width / BIN;
         let middle = |bin: usize| (bin as f64 + 0.5) * self.correlation.bin_width / radius;
         [

@@ -90,9 +90,9 @@ impl SolidSubject {
             DifferenceCurve::of_means(&self.means[which], &reference.means[which], Spectrum::LEVEL)
         };
         let (mut power, pairs) = (of_curve(0)?, of_curve(1)?);
-        // Two single sets have no spread between sets, but each has the scatter between its frequencies. The squared error of
-        // their difference is the sum of their squared errors. `DifferenceCurve` only subtracts, and does so at the
-        // frequencies of `power`: the sum is the difference from the negated squares.
+        // Two single sets have no spread between sets, but each has the scatter between its frequencies. The squared
+        // error of their difference is the sum of their squared errors. `DifferenceCurve` can only subtract, but it
+        // does so at the frequencies of `power`. The reference's squared errors are therefore negated first.
         if let (Some(own), Some(base)) = (&self.scatter, &reference.scatter) {
             let opposite = MeanCurve {
                 y: base.y.iter().map(|square| -square).collect(),
