@@ -593,7 +593,7 @@ fn from(session: &Path, out: Option<&Path>, window: FromWindow) -> Result<()> {
     ))
 }
 
-/// Writes the keys of lessons beside their files.
+/// Writes the keys of lessons, which are the right answers in all runs, beside their files.
 fn keys(arguments: &CheckArguments) -> Result<()> {
     // The lessons that come with the program are no files beside which keys could stand.
     ensure!(

@@ -577,7 +577,8 @@ pub fn declarations(bindings: &[Binding]) -> String {
             Access::Atomic => ("storage, read_write", "array<atomic<u32>>".to_owned()),
         };
 
-        // The scans call any list `data`, and `heads` is a list of contested cells in some passes.
+        // A shader that several passes share has one name for their different buffers, as `data` in the scans. Other
+        // shaders name a buffer by what it holds in their pass: `heads` is first a list of contested cells.
         let name = binding.alias.unwrap_or(binding.name.as_str());
         // Writing to a string never fails.
         let _ = writeln!(

@@ -214,6 +214,7 @@ pub(crate) fn lengths(frame: &Frame, sources: bool, by: bool) -> Vec<(Name, u64)
         // A cell's samples end where those of the next begin: one entry more is the end of the last cell's. At last `Heads`
         // has such entries for the result.
         (Name::Starts, 4 * (cells + 1)),
+        // The scans sum these entries in parts, and keep a sum of each part.
         (Name::Sums, 4 * (cells + 1).div_ceil(SCAN_PART.into())),
         (Name::Places, 4 * tiled),
         (Name::Origins, 4 * tiled * u64::from(frame.origin_words)),

@@ -130,10 +130,12 @@ fn write_tiled(work: &mut WindowRun, run: &Run, counters: &mut [u32]) -> Result<
 #[derive(PartialEq, Eq, PartialOrd, Ord)]
 struct TiledWords {
     cell: usize,
+    /// The index of the image that lays the sample down.
     image: u32,
     /// The place in the cell: the row in the high bits, the column in the low ones.
     offset: u32,
     fate: u32,
+    /// The index of the pattern's sample.
     pattern: u32,
 }
 

@@ -12,8 +12,9 @@ pub fn numbered(names: &[String]) -> Vec<String> {
         if before == 0 {
             return name.clone();
         }
-        // A number that gives the name of another file is skipped. Each of several files of one name has numbers of its
-        // own, as their starts differ by less than the step.
+        // Let n be the number of all names. The second of several equal names tries 2, 2 + n, 2 + 2n and so on. The
+        // third tries 3, 3 + n and so on. No two of them thus try the same number. A number that gives the name of
+        // another file is skipped.
         let numbers = (before + 1..).step_by(names.len());
         let mut all = numbers.map(|number| format!("{name} ({number})"));
         // The numbers have no end, so that a free one is always found.
