@@ -101,9 +101,9 @@ pub use reference::{reference_recorded, reference_sample};
 pub use run::{Iteration, Run, Standing, Summary};
 pub use samples::{Fate, Origin, Sampled, Samples, Source};
 pub use solid::{
-    MAX_REACH_RADII, MAX_VOLUME_RADII, MIN_SIDE_RADII_SOLID, SOLID_DENSITY, SolidDomain,
-    SolidRequest, SolidRun, SolidSample, SolidSpace, SolidWindow, solid_recorded, solid_sample,
-    solid_sample_parallel,
+    MAX_REACH_RADII, MAX_VOLUME_RADII, MIN_SIDE_RADII_SOLID, SOLID_DENSITY, SolidArrivals,
+    SolidDomain, SolidLevels, SolidRequest, SolidRun, SolidSample, SolidSpace, SolidWindow,
+    solid_arrivals, solid_arrivals_parallel, solid_recorded, solid_sample, solid_sample_parallel,
 };
 pub use stage::Stage;
 pub use varying::{

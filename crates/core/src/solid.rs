@@ -13,6 +13,7 @@
 //! Read [`process`] first. [`darts`] has the draws, [`balls`] the samples; [`parallel`] makes the
 //! same set several times as fast, on all threads. [`space`] has the windows of space without end.
 
+mod arrivals;
 mod balls;
 mod count;
 mod darts;
@@ -30,6 +31,7 @@ use crate::random::Key;
 use crate::stage::Stage;
 use process::SolidProcess;
 
+pub use arrivals::{SolidArrivals, SolidLevels};
 pub use count::{SolidRequest, SolidSample};
 pub use domain::{MAX_VOLUME_RADII, MIN_SIDE_RADII_SOLID, SolidDomain};
 pub use recorded::{SolidRun, solid_recorded};
@@ -64,16 +66,7 @@ pub fn solid_sample(
     seed: u64,
     observer: &mut dyn Observer,
 ) -> Result<Vec<[i32; 3]>, SampleError> {
-    ask_for_memory(&domain)?;
-    let mut process = SolidProcess::new(Key::from_seed(seed), &domain);
-    let mut samples = Vec::new();
-    let mut throw = 0;
-    // This ends: cubes become smaller level by level, and one of a single place throws exactly it.
-    while !process.is_finished() {
-        throw += 1;
-        samples.extend(process.step(Stage::Iterate(throw), observer)?);
-    }
-    Ok(samples)
+    Ok(solid_arrivals(domain, seed, observer)?.places)
 }
 
 /// Returns the same samples as [`solid_sample`], several times as fast and on all threads of the current rayon pool.
@@ -82,6 +75,38 @@ pub fn solid_sample_parallel(
     seed: u64,
     observer: &mut dyn Observer,
 ) -> Result<Vec<[i32; 3]>, SampleError> {
+    Ok(solid_arrivals_parallel(domain, seed, observer)?.places)
+}
+
+/// Returns the same samples as [`solid_sample`], with the levels at which they arrived.
+///
+/// Fails as [`solid_sample`].
+pub fn solid_arrivals(
+    domain: SolidDomain,
+    seed: u64,
+    observer: &mut dyn Observer,
+) -> Result<SolidArrivals, SampleError> {
+    ask_for_memory(&domain)?;
+    let mut process = SolidProcess::new(Key::from_seed(seed), &domain);
+    let mut made = SolidArrivals::default();
+    let mut throw = 0;
+    // This ends: cubes become smaller level by level, and one of a single place throws exactly it.
+    while !process.is_finished() {
+        throw += 1;
+        let level = process.level();
+        made.add(level, process.step(Stage::Iterate(throw), observer)?);
+    }
+    Ok(made)
+}
+
+/// Returns the same as [`solid_arrivals`], several times as fast and on all threads of the current rayon pool.
+///
+/// Fails as [`solid_sample`].
+pub fn solid_arrivals_parallel(
+    domain: SolidDomain,
+    seed: u64,
+    observer: &mut dyn Observer,
+) -> Result<SolidArrivals, SampleError> {
     ask_for_memory(&domain)?;
     parallel::sample(&domain, seed, observer)
 }

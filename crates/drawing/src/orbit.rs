@@ -22,14 +22,14 @@ use edges::Edge;
 use projection::{PlacedBall, Projection};
 use shade::Shading;
 
-pub use scene::{band_share, described, scene, to_the_end};
+pub use scene::{described, level_name, scene, to_the_end};
 pub use view::{MAX_ELEVATION, OrbitView, TURN_FRAMES, ZOOMS};
 
 /// The most balls of a picture: the codes of surfaces have 32 bits, two of them for the kind of a surface.
 pub const MAX_BALLS: usize = (1 << 30) - 1;
 /// The longest side of a picture in pixels, that of a bitmap in a scene.
 pub const MAX_PICTURE_SIDE: u32 = tilescope_figures::MAX_BITMAP_SIDE as u32;
-/// The number of colours: one for the first half of the balls, one for the half of the rest, and so on.
+/// The number of colours: one for each level, or one for the first half of the balls, one for the half of the rest, and so on.
 pub const COLOR_BANDS: u32 = 8;
 /// The rows of pixels that a thread makes at a time: enough bands for many threads, and few balls that lie in two of them.
 const BAND_ROWS: usize = 32;
@@ -78,6 +78,17 @@ pub enum OrbitError {
     Cancelled,
 }
 
+/// What the colours of balls show.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum BallColors<'a> {
+    /// Nothing: all balls have one.
+    One,
+    /// When they arrived, of a set whose samples are in the order of their arrival.
+    Arrival,
+    /// The level of the process at which each ball arrived.
+    Levels(&'a [u8]),
+}
+
 /// A set in space.
 #[derive(Clone, Copy, Debug)]
 pub struct OrbitSet<'a> {
@@ -87,8 +98,8 @@ pub struct OrbitSet<'a> {
     pub size: [f64; 3],
     /// The radius of the set, in user units: two samples are at least so far apart, and balls have half of it.
     pub radius: f64,
-    /// Whether the order of the samples is that of their arrival, which colours show; otherwise all have one colour.
-    pub is_in_order: bool,
+    /// What the colours of the balls show.
+    pub colors: BallColors<'a>,
 }
 
 impl OrbitSet<'_> {
@@ -122,17 +133,21 @@ impl OrbitSet<'_> {
 
     /// Returns the number of the colour of a ball, below [`COLOR_BANDS`].
     ///
-    /// Throughout the late levels of the process the samples that are still to come halve from level to level, so that a colour
-    /// is about a level there; level 0 has the first colour and a part of the second.
+    /// By arrival, the first half of the balls has the first colour, half of the rest the next one, and so on: about a level each in
+    /// the late levels of the process, in which the samples that are still to come halve from level to level.
     #[must_use]
     pub fn color_band(&self, index: usize) -> u32 {
-        if !self.is_in_order {
-            return 0;
-        }
-        // The balls from this one on; at least 1, so that the division below is one by no 0.
-        let left = self.points.len().saturating_sub(index).max(1) as u64;
-        let halvings = (self.points.len() as u64 / left).max(1).ilog2();
-        halvings.min(COLOR_BANDS - 1)
+        let band = match self.colors {
+            BallColors::One => 0,
+            BallColors::Arrival => {
+                // The balls from this one on; at least 1, so that the division below is one by no 0.
+                let left = self.points.len().saturating_sub(index).max(1) as u64;
+                (self.points.len() as u64 / left).max(1).ilog2()
+            }
+            BallColors::Levels(levels) => levels.get(index).copied().unwrap_or_default().into(),
+        };
+        // There are 16 levels, of which the late ones have few balls and share the last colour.
+        band.min(COLOR_BANDS - 1)
     }
 }
 

@@ -17,6 +17,7 @@ mod radii;
 #[cfg(not(target_arch = "wasm32"))]
 pub(crate) mod rows;
 pub(crate) mod solid;
+mod solid_columns;
 mod svg;
 pub(crate) mod table;
 mod utk;
@@ -39,6 +40,7 @@ use crate::text::as_utf8;
 pub use self::drawing::{Dots, Drawing};
 pub use self::geojson::may_be_degrees;
 pub use self::kept::{ColumnUse, KeptRows, keep_rows, read_column, read_ranks};
+pub use self::solid_columns::SolidColumns;
 
 /// What a caller can say about some bytes before they are decoded.
 #[derive(Clone, Copy, Debug, Default)]

@@ -358,6 +358,16 @@ pub enum FormatError {
         /// The number of points in the set.
         points: usize,
     },
+    /// A column of a set in space with another number of entries than there are points.
+    #[error("{found} entries of {name} for {points} points")]
+    Column {
+        /// The name of the column.
+        name: &'static str,
+        /// The number of entries.
+        found: usize,
+        /// The number of points in the set.
+        points: usize,
+    },
     /// A rank that no sample can have.
     #[error("a rank is {}; it must be at least 0 and below 1", Number(*.rank))]
     Rank {

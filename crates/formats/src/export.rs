@@ -126,6 +126,11 @@ pub enum Warning {
         /// The format that was written.
         format: Format,
     },
+    /// The format cannot store when the samples of a set in space arrived.
+    ArrivalLeftOut {
+        /// The format that was written.
+        format: Format,
+    },
     /// Readers of the format, which is `GeoJSON`, may take positions for longitudes and latitudes.
     Planar {
         /// The format that was written.
@@ -160,6 +165,12 @@ impl fmt::Display for Warning {
                     f,
                     "note: {format} has longitudes and latitudes by its standard (RFC 7946), and these positions are \
                      planar: programs that read the file must be given their coordinate system"
+                )
+            }
+            Self::ArrivalLeftOut { format } => {
+                write!(
+                    f,
+                    "note: {format} keeps positions only; PLY and CSV also keep when each sample arrived"
                 )
             }
             Self::ProvenanceLeftOut { format } => {

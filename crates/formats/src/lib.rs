@@ -73,7 +73,7 @@ pub use mapping::Mapping;
 pub use point_set::{PointSet, Provenance};
 pub use read::{certificate_path, read_bytes};
 pub use solid::{
-    SolidCheck, SolidContext, SolidExported, SolidExportedBytes, SolidRaw, SolidSet,
+    SolidCheck, SolidColumns, SolidContext, SolidExported, SolidExportedBytes, SolidRaw, SolidSet,
     ThinnedSolidFacts, check_solid_bytes, check_solid_format, decode_solid, export_solid_bytes,
     in_space,
 };

@@ -16,6 +16,7 @@ use crate::error::FormatError;
 use crate::format::{Format, Precision};
 use crate::mapping::Mapping;
 
+pub use crate::codecs::SolidColumns;
 pub use crate::codecs::solid::{SolidRaw, decode as decode_solid};
 pub use check::{SolidCheck, SolidSet, check_solid_bytes};
 #[cfg(not(target_arch = "wasm32"))]

@@ -2,7 +2,7 @@
 
 use std::path::PathBuf;
 
-use numpy::{PyArray2, PyReadonlyArray2};
+use numpy::{PyArray1, PyArray2, PyReadonlyArray1, PyReadonlyArray2};
 use pyo3::exceptions::PyValueError;
 use pyo3::prelude::*;
 use serde::{Deserialize, Serialize};
@@ -11,13 +11,13 @@ use tilescope_analysis::{Region, SolidRegion, SolidVerdict, measure_solid};
 use tilescope_core::Boundary;
 use tilescope_core::memory::ask_for;
 use tilescope_formats::{
-    Certificate, ExportContext, Overrides, SolidContext, check_solid, export_solid,
+    Certificate, ExportContext, Overrides, SolidColumns, SolidContext, check_solid, export_solid,
     export_solid_unverified, read_solid, solid_certificate,
 };
-use tilescope_sets::{BallSize, SolidMade, SolidRecipe, Stated};
+use tilescope_sets::{BallSize, SolidMade, SolidRecipe, Stated, columns_of};
 
 use crate::arguments::{format, verify_options};
-use crate::arrays::{array, rows};
+use crate::arrays::{array, list, rows};
 use crate::failure::Failure;
 use crate::memory::ask_to_read;
 use crate::task::run;
@@ -27,8 +27,49 @@ use crate::values::{named, real_if_given, whole};
 /// cubes that the judge cuts, and its row of the file. Chosen, not measured.
 const HANDLING: f64 = 400.0;
 
-/// Positions, and facts as JSON.
-type PythonSolid<'py> = (Bound<'py, PyArray2<f64>>, String);
+/// A number for each sample, if they are known.
+type PythonColumn<'py> = Option<Bound<'py, PyArray1<u32>>>;
+
+/// Positions, the place of each sample in the order of arrival, its level, and facts as JSON.
+type PythonSolid<'py> = (
+    Bound<'py, PyArray2<f64>>,
+    PythonColumn<'py>,
+    PythonColumn<'py>,
+    String,
+);
+
+/// Returns a set as Python takes it.
+fn into_python<'py>(
+    py: Python<'py>,
+    points: Vec<[f64; 3]>,
+    columns: SolidColumns,
+    facts: &SolidFacts,
+) -> PyResult<PythonSolid<'py>> {
+    let column = |values: Vec<u32>| (!values.is_empty()).then(|| list(py, values));
+    let levels = columns.level.into_iter().map(u32::from).collect();
+    Ok((
+        array(py, points)?,
+        column(columns.arrival),
+        column(levels),
+        json!(facts).to_string(),
+    ))
+}
+
+/// Returns columns that came from Python.
+fn columns_from(
+    arrival: Option<PyReadonlyArray1<'_, u32>>,
+    level: Option<PyReadonlyArray1<'_, u32>>,
+) -> SolidColumns {
+    let values = |column: Option<PyReadonlyArray1<'_, u32>>| {
+        column.map_or_else(Vec::new, |column| column.as_array().to_vec())
+    };
+    // The class passes what it got from here, so that a level is never above 15.
+    let levels = values(level).into_iter();
+    SolidColumns {
+        arrival: values(arrival),
+        level: levels.map(|level| level.min(15) as u8).collect(),
+    }
+}
 
 /// How a set was made, and what a verdict on it is about, as the Python class holds it.
 #[derive(Serialize, Deserialize)]
@@ -58,6 +99,7 @@ impl SolidFacts {
                 ..ExportContext::new(base, self.radius)
             },
             depth: region.depth,
+            columns: SolidColumns::default(),
         }
     }
 }
@@ -112,7 +154,8 @@ pub fn sample_solid<'py>(
         radius: made.domain.radius(),
         made: made.made,
     };
-    Ok((array(py, made.points)?, json!(facts).to_string()))
+    let columns = columns_of(&made.levels);
+    into_python(py, made.points, columns, &facts)
 }
 
 /// Returns the verdict on positions in space, as JSON.
@@ -159,7 +202,7 @@ fn of_verdict(verdict: &SolidVerdict) -> Value {
 /// Writes a set in space to a file, with a certificate beside it if it is to be verified. Returns the verdict on the
 /// file, and warnings, as JSON.
 #[pyfunction]
-#[pyo3(signature = (points, facts, path, *, format_name, precision, shuffle, verify, judge, progress))]
+#[pyo3(signature = (points, facts, path, *, arrival, level, format_name, precision, shuffle, verify, judge, progress))]
 #[expect(
     clippy::too_many_arguments,
     reason = "each is one of Python's, by its name"
@@ -169,6 +212,8 @@ pub fn save_solid(
     points: PyReadonlyArray2<'_, f64>,
     facts: &str,
     path: PathBuf,
+    arrival: Option<PyReadonlyArray1<'_, u32>>,
+    level: Option<PyReadonlyArray1<'_, u32>>,
     format_name: Option<&str>,
     precision: &str,
     shuffle: Option<&Bound<'_, PyAny>>,
@@ -179,6 +224,7 @@ pub fn save_solid(
     let points = rows::<f64, 3>(&points)?;
     // What the set states of itself goes into the certificate; how it is stored, the caller says.
     let mut context = SolidFacts::of(facts)?.context();
+    context.columns = columns_from(arrival, level);
     context.planar.format = format(format_name)?;
     context.planar.precision = named("precision", precision)?;
     context.planar.shuffle_seed = shuffle.map(|seed| whole("shuffle", seed)).transpose()?;
@@ -303,5 +349,5 @@ pub fn read_file_in_space<'py>(
         region: read.region,
         radius: read.radius,
     };
-    Ok((array(py, read.points)?, json!(facts).to_string()))
+    into_python(py, read.points, read.columns, &facts)
 }

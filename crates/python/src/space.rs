@@ -4,7 +4,7 @@ use numpy::PyArray2;
 use pyo3::exceptions::PyValueError;
 use pyo3::prelude::*;
 use tilescope_core::{MAX_SEQUENTIAL_SAMPLES, SolidSpace, SolidWindow};
-use tilescope_sets::{SolidMade, SolidSurroundings};
+use tilescope_sets::SolidSurroundings;
 
 use crate::arrays::array;
 use crate::failure::Failure;
@@ -54,7 +54,7 @@ impl PythonSpace {
     ) -> PyResult<(u64, u64)> {
         let window = self.checked_window(&corners)?;
         run(py, progress, |watch| {
-            ask_to_judge(expected(&window) as usize)?;
+            ask_to_judge(SolidSurroundings::expected_samples(&window) as usize)?;
             let around = SolidSurroundings::of(&self.0, &window, &mut watch.observer())?;
             let report = around.judge(&watch.control("verify"))?;
             Ok((report.conflicts, report.gaps))
@@ -70,18 +70,14 @@ impl PythonSpace {
         let high = [real("x1", x1)?, real("y1", y1)?, real("z1", z1)?];
         let window = self.0.window(low, high).map_err(Failure::from)?;
 
-        // A window becomes one array, and is limited as a whole set in memory is.
-        let samples = expected(&window);
+        // A window becomes one array, and is limited as a whole set in memory is. What is around a thin one, where it is judged, is
+        // larger by far.
+        let samples = SolidSurroundings::expected_samples(&window);
         if samples > MAX_SEQUENTIAL_SAMPLES {
             return Err(PyValueError::new_err(format!(
-                "about {samples:.3e} samples lie in the window; it may have {MAX_SEQUENTIAL_SAMPLES:.0e}: choose a smaller one"
+                "about {samples:.3e} samples lie in the window and within 2 r of it; there may be {MAX_SEQUENTIAL_SAMPLES:.0e}: choose a smaller one"
             )));
         }
         Ok(window)
     }
-}
-
-/// Returns about how many samples lie in a window.
-fn expected(window: &SolidWindow) -> f64 {
-    window.volume_radii() * SolidMade::DENSITY
 }

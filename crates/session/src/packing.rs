@@ -3,7 +3,7 @@
 
 use std::sync::Arc;
 
-use tilescope_core::{Parameters, Point, Run, solid_sample_parallel};
+use tilescope_core::{Parameters, Point, R, Run, SolidLevels, solid_arrivals_parallel};
 use tilescope_debugger::{DEFAULT_BUDGET, Recording};
 
 use crate::ground::MAX_RECORDED;
@@ -36,10 +36,12 @@ pub fn sample(
     }
 
     // The samples are those of one thread, bit for bit.
-    let places = solid_sample_parallel(domain, asked.seed, observer)?;
+    let made = solid_arrivals_parallel(domain, asked.seed, observer)?;
+    let places = made.places;
     let points = places.iter().map(|&[x, y, _]| Point::new(x, y)).collect();
     let heights = places.iter().map(|&[.., z]| z).collect();
-    let solid = MadeSolid::new(asked, domain, heights, Vec::new());
+    // Without events there are no active cubes to show.
+    let solid = MadeSolid::new(asked, domain, heights, made.levels, Vec::new());
     let run = Run::of_points(asked, planar, points);
     let session = observer.prepare(|| Session::from_run(run, generation));
     Ok(session?.in_space(solid))
@@ -50,11 +52,25 @@ pub fn sample(
 pub fn recorded(recording: Arc<Recording>, asked: Parameters, generation: u64) -> Session {
     let solid = recording.domain_in_space().map(|domain| {
         let heights = recording.heights().unwrap_or_default().to_vec();
-        MadeSolid::new(asked, domain, heights, recording.active_cubes().to_vec())
+        let levels = recorded_levels(recording.run());
+        let cubes = recording.active_cubes().to_vec();
+        MadeSolid::new(asked, domain, heights, levels, cubes)
     });
     let session = Session::from_recording(recording, generation);
     match solid {
         Some(solid) => session.in_space(solid),
         None => session,
     }
+}
+
+/// Returns the levels at which the samples of a recorded run arrived, whose iterations are throws into cubes.
+fn recorded_levels(run: &Run) -> SolidLevels {
+    let mut levels = SolidLevels::default();
+    for throw in &run.iterations {
+        // All cubes of a throw have one side, which is halved from level to level. Without cubes there is no throw.
+        if let Some(cube) = throw.cells.first() {
+            levels.add((R / cube.side).ilog2(), throw.inserted.len());
+        }
+    }
+    levels
 }

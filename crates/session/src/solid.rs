@@ -5,7 +5,7 @@ use std::cmp::Ordering;
 
 use serde::{Deserialize, Serialize};
 use tilescope_analysis::{Boundary as JudgedBoundary, Region, Report, SolidRegion, SolidVerdict};
-use tilescope_core::{Boundary, Domain, Parameters, R, Run, SampleError, SolidDomain};
+use tilescope_core::{Boundary, Domain, Parameters, R, Run, SampleError, SolidDomain, SolidLevels};
 
 use crate::units;
 use crate::words::{counted, grouped, significant};
@@ -21,6 +21,8 @@ pub struct MadeSolid {
     heights: Vec<i32>,
     /// The same numbers in ascending order.
     sorted: Vec<i32>,
+    /// The levels at which the samples arrived.
+    pub levels: SolidLevels,
     /// Of each throw, the lowest place of each active cube along the third axis, in lattice units; nothing where the events
     /// were not recorded. The run's iterations have their projections.
     cubes: Vec<Vec<i32>>,
@@ -62,6 +64,7 @@ impl MadeSolid {
         asked: Parameters,
         domain: SolidDomain,
         heights: Vec<i32>,
+        levels: SolidLevels,
         cubes: Vec<Vec<i32>>,
     ) -> Self {
         let mut sorted = heights.clone();
@@ -71,6 +74,7 @@ impl MadeSolid {
             domain,
             heights,
             sorted,
+            levels,
             cubes,
         }
     }
@@ -354,7 +358,8 @@ mod tests {
         let domain = box_of(&parameters, depth).expect("a box");
         let [.., side] = domain.sides();
         let heights = vec![0, side / 2, side - 1];
-        MadeSolid::new(parameters, domain, heights, vec![vec![0, R]])
+        let levels = SolidLevels::default();
+        MadeSolid::new(parameters, domain, heights, levels, vec![vec![0, R]])
     }
 
     #[test]

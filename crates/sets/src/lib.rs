@@ -45,7 +45,7 @@ pub use facts::{Facts, Stated, stated};
 pub use layout::{set_of_piece, stated_layout};
 pub use made::{Made, point_set, provenance};
 pub use recipe::{EXACT_PAYS_FROM, GivenPattern, Recipe, Settled, exact_pattern, facts_of_exact};
-pub use solid::{BallSize, SolidMade, SolidRecipe};
+pub use solid::{BallSize, SolidMade, SolidRecipe, columns_of};
 pub use solid_window::SolidSurroundings;
 pub use varying::{
     Brush, BrushStroke, DEFAULT_WHITE, ExactBlocks, Expression, GivenGround, GivenRadius,

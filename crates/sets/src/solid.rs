@@ -5,9 +5,10 @@ use tilescope_analysis::{
     Control, Region, SolidError, SolidRegion, SolidVerdict, VerifyOptions, measure_solid,
 };
 use tilescope_core::{
-    Boundary, Observer, SampleError, SolidDomain, SolidRequest, SolidSample, solid_sample_parallel,
+    Boundary, Observer, SampleError, SolidDomain, SolidLevels, SolidRequest, SolidSample,
+    solid_arrivals_parallel,
 };
-use tilescope_formats::{ExportContext, SolidContext};
+use tilescope_formats::{ExportContext, SolidColumns, SolidContext};
 
 use crate::facts::Stated;
 
@@ -60,11 +61,11 @@ impl SolidRecipe {
             BallSize::Radius(radius) => {
                 // With a given radius there is nothing to search for: one set is made.
                 let domain = SolidDomain::from_size(size, radius, boundary)?;
-                let places = solid_sample_parallel(domain, seed, observer)?;
-                let made = places.len();
+                let arrived = solid_arrivals_parallel(domain, seed, observer)?;
+                let made = arrived.places.len();
                 let sample = SolidSample {
                     domain,
-                    places,
+                    arrived,
                     made,
                 };
                 (sample, false)
@@ -74,9 +75,11 @@ impl SolidRecipe {
         };
 
         // A set that happens to have as many samples as were wanted is whole.
-        let is_beginning = is_beginning && found.made > found.places.len();
+        let arrived = found.arrived;
+        let is_beginning = is_beginning && found.made > arrived.places.len();
         Ok(SolidMade {
-            points: found.domain.users_from_lattice(&found.places),
+            points: found.domain.users_from_lattice(&arrived.places),
+            levels: arrived.levels,
             made: is_beginning.then_some(found.made as u64),
             domain: found.domain,
             seed,
@@ -89,6 +92,8 @@ impl SolidRecipe {
 pub struct SolidMade {
     /// Its positions, in the order of their arrival.
     pub points: Vec<[f64; 3]>,
+    /// The levels at which they arrived.
+    pub levels: SolidLevels,
     /// Its box, with the radius.
     pub domain: SolidDomain,
     /// How many samples were made, if the set is the first of those.
@@ -137,6 +142,7 @@ impl SolidMade {
                 ..ExportContext::new(base, self.domain.radius())
             },
             depth,
+            columns: columns_of(&self.levels),
         }
     }
 
@@ -153,6 +159,16 @@ impl SolidMade {
         let (region, radius) = (self.region(), self.domain.radius());
         let is_prefix = self.made.is_some();
         measure_solid(&self.points, region, radius, is_prefix, options, control)
+    }
+}
+
+/// Returns the columns that files have of a set in the order of arrival.
+#[must_use]
+pub fn columns_of(levels: &SolidLevels) -> SolidColumns {
+    SolidColumns {
+        // A box has fewer than 2^30 samples.
+        arrival: (0..levels.count() as u32).collect(),
+        level: levels.of_samples().collect(),
     }
 }
 

@@ -3,7 +3,9 @@
 use tilescope_analysis::{
     Boundary, Control, SolidError, SolidRegion, SolidReport, VerifyOptions, verify_solid_cut,
 };
-use tilescope_core::{Observer, R, SampleError, SolidSpace, SolidWindow};
+use tilescope_core::{
+    Observer, R, SOLID_DENSITY, SampleError, SolidArrivals, SolidSpace, SolidWindow,
+};
 
 /// How far around a window samples are judged, in lattice units: whether a place of it is covered may depend on samples a radius
 /// away, and a hair more.
@@ -12,16 +14,20 @@ const MARGIN: i32 = 2 * R;
 /// The samples in a window of space and around it.
 #[derive(Clone, Debug)]
 pub struct SolidSurroundings {
-    /// From the lowest corner of the part on.
-    points: Vec<[f64; 3]>,
-    /// The part that they fill.
-    region: SolidRegion,
+    arrived: SolidArrivals,
+    window: SolidWindow,
+    /// The part that the samples fill.
+    wide: SolidWindow,
     radius: f64,
-    /// The corners of the window in that part.
-    corners: [[f64; 3]; 2],
 }
 
 impl SolidSurroundings {
+    /// Returns about how many samples a window has together with what is around it, which is most of them for a thin window.
+    #[must_use]
+    pub fn expected_samples(window: &SolidWindow) -> f64 {
+        SOLID_DENSITY * window.widened(MARGIN).volume_radii()
+    }
+
     /// Makes the samples in and around a window.
     ///
     /// # Errors
@@ -33,26 +39,24 @@ impl SolidSurroundings {
         observer: &mut dyn Observer,
     ) -> Result<Self, SampleError> {
         let wide = window.widened(MARGIN);
-        // From the corner of the part on, where positions are not rounded.
-        // In doubles: two places may be farther apart than the largest 32-bit integer.
-        let unit = space.radius() / f64::from(R);
-        let local =
-            |place: [i32; 3], axis: usize| f64::from(place[axis]) - f64::from(wide.min[axis]);
-        let user = |place: [i32; 3]| [0, 1, 2].map(|axis| local(place, axis) * unit);
-        let places = space.samples(&wide, observer)?;
-
-        let [width, height, depth] = user(wide.max);
         Ok(Self {
-            points: places.into_iter().map(user).collect(),
-            region: SolidRegion {
-                width,
-                height,
-                depth,
-                boundary: Boundary::Bounded,
-            },
+            arrived: space.arrivals(&wide, observer)?,
+            window: *window,
+            wide,
             radius: space.radius(),
-            corners: [user(window.min), user(window.max)],
         })
+    }
+
+    /// Returns the samples of the window itself, which are among those that are judged.
+    #[must_use]
+    pub fn inside(&self) -> SolidArrivals {
+        let mut inside = SolidArrivals::default();
+        let each = (self.arrived.places.iter()).zip(self.arrived.levels.of_samples());
+        for (&place, level) in each.filter(|&(place, _)| self.window.contains(*place)) {
+            inside.places.push(place);
+            inside.levels.add(level.into(), 1);
+        }
+        inside
     }
 
     /// Judges the window by all samples in and around it: conflicts count wherever they are, gaps in the window.
@@ -61,9 +65,24 @@ impl SolidSurroundings {
     ///
     /// [`SolidError`] when there is no verdict.
     pub fn judge(&self, control: Control<'_>) -> Result<SolidReport, SolidError> {
-        let asked = (self.region, self.radius);
-        let options = VerifyOptions::default();
-        verify_solid_cut(&self.points, asked, self.corners, &options, control)
+        // From the corner of the part on, where positions are not rounded.
+        // In doubles: two places may be farther apart than the largest 32-bit integer.
+        let unit = self.radius / f64::from(R);
+        let low = self.wide.min;
+        let local = |place: [i32; 3], axis: usize| f64::from(place[axis]) - f64::from(low[axis]);
+        let user = |place: [i32; 3]| [0, 1, 2].map(|axis| local(place, axis) * unit);
+
+        let points: Vec<[f64; 3]> = self.arrived.places.iter().copied().map(user).collect();
+        let [width, height, depth] = user(self.wide.max);
+        let region = SolidRegion {
+            width,
+            height,
+            depth,
+            boundary: Boundary::Bounded,
+        };
+        let corners = [user(self.window.min), user(self.window.max)];
+        let (asked, options) = ((region, self.radius), VerifyOptions::default());
+        verify_solid_cut(&points, asked, corners, &options, control)
     }
 }
 
@@ -84,21 +103,32 @@ mod tests {
         let judged = |made: &SolidSurroundings| made.judge(&|_| ControlFlow::Continue(())).unwrap();
         assert!(judged(&made).valid());
 
-        let [low, high] = made.corners;
-        let inside =
-            |at: &[f64; 3]| (0..3).all(|axis| low[axis] < at[axis] && at[axis] < high[axis]);
-        let count = made.points.iter().filter(|point| inside(point)).count();
-        assert!((25..60).contains(&count), "{count}");
-        for index in 0..made.points.len() {
+        // Those inside are the window that is made alone, and the estimate counts those around it, too.
+        let inside = made.inside();
+        assert_eq!(inside, space.arrivals(&window, &mut Unobserved).unwrap());
+        assert!((25..60).contains(&inside.places.len()), "{inside:?}");
+        let (all, expected) = (
+            made.arrived.places.len(),
+            SolidSurroundings::expected_samples(&window),
+        );
+        assert!(
+            (all as f64 / expected - 1.0).abs() < 0.1,
+            "{all} {expected}"
+        );
+
+        for index in 0..all {
             let mut fewer = made.clone();
-            let removed = fewer.points.remove(index);
+            let removed = fewer.arrived.places.remove(index);
             assert!(
-                !inside(&removed) || !judged(&fewer).maximal(),
+                !window.contains(removed) || !judged(&fewer).maximal(),
                 "{removed:?}"
             );
         }
         let mut more = made.clone();
-        more.points.push(made.points[0].map(|at| at + 1e-3));
+        // By 64 units on each axis, of which a radius has 2^15.
+        more.arrived
+            .places
+            .push(made.arrived.places[0].map(|at| at + 64));
         assert_eq!(judged(&more).conflicts, 1);
     }
 }

@@ -5,7 +5,9 @@
 use std::sync::Arc;
 
 use serde::{Deserialize, Serialize};
-use tilescope_drawing::orbit::{MAX_PICTURE_SIDE, OrbitPicture, OrbitSet, OrbitView, described};
+use tilescope_drawing::orbit::{
+    BallColors, MAX_PICTURE_SIDE, OrbitPicture, OrbitSet, OrbitView, described,
+};
 use tilescope_drawing::palette::Palette;
 use tilescope_session::jobs::{Job, Monitor, Wake};
 use tilescope_session::look::Look;
@@ -56,19 +58,20 @@ struct OrbitKey {
     is_coarse: bool,
 }
 
-/// Returns the set of a session as it is drawn; `points` are the samples of its run in user units.
+/// Returns the set of a session as it is drawn; `points` are the samples of its run in user units, and `levels` those at which
+/// they arrived.
 #[must_use]
 pub(crate) fn drawn_set<'a>(
     session: &Session,
     solid: &MadeSolid,
     points: &'a [[f64; 3]],
+    levels: &'a [u8],
 ) -> OrbitSet<'a> {
     OrbitSet {
         points,
         size: solid.domain.size(),
         radius: session.run().domain.radius(),
-        // Ids are in the order of arrival.
-        is_in_order: true,
+        colors: BallColors::Levels(levels),
     }
 }
 
@@ -104,7 +107,8 @@ impl Task for OrbitTask {
         } = self.key;
 
         let points = solid.positions(session.run());
-        let set = drawn_set(session, solid, &points);
+        let levels: Vec<u8> = solid.levels.of_samples().collect();
+        let set = drawn_set(session, solid, &points, &levels);
         // The window enlarges a coarse picture to the room that the full one has.
         let drawn_size = if is_coarse {
             size.map(|side| side.div_ceil(COARSER))

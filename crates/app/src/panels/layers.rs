@@ -2,7 +2,7 @@
 
 use egui::{Color32, RichText, Sense, Ui, vec2};
 use tilescope_classroom::room::HIDDEN_LAYER;
-use tilescope_drawing::orbit::{COLOR_BANDS, band_color, band_share};
+use tilescope_drawing::orbit::{COLOR_BANDS, band_color, level_name};
 use tilescope_drawing::palette::Palette;
 use tilescope_session::layers::Layer;
 use tilescope_session::verification::Verdict;
@@ -65,10 +65,10 @@ pub fn show(ui: &mut Ui, context: &PanelContext<'_>, commands: &mut Vec<Command>
     name_group(&row.response, &ui.words("Layers"));
 }
 
-/// Shows the colours of balls with the share of the balls that has each.
+/// Shows the colours of balls with the levels that have each.
 fn colors_of_balls(ui: &mut Ui, palette: &Palette) {
     let row = ui.horizontal_wrapped(|ui| {
-        let heading = ui.words("Balls by arrival: the first half, the next quarter, and so on");
+        let heading = ui.words("Balls by the level at which they arrived");
         ui.label(RichText::new(heading).color(palette.muted))
             .known_as("orbit.colours");
         for band in 0..COLOR_BANDS {
@@ -76,7 +76,7 @@ fn colors_of_balls(ui: &mut Ui, palette: &Palette) {
             let (square, _) = ui.allocate_exact_size(vec2(12.0, 12.0), Sense::hover());
             let color = Color32::from_rgb(red, green, blue);
             ui.painter().rect_filled(square, 2.0, color);
-            ui.label(RichText::new(ui.words(band_share(band))).small());
+            ui.label(RichText::new(ui.words(level_name(band))).small());
         }
     });
     name_group(&row.response, &ui.words("Colours of balls"));

@@ -6,8 +6,8 @@ use anyhow::{Context, Result, bail, ensure};
 use serde_json::{Value, json};
 use tilescope_analysis::{JudgeChoice, SolidRegion, VerifyOptions, verify_solid};
 use tilescope_formats::{
-    Certificate, CheckError, ExportContext, Format, SolidCheck, SolidContext, check_solid,
-    check_solid_format, export_solid, in_space, read_solid,
+    Certificate, CheckError, ExportContext, Format, SolidCheck, SolidColumns, SolidContext,
+    check_solid, check_solid_format, export_solid, in_space, read_solid,
 };
 
 use crate::options::{JudgeArguments, SetArguments, WITHOUT_CERTIFICATE};
@@ -90,8 +90,13 @@ pub fn convert(
         // Neither a certificate nor --radius states a radius: the smallest distance becomes the radius.
         Err(CheckError::NoRadius) => uncertified(input, set)?,
         read => {
-            let (points, check) = read.map_err(hinted).in_file(input)?;
-            (points, certified(check, input)?)
+            let (points, mut check) = read.map_err(hinted).in_file(input)?;
+            let columns = std::mem::take(&mut check.columns);
+            let context = SolidContext {
+                columns,
+                ..certified(check, input)?
+            };
+            (points, context)
         }
     };
     context.planar.format = to;
@@ -178,7 +183,11 @@ fn uncertified(file: &Path, set: &SetArguments) -> Result<(Vec<[f64; 3]>, SolidC
         .map_err(hinted)
         .in_file(file)?;
     let radius = smallest_distance(&read.points, read.region).in_file(file)?;
-    Ok((read.points, of_unknown_origin(read.region, radius)))
+    let context = SolidContext {
+        columns: read.columns,
+        ..of_unknown_origin(read.region, radius)
+    };
+    Ok((read.points, context))
 }
 
 /// Returns the smallest distance of a set without a radius, which then serves as its radius.
@@ -215,5 +224,6 @@ fn of_unknown_origin(region: SolidRegion, radius: f64) -> SolidContext {
             ..ExportContext::new(base, radius)
         },
         depth: region.depth,
+        columns: SolidColumns::default(),
     }
 }

@@ -6,8 +6,8 @@ use std::path::Path;
 use anyhow::{Result, ensure};
 use tilescope_analysis::{SolidRegion, lossy};
 use tilescope_drawing::orbit::{
-    MAX_ELEVATION, MAX_PICTURE_SIDE, OrbitError, OrbitPicture, OrbitSet, OrbitView, TURN_FRAMES,
-    ZOOMS, described, scene as orbit_scene,
+    BallColors, MAX_ELEVATION, MAX_PICTURE_SIDE, OrbitError, OrbitPicture, OrbitSet, OrbitView,
+    TURN_FRAMES, ZOOMS, described, scene as orbit_scene,
 };
 use tilescope_drawing::palette::Palette;
 use tilescope_figures::{AnimationError, FigureError, Scene, to_pixels, write_apng, write_gif};
@@ -59,6 +59,8 @@ pub struct Balls {
     pub points: Vec<[f64; 3]>,
     region: SolidRegion,
     radius: f64,
+    /// The level at which each arrived; nothing if the file does not say it.
+    levels: Vec<u8>,
     /// Whether the order of the file is that of arrival.
     is_in_order: bool,
     /// The line above the picture.
@@ -91,9 +93,21 @@ pub fn read(file: &Path, set: &SetArguments) -> Result<Balls> {
         points: read.points,
         region: read.region,
         radius: read.radius,
+        levels: read.columns.level,
         is_in_order,
         caption,
     })
+}
+
+impl Balls {
+    /// Returns what their colours can show: levels if the file has them, or else their order, if that is known.
+    fn colors(&self) -> BallColors<'_> {
+        match (self.levels.is_empty(), self.is_in_order) {
+            (false, _) => BallColors::Levels(&self.levels),
+            (true, true) => BallColors::Arrival,
+            (true, false) => BallColors::One,
+        }
+    }
 }
 
 /// Balls to be drawn.
@@ -116,7 +130,7 @@ impl<'a> Drawn<'a> {
             points: &self.balls.points,
             size: self.balls.region.size(),
             radius: self.balls.radius,
-            is_in_order: self.balls.is_in_order,
+            colors: self.balls.colors(),
         };
         // The box fits into a square from whichever side it is seen, so that a turn needs no other shape.
         let size = [self.width; 2];

@@ -9,7 +9,8 @@ use serde_json::{Value, json};
 use tilescope_analysis::{Number, Region, SolidReport};
 use tilescope_core::{Parameter, Progress, SolidSpace};
 use tilescope_formats::{
-    ExportContext, Format, SolidContext, check_solid_format, export_solid_unverified, solid_digest,
+    ExportContext, Format, SolidColumns, SolidContext, check_solid_format, export_solid_unverified,
+    solid_digest,
 };
 use tilescope_sets::{SolidMade, SolidSurroundings};
 
@@ -22,7 +23,7 @@ use crate::{interrupt, verdict_code};
 
 use super::make::refuse_planar;
 
-/// The largest number of samples of a window: they are verified in memory.
+/// The largest number of samples of a window and around it: they are verified in memory.
 const MAX_SAMPLES: f64 = 2e7;
 
 /// Computes the samples of a window of space, judges them and prints the report. Returns the exit code of the program.
@@ -57,20 +58,22 @@ pub fn run(arguments: &SampleArguments, corners: [f64; 6]) -> Result<u8> {
     let space = SolidSpace::new(asked.radius, asked.seed)?;
     let [x0, y0, z0, x1, y1, z1] = corners;
     let window = space.window([x0, y0, z0], [x1, y1, z1])?;
-    let expected = window.volume_radii() * SolidMade::DENSITY;
+    let expected = SolidSurroundings::expected_samples(&window);
     ensure!(
         expected <= MAX_SAMPLES,
-        "about {expected:.3e} samples lie in the window; the limit is {MAX_SAMPLES:.0e}: choose a smaller window"
+        "about {expected:.3e} samples lie in the window and within 2 r of it, where they are judged with it; \
+         the limit is {MAX_SAMPLES:.0e}: choose a smaller window"
     );
 
-    // The time is that of the points alone, without their verdict.
+    // The samples that are saved are among those that are judged. The time is that of all of these, without their verdict.
     let began = Instant::now();
-    let places = space.samples(&window, &mut |_: Progress| interrupt::flow())?;
-    let seconds = began.elapsed().as_secs_f64();
     let around = SolidSurroundings::of(&space, &window, &mut |_: Progress| interrupt::flow())?;
+    let inside = around.inside();
+    let seconds = began.elapsed().as_secs_f64();
     let verdict = verifying(|control| around.judge(control)).context(NO_VERDICT)?;
     let found = WindowFound {
-        points: space.users_from_lattice(&places),
+        points: space.users_from_lattice(&inside.places),
+        levels: inside.levels.of_samples().collect(),
         verdict,
         corners,
         space,
@@ -98,6 +101,8 @@ struct WindowFound {
     space: SolidSpace,
     corners: [f64; 6],
     points: Vec<[f64; 3]>,
+    /// The level at which each sample arrived.
+    levels: Vec<u8>,
     verdict: SolidReport,
     seconds: f64,
 }
@@ -115,7 +120,17 @@ impl WindowFound {
         let mut planar = ExportContext::new(base, self.space.radius());
         planar.format = arguments.format;
         planar.precision = arguments.precision;
-        let context = SolidContext { planar, depth: 1.0 };
+        // A sample has the same level in every window. Its place in the order of arrival is that of no window: space without
+        // end has no first sample.
+        let columns = SolidColumns {
+            arrival: Vec::new(),
+            level: self.levels.clone(),
+        };
+        let context = SolidContext {
+            planar,
+            depth: 1.0,
+            columns,
+        };
         export_solid_unverified(path, &self.points, &context).in_file(path)
     }
 

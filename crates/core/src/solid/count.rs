@@ -8,7 +8,7 @@ use crate::lattice::{Boundary, MAX_SIDE_RADII, R, check_side};
 use crate::progress::Observer;
 
 use super::domain::{MAX_VOLUME_RADII, MIN_SIDE_RADII_SOLID, SolidDomain};
-use super::{Place, SOLID_DENSITY, solid_sample_parallel};
+use super::{SOLID_DENSITY, SolidArrivals, solid_arrivals_parallel};
 
 /// Samples that a closed face adds to each squared radius of it. Measured with sides of 8 to 30 r: 0.236, and up to
 /// 0.255 in the smallest boxes, whose edges are a larger share.
@@ -50,9 +50,9 @@ pub struct SolidRequest {
 pub struct SolidSample {
     /// The domain, which has the radius that was found.
     pub domain: SolidDomain,
-    /// The samples: lattice points x, y, z.
-    pub places: Vec<[i32; 3]>,
-    /// How many samples were made, of which [`Self::places`] are the first ones.
+    /// The samples, with their levels.
+    pub arrived: SolidArrivals,
+    /// How many samples were made, of which [`Self::arrived`] has the first ones.
     pub made: usize,
 }
 
@@ -137,7 +137,7 @@ impl SolidRequest {
         let fits = |found| (count..=most).contains(&found);
 
         let mut sample = self.search(count, aim, fits, observer)?;
-        sample.places.truncate(count as usize);
+        sample.arrived.truncate(count as usize);
         Ok(sample)
     }
 
@@ -158,13 +158,14 @@ impl SolidRequest {
         let mut nearest = u64::MAX;
 
         for tried in 0..MAX_TRIES {
-            let (domain, places) = self.attempt(radius, observer)?;
-            let found = places.len() as u64;
+            let (domain, arrived) = self.attempt(radius, observer)?;
+            let made = arrived.places.len();
+            let found = made as u64;
             if fits(found) {
                 return Ok(SolidSample {
                     domain,
-                    made: places.len(),
-                    places,
+                    arrived,
+                    made,
                 });
             }
 
@@ -186,10 +187,10 @@ impl SolidRequest {
         &self,
         radius: f64,
         observer: &mut dyn Observer,
-    ) -> Result<(SolidDomain, Vec<Place>), SampleError> {
+    ) -> Result<(SolidDomain, SolidArrivals), SampleError> {
         let domain = SolidDomain::from_size(self.size, radius, self.boundary)?;
-        let places = solid_sample_parallel(domain, self.seed, observer)?;
-        Ok((domain, places))
+        let arrived = solid_arrivals_parallel(domain, self.seed, observer)?;
+        Ok((domain, arrived))
     }
 
     /// Returns about how many samples a radius gives.
@@ -231,12 +232,12 @@ mod tests {
             for (seed, count) in [(1, 170), (2, 400), (3, 1_500), (4, 4_000)] {
                 let request = request([3.0, 4.0, 5.0], boundary, seed);
                 let found = request.of_count(count, &mut Unobserved).unwrap();
-                let off = (found.places.len() as u64).abs_diff(count);
+                let off = (found.arrived.places.len() as u64).abs_diff(count);
                 assert!(off <= (count / 100).max(1), "{boundary:?} {count}: {off}");
-                assert_eq!(found.made, found.places.len());
+                assert_eq!(found.made, found.arrived.places.len());
                 // The radius makes the set again.
                 let again = request.attempt(found.domain.radius(), &mut Unobserved);
-                assert_eq!(again.unwrap().1, found.places);
+                assert_eq!(again.unwrap().1, found.arrived);
             }
         }
     }
@@ -246,8 +247,8 @@ mod tests {
     fn samples_are_estimated_with_those_at_faces() {
         for boundary in [Boundary::Periodic, Boundary::Bounded] {
             let domain = SolidDomain::from_size([10.0, 11.0, 14.0], 1.0, boundary).unwrap();
-            let made = solid_sample_parallel(domain, 5, &mut Unobserved).unwrap();
-            let off = |expected: f64| (expected / made.len() as f64 - 1.0).abs();
+            let made = solid_arrivals_parallel(domain, 5, &mut Unobserved).unwrap();
+            let off = |expected: f64| (expected / made.places.len() as f64 - 1.0).abs();
             assert!(off(domain.expected_samples()) < 0.03, "{boundary:?}");
             let inside = SOLID_DENSITY * domain.volume_radii();
             assert_eq!(off(inside) > 0.1, boundary == Boundary::Bounded);
@@ -260,16 +261,18 @@ mod tests {
             for (seed, count) in [(1, 151), (2, 1_000), (3, 5_003)] {
                 let request = request([1.0; 3], boundary, seed);
                 let found = request.of_exactly(count, &mut Unobserved).unwrap();
-                assert_eq!(found.places.len() as u64, count);
+                assert_eq!(found.arrived.places.len() as u64, count);
+                assert_eq!(found.arrived.levels.count() as u64, count);
                 let more = found.made as u64 - count;
                 assert!(more <= count / 20 + 12, "{boundary:?} {count}: {more}");
                 let (_, all) = request
                     .attempt(found.domain.radius(), &mut Unobserved)
                     .unwrap();
-                assert_eq!(
-                    (all.len(), &all[..count as usize]),
-                    (found.made, &*found.places)
-                );
+                assert_eq!(all.places.len(), found.made);
+                let first = all.places.iter().zip(all.levels.of_samples());
+                let taken = &found.arrived;
+                let taken = taken.places.iter().zip(taken.levels.of_samples());
+                assert!(taken.eq(first.take(count as usize)));
             }
         }
     }

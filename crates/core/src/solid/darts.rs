@@ -63,6 +63,11 @@ impl SolidThrow {
         }
     }
 
+    /// Returns its level: how many times the cubes were halved.
+    pub const fn level(&self) -> u32 {
+        self.level
+    }
+
     /// Returns the side of the level's cubes.
     pub const fn side(&self) -> i32 {
         R >> self.level

@@ -22,6 +22,7 @@ use fearless_simd::dispatch;
 use rayon::prelude::*;
 
 use super::Place;
+use super::arrivals::SolidArrivals;
 use super::darts::SolidThrow;
 use super::domain::SolidDomain;
 use crate::error::SampleError;
@@ -36,18 +37,18 @@ use parcels::ParcelGrid;
 /// Parcels for each thread between two reports to the observer.
 const PARCELS_A_THREAD: usize = 64;
 
-/// Returns the samples of a seed in the order of their arrival. Fails only when `observer` stops it.
+/// Returns the samples of a seed in the order of their arrival, with their levels. Fails only when `observer` stops it.
 pub(super) fn sample(
     domain: &SolidDomain,
     seed: u64,
     observer: &mut dyn Observer,
-) -> Result<Vec<Place>, SampleError> {
+) -> Result<SolidArrivals, SampleError> {
     let grid = ParcelGrid::new(domain);
     let numbers = (0..grid.count()).into_par_iter();
     let mut parcels: Vec<CellParcel> = numbers.map(|number| grid.parcel(number)).collect();
     // The samples of the last throw, by parcels.
     let mut fresh: Vec<Vec<NewBall>> = vec![Vec::new(); parcels.len()];
-    let mut samples = Vec::new();
+    let mut made = SolidArrivals::default();
 
     let mut throw = SolidThrow::new(Key::from_seed(seed), 0, 0);
     // This ends: cubes become smaller level by level, and one of a single place throws exactly it.
@@ -63,10 +64,10 @@ pub(super) fn sample(
             grid: &grid,
         };
         fresh = contest.decided();
-        samples.extend(in_order(&fresh));
+        made.add(throw.level(), in_order(&fresh));
         throw = throw.next(Key::from_seed(seed));
     }
-    Ok(samples)
+    Ok(made)
 }
 
 /// Lists the samples of the last throw, cuts the cubes, if the throw is the first one of its level, and throws darts, in all

@@ -165,6 +165,11 @@ impl SolidProcess {
         &self.active
     }
 
+    /// Returns the level of the next throw: how many times the cubes were halved.
+    pub const fn level(&self) -> u32 {
+        self.level
+    }
+
     /// Returns the side of the active cubes.
     pub const fn side(&self) -> i32 {
         R >> self.level

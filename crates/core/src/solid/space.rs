@@ -18,7 +18,7 @@ use crate::progress::{Meter, Observer};
 use crate::random::Key;
 use crate::stage::Stage;
 
-use super::{Place, SOLID_DENSITY};
+use super::{Place, SOLID_DENSITY, SolidArrivals};
 use piece::{Arrived, SpacePiece};
 
 /// How far from the origin a window may reach, in radii, on each axis. Lattice points are 32-bit integers of 2^15 a radius, and the
@@ -158,6 +158,18 @@ impl SolidSpace {
         window: &SolidWindow,
         observer: &mut dyn Observer,
     ) -> Result<Vec<[i32; 3]>, SampleError> {
+        Ok(self.arrivals(window, observer)?.places)
+    }
+
+    /// Returns the same samples as [`Self::samples`], with the levels at which they arrived: a sample has the same one in every
+    /// window.
+    ///
+    /// Fails as [`Self::samples`].
+    pub fn arrivals(
+        &self,
+        window: &SolidWindow,
+        observer: &mut dyn Observer,
+    ) -> Result<SolidArrivals, SampleError> {
         let count = SOLID_DENSITY * window.volume_radii();
         memory::ask_for(count, Making::Sweep.bytes_a_sample())?;
 
@@ -180,7 +192,12 @@ impl SolidSpace {
 
         // A piece's samples are in order already; those of several are brought into one.
         arrived.par_sort_unstable();
-        Ok(arrived.into_iter().map(|sample| sample.place()).collect())
+        let mut found = SolidArrivals::default();
+        for of_level in arrived.chunk_by(|a, b| a.level() == b.level()) {
+            let places = of_level.iter().map(Arrived::place);
+            found.add(of_level[0].level(), places);
+        }
+        Ok(found)
     }
 
     /// Returns positions in user units.

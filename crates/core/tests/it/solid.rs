@@ -4,8 +4,8 @@
 use proptest::prelude::*;
 use rayon::ThreadPoolBuilder;
 use tilescope_core::{
-    Boundary, Key, R, SampleError, SolidDomain, Stage, Stream, Unobserved, solid_sample,
-    solid_sample_parallel,
+    Boundary, Key, R, SampleError, SolidDomain, Stage, Stream, Unobserved, solid_arrivals,
+    solid_arrivals_parallel, solid_sample, solid_sample_parallel,
 };
 
 /// The darts of so many levels are thrown everywhere: there are about 820 to a cubed radius.
@@ -91,8 +91,8 @@ fn is_near(domain: &SolidDomain, a: [i32; 3], b: [i32; 3]) -> bool {
     squared(0) + squared(1) + squared(2) <= 1 << 30
 }
 
-/// The samples that arrive in the first levels.
-fn defined(domain: &SolidDomain, seed: u64) -> Vec<[i32; 3]> {
+/// The samples that arrive in the first levels, each with its level.
+fn defined(domain: &SolidDomain, seed: u64) -> Vec<([i32; 3], u8)> {
     let mut darts = Vec::new();
     for level in 0..LEVELS {
         for throw in 0..if level == 0 { 4 } else { 1 } {
@@ -101,11 +101,14 @@ fn defined(domain: &SolidDomain, seed: u64) -> Vec<[i32; 3]> {
     }
     darts.sort_unstable();
 
-    let mut samples: Vec<[i32; 3]> = Vec::new();
+    let mut samples: Vec<([i32; 3], u8)> = Vec::new();
     for dart in darts {
         let place = dart.place();
-        if !samples.iter().any(|&sample| is_near(domain, sample, place)) {
-            samples.push(place);
+        if !samples
+            .iter()
+            .any(|&(sample, _)| is_near(domain, sample, place))
+        {
+            samples.push((place, dart.level as u8));
         }
     }
     samples
@@ -129,10 +132,15 @@ proptest! {
 
     #[test]
     fn the_first_samples_are_those_of_the_definition(domain in domains(), seed: u64) {
-        let samples = solid_sample(domain, seed, &mut Unobserved).expect("samples");
+        let made = solid_arrivals(domain, seed, &mut Unobserved).expect("samples");
         let defined = defined(&domain, seed);
+        let samples = made.places;
         prop_assert!(defined.len() <= samples.len());
-        prop_assert_eq!(&samples[..defined.len()], &defined[..]);
+        let arrived: Vec<_> = samples.iter().copied().zip(made.levels.of_samples()).collect();
+        prop_assert_eq!(&arrived[..defined.len()], &defined[..]);
+        // All others arrive at later levels.
+        prop_assert_eq!(arrived.len(), samples.len());
+        prop_assert!(arrived[defined.len()..].iter().all(|&(_, level)| u32::from(level) >= LEVELS));
 
         // Later samples are in no conflict, either.
         for (k, &sample) in samples.iter().enumerate().skip(defined.len()) {
@@ -176,8 +184,9 @@ proptest! {
         threads in 1_usize..6,
     ) {
         let pool = ThreadPoolBuilder::new().num_threads(threads).build().expect("threads");
-        let made = |seed| pool.install(|| solid_sample_parallel(domain, seed, &mut Unobserved));
-        let expected = solid_sample(domain, seed, &mut Unobserved);
+        let made = |seed| pool.install(|| solid_arrivals_parallel(domain, seed, &mut Unobserved));
+        // Places, their order and their levels.
+        let expected = solid_arrivals(domain, seed, &mut Unobserved);
         prop_assert_eq!(&made(seed), &expected);
         // Another seed makes another set: the comparison can fail.
         prop_assert_ne!(&made(seed ^ 1), &expected);

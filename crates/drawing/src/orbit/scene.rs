@@ -7,7 +7,7 @@ use tilescope_figures::{
 };
 use tilescope_session::words::counted;
 
-use super::{COLOR_BANDS, GoOn, OrbitError, OrbitPicture, OrbitView, band_color};
+use super::{BallColors, COLOR_BANDS, GoOn, OrbitError, OrbitPicture, OrbitView, band_color};
 
 /// Returns what a picture of so many balls in a box of a size shows, in a sentence: "739 balls of half the radius in a box of 10 x 10 x 10, cut open at the corner
 /// nearest to the eye, seen from 30 degrees above".
@@ -73,9 +73,20 @@ pub fn scene(
     let line = fitted(caption, room, letters);
     let text = Text::new(at, line, letters, opaque(palette.text));
     words.shapes.push(Shape::Text(text));
-    // Balls of one colour need none.
-    if has_legend && picture.set.is_in_order {
-        words.shapes.extend(legend(picture, px, height));
+    let meaning = match picture.set.colors {
+        // Balls of one colour need no legend.
+        BallColors::One => None,
+        BallColors::Arrival => Some((
+            "balls by arrival: the first half, the next quarter, and so on",
+            band_share as fn(u32) -> String,
+        )),
+        BallColors::Levels(_) => Some((
+            "balls by the level at which they arrived",
+            level_name as fn(u32) -> String,
+        )),
+    };
+    if let Some((heading, name)) = meaning.filter(|_| has_legend) {
+        words.shapes.extend(legend(picture, px, heading, name));
     }
     scene.groups.push(words);
     Ok(scene)
@@ -86,8 +97,15 @@ fn too_large(picture: &OrbitPicture<'_>) -> impl Fn(FigureError) -> OrbitError {
     move |_| OrbitError::Size { width, height }
 }
 
-/// Returns the squares of the colours at the lower edge, with the share of the balls that each has.
-fn legend(picture: &OrbitPicture<'_>, px: f64, height: f64) -> Vec<Shape> {
+/// Returns the squares of the colours at the lower edge, each with its name, below a heading. `px` is how long a pixel of a picture
+/// is that is 1000 wide.
+fn legend(
+    picture: &OrbitPicture<'_>,
+    px: f64,
+    heading: &str,
+    name: impl Fn(u32) -> String,
+) -> Vec<Shape> {
+    let height = f64::from(picture.size[1]);
     let palette = picture.palette;
     let letters = |at: [f64; 2], text: String, anchor| {
         Shape::Text(Text {
@@ -97,8 +115,8 @@ fn legend(picture: &OrbitPicture<'_>, px: f64, height: f64) -> Vec<Shape> {
         })
     };
     let (left, middle) = (16.0 * px, height - 30.0 * px);
-    let heading = "balls by arrival: the first half, the next quarter, and so on".to_owned();
-    let mut shapes = vec![letters([left, middle - 24.0 * px], heading, Anchor::Start)];
+    let above = [left, middle - 24.0 * px];
+    let mut shapes = vec![letters(above, heading.to_owned(), Anchor::Start)];
 
     // A square and its words take this room.
     let room = 72.0 * px;
@@ -113,15 +131,22 @@ fn legend(picture: &OrbitPicture<'_>, px: f64, height: f64) -> Vec<Shape> {
             style,
         });
 
-        let share = band_share(band);
-        shapes.push(letters([x + 2.6 * half, middle], share, Anchor::Start));
+        shapes.push(letters([x + 2.6 * half, middle], name(band), Anchor::Start));
     }
     shapes
 }
 
-/// Returns the share of the balls that have the colour of a band, in the order of their arrival.
+/// Returns the levels that have the colour of a band.
 #[must_use]
-pub fn band_share(band: u32) -> String {
+pub fn level_name(band: u32) -> String {
+    match band {
+        last if last == COLOR_BANDS - 1 => format!("{last} and later"),
+        band => band.to_string(),
+    }
+}
+
+/// Returns the share of the balls that have the colour of a band, in the order of their arrival.
+fn band_share(band: u32) -> String {
     // The last colour is that of all that the others leave, as many balls as the one before it has.
     match band {
         last if last == COLOR_BANDS - 1 => "rest".to_owned(),

@@ -13,7 +13,7 @@ fn set(points: &[[f64; 3]]) -> OrbitSet<'_> {
         points,
         size: [8.0; 3],
         radius: 2.0,
-        is_in_order: true,
+        colors: BallColors::Arrival,
     }
 }
 
@@ -157,10 +157,38 @@ fn colours_halve_the_balls_that_are_left() {
     }
     assert_eq!(counts, [512, 256, 128, 64, 32, 16, 8, 8]);
     let unordered = OrbitSet {
-        is_in_order: false,
+        colors: BallColors::One,
         ..set
     };
     assert_eq!(unordered.color_band(1023), 0);
+}
+
+#[test]
+fn colours_are_levels_where_these_are_known() {
+    let points = vec![[1.0; 3]; 4];
+    let leveled = OrbitSet {
+        colors: BallColors::Levels(&[3, 0, 7, 15]),
+        ..set(&points)
+    };
+    let bands: Vec<u32> = (0..4).map(|index| leveled.color_band(index)).collect();
+    assert_eq!(bands, [3, 0, 7, 7]);
+
+    // The legend says what the colours are; balls of one colour have none.
+    let texts = |colors| {
+        let picture = OrbitPicture::new(
+            OrbitSet { colors, ..leveled },
+            view(false),
+            [90, 90],
+            &LIGHT,
+        );
+        let drawn = scene(&picture, "", true, &to_the_end).expect("a scene");
+        tilescope_figures::to_svg(&drawn).expect("a picture")
+    };
+    let by_level = texts(leveled.colors);
+    assert!(by_level.contains("by the level") && by_level.contains("7 and later"));
+    let by_arrival = texts(BallColors::Arrival);
+    assert!(by_arrival.contains("by arrival") && by_arrival.contains("rest"));
+    assert!(!texts(BallColors::One).contains("balls by"));
 }
 
 #[test]

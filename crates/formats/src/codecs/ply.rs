@@ -7,13 +7,14 @@ use super::kept::ColumnUse;
 use super::ply_header::{Element, Encoding, PlyHeader, Scalar, parse};
 use super::ply_outline::{OutlinedElement, elements};
 use super::radii::RADIUS;
+use super::solid_columns::SolidColumns;
 use super::xyz::planar;
 use super::{Columns, RANK, Raw};
 use crate::binary::{self, Cursor, Endian};
 use crate::error::{FilePlace, FormatError, quote};
 use crate::format::{Format, Precision};
 use crate::point_set::{PointSet, Provenance};
-use crate::text::{lines, number, push, push_line, split_line, words};
+use crate::text::{lines, number, push, split_line, words};
 
 /// Names of the provenance properties, of type uint.
 const PROVENANCE: [&str; 3] = ["block", "pattern_index", "iteration"];
@@ -467,13 +468,8 @@ pub(super) fn column(
 }
 
 /// A header whose length does not depend on `count`: the fewer digits the count has, the more dots end a comment.
-fn header(
-    encoding: &str,
-    count: u64,
-    coordinate: &str,
-    provenance: bool,
-    columns: &Columns,
-) -> Vec<u8> {
+/// `properties` are those behind the coordinates, each a type and a name.
+fn header(encoding: &str, count: u64, coordinate: &str, properties: &[[&str; 2]]) -> Vec<u8> {
     let mut out = Vec::new();
     // The longest count, 2^64 - 1, has 20 digits. Heads of one length let a writer put the count in once it is known.
     let dots = ".".repeat(20 - count.to_string().len());
@@ -486,18 +482,23 @@ fn header(
     for axis in ["x", "y", "z"] {
         push(&mut out, format_args!("property {coordinate} {axis}\n"));
     }
-
-    let origins = PROVENANCE.into_iter().filter(|_| provenance);
-    let level = Some(LEVEL).filter(|_| !columns.levels.is_empty());
-    for name in origins.chain(level) {
-        push(&mut out, format_args!("property uint {name}\n"));
-    }
-    let doubles = [(RANK, columns.ranks.len()), (RADIUS, columns.radii.len())];
-    for (name, _) in doubles.into_iter().filter(|&(_, count)| count > 0) {
-        push(&mut out, format_args!("property double {name}\n"));
+    for [kind, name] in properties {
+        push(&mut out, format_args!("property {kind} {name}\n"));
     }
     out.extend_from_slice(b"end_header\n");
     out
+}
+
+/// The properties of a planar set behind the coordinates, in the order of its rows.
+fn properties(provenance: bool, columns: &Columns) -> Vec<[&'static str; 2]> {
+    let origins = PROVENANCE.into_iter().filter(|_| provenance);
+    let level = Some(LEVEL).filter(|_| !columns.levels.is_empty());
+    let integers = origins.chain(level).map(|name| ["uint", name]);
+    let doubles = [(RANK, columns.ranks.len()), (RADIUS, columns.radii.len())];
+    let doubles = doubles.into_iter().filter(|&(_, count)| count > 0);
+    integers
+        .chain(doubles.map(|(name, _)| ["double", name]))
+        .collect()
 }
 
 /// Writes a text file, a vertex a line, with its columns in the order of the header.
@@ -507,7 +508,8 @@ pub(super) fn write_ascii(
     columns: &Columns,
 ) -> Vec<u8> {
     let count = points.len() as u64;
-    let mut out = header("ascii", count, "double", provenance.is_some(), columns);
+    let properties = properties(provenance.is_some(), columns);
+    let mut out = header("ascii", count, "double", &properties);
 
     for (index, [x, y]) in points.iter().enumerate() {
         // Programs that read point clouds expect a z.
@@ -550,12 +552,15 @@ pub(super) fn binary_head(
     provenance: bool,
     columns: &Columns,
 ) -> Vec<u8> {
+    header_of_binary(count, precision, &properties(provenance, columns))
+}
+
+fn header_of_binary(count: u64, precision: Precision, properties: &[[&str; 2]]) -> Vec<u8> {
     let coordinate = match precision {
         Precision::Single => "float",
         Precision::Double => "double",
     };
-    let encoding = "binary_little_endian";
-    header(encoding, count, coordinate, provenance, columns)
+    header("binary_little_endian", count, coordinate, properties)
 }
 
 /// Appends binary rows, with their columns in the order of the header.
@@ -588,19 +593,36 @@ pub(super) fn push_rows(
     }
 }
 
-/// Writes points in space.
-pub(super) fn write_solid(points: &[[f64; 3]], format: Format, precision: Precision) -> Vec<u8> {
-    let (count, columns) = (points.len() as u64, Columns::default());
-    let has_provenance = false;
+/// Writes points in space with their columns.
+pub(super) fn write_solid(
+    points: &[[f64; 3]],
+    columns: &SolidColumns,
+    format: Format,
+    precision: Precision,
+) -> Vec<u8> {
+    let count = points.len() as u64;
+    // With a sign, so that programs may subtract them: a box has fewer than 2^30 samples.
+    let properties: Vec<_> = columns.names().map(|name| ["int", name]).collect();
     if format == Format::PlyAscii {
-        let mut out = header("ascii", count, "double", has_provenance, &columns);
-        for point in points {
-            push_line(&mut out, point, " ");
+        let mut out = header("ascii", count, "double", &properties);
+        for (index, [x, y, z]) in points.iter().enumerate() {
+            push(&mut out, format_args!("{x} {y} {z}"));
+            for number in columns.of(index) {
+                push(&mut out, format_args!(" {number}"));
+            }
+            out.push(b'\n');
         }
         return out;
     }
-    let mut out = binary_head(count, precision, has_provenance, &columns);
-    binary::push(&mut out, points.as_flattened(), precision);
+
+    let mut out = header_of_binary(count, precision, &properties);
+    out.reserve(points.len() * (3 * precision.bytes() + 4 * properties.len()));
+    for (index, point) in points.iter().enumerate() {
+        binary::push(&mut out, point, precision);
+        for number in columns.of(index) {
+            out.extend_from_slice(&number.to_le_bytes());
+        }
+    }
     out
 }
 

@@ -2,18 +2,21 @@
 //! point. Planar sets have two numbers a point in most of these formats, and z = 0 in PLY and XYZ.
 
 use super::kept::ColumnUse;
+use super::solid_columns::{self, SolidColumns};
 use super::{Hint, detected, npy, ply, table, utk};
 use crate::binary;
 use crate::detect::Detection;
 use crate::error::FormatError;
 use crate::format::{Format, Precision};
-use crate::text::{as_utf8, push_line};
+use crate::text::{as_utf8, push, push_line};
 
 /// A set in space as a file holds it.
 #[derive(Clone, Debug)]
 pub struct SolidRaw {
     /// The points, in file coordinates.
     pub points: Vec<[f64; 3]>,
+    /// What the file says of when they arrived.
+    pub columns: SolidColumns,
     /// The format and how it was recognised.
     pub detection: Detection,
     /// Number type of the file's coordinates.
@@ -94,6 +97,7 @@ pub fn decode(bytes: &[u8], hint: &Hint<'_>) -> Result<SolidRaw, FormatError> {
     }
     Ok(SolidRaw {
         points,
+        columns: solid_columns::read(bytes, format),
         detection,
         precision,
     })
@@ -106,10 +110,16 @@ fn in_space(planar: &[[f64; 2]], heights: &[f64]) -> Vec<[f64; 3]> {
     each.map(|(&[x, y], &z)| [x, y, z]).collect()
 }
 
-/// The bytes of a file of points in file coordinates. Fails without a point. Text has the shortest decimals that read
-/// back as the same numbers, whatever `precision` is.
+/// Whether a format has columns beside the coordinates of a set in space, and names for them.
+pub(crate) fn has_columns(format: Format) -> bool {
+    matches!(format, Format::Csv | Format::PlyAscii | Format::PlyBinary)
+}
+
+/// The bytes of a file of points in file coordinates, with their columns if the format has any. Fails without a point.
+/// Text has the shortest decimals that read back as the same numbers, whatever `precision` is.
 pub(crate) fn encode(
     points: &[[f64; 3]],
+    columns: &SolidColumns,
     format: Format,
     precision: Precision,
 ) -> Result<Vec<u8>, FormatError> {
@@ -117,6 +127,7 @@ pub(crate) fn encode(
     if points.is_empty() {
         return Err(FormatError::Empty { format });
     }
+    columns.check(points.len())?;
     for (point, index) in points.iter().zip(0..) {
         for &value in point {
             binary::finite(value, format, index)?;
@@ -127,17 +138,39 @@ pub(crate) fn encode(
     Ok(match format {
         Format::Npy => npy::write_solid(points, precision),
         Format::UtkBinary => utk::write_solid_binary(points, precision)?,
-        Format::PlyAscii | Format::PlyBinary => ply::write_solid(points, format, precision),
-        Format::Csv => lines(b"x,y,z\n", points, ","),
-        // XYZ and UTK's text have no head.
-        _ => lines(b"", points, " "),
+        Format::PlyAscii | Format::PlyBinary => {
+            ply::write_solid(points, columns, format, precision)
+        }
+        Format::Csv => table_of(points, columns),
+        // XYZ and UTK's text have no head, and so no names for columns.
+        _ => lines(points),
     })
 }
 
-fn lines(head: &[u8], points: &[[f64; 3]], separator: &str) -> Vec<u8> {
-    let mut out = head.to_vec();
+fn lines(points: &[[f64; 3]]) -> Vec<u8> {
+    let mut out = Vec::new();
     for point in points {
-        push_line(&mut out, point, separator);
+        push_line(&mut out, point, " ");
+    }
+    out
+}
+
+/// Comma-separated values with a head.
+fn table_of(points: &[[f64; 3]], columns: &SolidColumns) -> Vec<u8> {
+    let mut out = b"x,y,z".to_vec();
+    for name in columns.names() {
+        push(&mut out, format_args!(",{name}"));
+    }
+    out.push(b'\n');
+
+    for (index, point) in points.iter().enumerate() {
+        push_line(&mut out, point, ",");
+        // The end of the line goes behind the columns.
+        out.pop();
+        for number in columns.of(index) {
+            push(&mut out, format_args!(",{number}"));
+        }
+        out.push(b'\n');
     }
     out
 }
@@ -169,7 +202,7 @@ mod tests {
     #[test]
     fn what_is_written_is_read_to_the_bit_and_others_refuse_with_the_reason() {
         for format in Format::ALL {
-            let bytes = encode(&POINTS, format, Precision::Double);
+            let bytes = encode(&POINTS, &SolidColumns::default(), format, Precision::Double);
             if !HOLDING.contains(&format) {
                 let said = bytes.expect_err("planar").to_string();
                 assert!(said.contains("holds no third coordinate"), "{said}");
@@ -188,7 +221,8 @@ mod tests {
     #[test]
     fn single_precision_is_rounded_as_f32() {
         for format in [Format::Npy, Format::PlyBinary, Format::UtkBinary] {
-            let bytes = encode(&POINTS, format, Precision::Single).expect("bytes");
+            let bytes = encode(&POINTS, &SolidColumns::default(), format, Precision::Single)
+                .expect("bytes");
             let raw = read(&bytes, format).expect("own file");
             assert_eq!(raw.precision, Precision::Single);
             let rounded = POINTS.map(|point| point.map(|value| f64::from(value as f32)));
@@ -226,9 +260,20 @@ mod tests {
         assert!(said(&planar, Format::UtkBinary).contains("a set of dimension 2"));
         let flat = b"ply\nformat ascii 1.0\nelement vertex 1\nproperty float x\nproperty float y\nend_header\n1 2\n";
         assert!(said(flat, Format::PlyAscii).contains("no scalar property z"));
-        let nan = encode(&[[0.0, f64::NAN, 0.0]], Format::Npy, Precision::Double);
+        let nan = encode(
+            &[[0.0, f64::NAN, 0.0]],
+            &SolidColumns::default(),
+            Format::Npy,
+            Precision::Double,
+        );
         assert!(matches!(nan, Err(FormatError::NotFinite { .. })));
-        let mut short = encode(&POINTS, Format::Npy, Precision::Double).expect("bytes");
+        let mut short = encode(
+            &POINTS,
+            &SolidColumns::default(),
+            Format::Npy,
+            Precision::Double,
+        )
+        .expect("bytes");
         short.pop();
         assert!(said(&short, Format::Npy).contains("72 bytes are needed"));
 

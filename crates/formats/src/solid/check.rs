@@ -9,7 +9,7 @@ use crate::check::{
     CertificateDifference, CheckError, Contents, Differences, Overrides, contents, contradictions,
     parameters, prefix_kept,
 };
-use crate::codecs::solid as codec;
+use crate::codecs::{SolidColumns, solid as codec};
 use crate::detect::Detection;
 use crate::digest::{bytes_digest, solid_digest};
 use crate::error::FormatError;
@@ -30,6 +30,8 @@ pub struct SolidCheck {
     pub verdict: SolidVerdict,
     /// The wrong statements of the certificate; empty if there is none.
     pub differences: Vec<CertificateDifference>,
+    /// What the file says of when the samples arrived. No verdict depends on it.
+    pub columns: SolidColumns,
 }
 
 impl SolidCheck {
@@ -51,6 +53,8 @@ pub struct SolidSet {
     pub radius: f64,
     /// The certificate beside the file, if there is one.
     pub certificate: Option<Certificate>,
+    /// What the file says of when the samples arrived.
+    pub columns: SolidColumns,
 }
 
 /// Returns the set in the bytes of a file, without a verdict.
@@ -76,6 +80,7 @@ pub(crate) fn read_solid_bytes(
         region: file.judged.region,
         radius: file.judged.radius,
         certificate: file.stated,
+        columns: file.columns,
     })
 }
 
@@ -84,6 +89,7 @@ struct SolidFile {
     detection: Detection,
     /// The points in domain units, as the judge takes them.
     points: Vec<[f64; 3]>,
+    columns: SolidColumns,
     stated: Option<Certificate>,
     judged: SolidJudged,
     mapping: SolidMapping,
@@ -133,6 +139,7 @@ impl SolidFile {
         Ok(Self {
             detection: raw.detection,
             points: mapping.positions(&raw.points),
+            columns: raw.columns,
             stated,
             judged,
             mapping,
@@ -142,8 +149,8 @@ impl SolidFile {
 }
 
 /// Re-verifies `data`, a file called `name` with a set in space, against `certificate`, the bytes of its certificate file. A
-/// `depth` that is given takes the place of the stated one, as the values of `overrides` do; columns, an origin and a field are
-/// left out. Returns also the points, in domain units and in the file's order.
+/// `depth` that is given takes the place of the stated one, as the values of `overrides` do; a choice of columns, an origin and a field
+/// are left out. Returns also the points, in domain units and in the file's order.
 ///
 /// # Errors
 ///
@@ -168,6 +175,7 @@ pub fn check_solid_bytes(
         certificate: file.stated,
         verdict,
         differences,
+        columns: file.columns,
     };
     Ok((file.points, check))
 }

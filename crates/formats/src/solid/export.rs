@@ -7,6 +7,7 @@ use tilescope_analysis::{Control, SolidRegion, SolidVerdict, measure_solid};
 use crate::certificate::{
     Certificate, CertifiedPrefix, CertifiedRadius, Depth, NoOther, Rounding, finite,
 };
+use crate::codecs::SolidColumns;
 use crate::codecs::solid::{self as codec, SolidRaw};
 use crate::digest::{bytes_digest, solid_digest};
 use crate::error::FormatError;
@@ -23,6 +24,8 @@ pub struct SolidContext {
     pub planar: ExportContext,
     /// The third side of the box, in domain units.
     pub depth: f64,
+    /// When the points arrived, in their order, for formats with columns.
+    pub columns: SolidColumns,
 }
 
 impl SolidContext {
@@ -100,11 +103,8 @@ pub(crate) fn unverified_bytes(
     let format = Format::to_write(name.as_ref(), context.planar.format)?;
     let precision = format.precision(context.planar.precision);
     let mapping = SolidMapping::new(format, &context.region(), precision);
-    codec::encode(
-        &mapping.stored(&ordered(points, context)),
-        format,
-        precision,
-    )
+    let (points, columns) = ordered(points, context);
+    codec::encode(&mapping.stored(&points), &columns, format, precision)
 }
 
 /// Encodes points, stores them, reads them back, judges and certifies them.
@@ -120,15 +120,22 @@ pub(crate) fn export_through(
     let mapping = SolidMapping::new(format, &context.region(), precision);
 
     // In the order of the file, so that indices of the verdict are those of its points.
-    let points = ordered(points, context);
+    let (points, columns) = ordered(points, context);
     let written = mapping.stored(&points);
     // A format that cannot hold the set fails in `encode`, before anything is stored.
-    let data = store(codec::encode(&written, format, precision)?)?;
+    let data = store(codec::encode(&written, &columns, format, precision)?)?;
 
     // Only positions that were decoded from the stored bytes are judged and certified.
     let (no_name, only_set) = ("", None);
     let decoded = codec::decode(&data, &hint(no_name, Some(format), only_set))?;
     compare(&written, &decoded)?;
+    let has_columns = codec::has_columns(format);
+    if has_columns && decoded.columns != columns {
+        return Err(ExportError::ReadBack {
+            written: "columns of arrival and level".to_owned(),
+            found: "others".to_owned(),
+        });
+    }
     // Three copies of a large set are enough.
     drop(written);
     let stored = mapping.positions(&decoded.points);
@@ -138,9 +145,13 @@ pub(crate) fn export_through(
     let digests = [solid_digest(&decoded.points), bytes_digest(&data)];
     let stated = certificate(name, format, context, &verdict, rounded, digests);
     let has_provenance = false;
+    let mut warnings = warnings(has_provenance, format, &stated);
+    if !has_columns && !columns.is_empty() {
+        warnings.push(Warning::ArrivalLeftOut { format });
+    }
     Ok(SolidBytes {
         certificate_bytes: stated.to_bytes()?,
-        warnings: warnings(has_provenance, format, &stated),
+        warnings,
         certificate: stated,
         verdict,
     })
@@ -172,13 +183,16 @@ pub fn export_solid_bytes(
     })
 }
 
-/// Returns the points in the order in which they are written.
-fn ordered(points: &[[f64; 3]], context: &SolidContext) -> Vec<[f64; 3]> {
-    let mut ordered = points.to_vec();
+/// Returns the points and their columns in the order in which they are written.
+fn ordered(points: &[[f64; 3]], context: &SolidContext) -> (Vec<[f64; 3]>, SolidColumns) {
+    let (mut ordered, mut columns) = (points.to_vec(), context.columns.clone());
     if let Some(seed) = context.planar.shuffle_seed {
-        shuffle(seed, ordered.len(), |a, b| ordered.swap(a, b));
+        shuffle(seed, ordered.len(), |a, b| {
+            ordered.swap(a, b);
+            columns.swap(a, b);
+        });
     }
-    ordered
+    (ordered, columns)
 }
 
 /// Fails if the decoded positions differ, in any bit, from those that were written.

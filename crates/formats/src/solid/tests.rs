@@ -7,7 +7,7 @@ use tilescope_analysis::{Boundary, Region};
 use super::*;
 use crate::certificate::Depth;
 use crate::check::{CheckError, Overrides};
-use crate::export::ExportContext;
+use crate::export::{ExportContext, Warning};
 use crate::{check, check_solid, export_solid, read, read_solid, solid_certificate};
 
 /// A body-centred lattice of spacing 1: its samples are sqrt(3) / 2 apart, and no place is farther than sqrt(5) / 4 from one.
@@ -37,6 +37,7 @@ fn context() -> SolidContext {
             ..ExportContext::new(region, RADIUS)
         },
         depth: 5.0,
+        columns: SolidColumns::default(),
     }
 }
 
@@ -228,4 +229,50 @@ fn a_box_is_that_of_its_base_and_depth() {
     assert_eq!(region, in_space(Region::new([3.0, 4.0], true), 5.0));
     assert_eq!(region.boundary, Boundary::Periodic);
     assert_eq!(base(&region), Region::new([3.0, 4.0], true));
+}
+
+/// Control: a file whose column was changed is another one than its certificate is about.
+#[test]
+fn columns_stay_with_their_samples_in_any_order_of_the_file() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let points = lattice([3, 4, 5]);
+    let columns = SolidColumns {
+        arrival: (0..120).collect(),
+        level: (0..120).map(|number| number / 40).collect(),
+    };
+    let mut context = SolidContext {
+        columns: columns.clone(),
+        ..context()
+    };
+    for (name, seed) in [("a.ply", None), ("b.csv", Some(1)), ("c.ply", Some(2))] {
+        let path = folder.path().join(name);
+        context.planar.shuffle_seed = seed;
+        let saved = save(&path, &points, &context);
+        assert!(saved.warnings.is_empty(), "{name}: {:?}", saved.warnings);
+        assert!(checked(&path).passed(), "{name}");
+
+        let set = read_solid(&path, &Overrides::default(), None).expect("a set");
+        assert_eq!(set.points == points, seed.is_none(), "{name}");
+        for (point, (&arrival, &level)) in set
+            .points
+            .iter()
+            .zip(set.columns.arrival.iter().zip(&set.columns.level))
+        {
+            let index = arrival as usize;
+            let bits = |point: &[f64; 3]| point.map(f64::to_bits);
+            assert_eq!(bits(point), bits(&points[index]), "{name}");
+            assert_eq!(level, columns.level[index], "{name}");
+        }
+    }
+    // Other formats hold places alone, and say so.
+    let saved = save(&folder.path().join("a.npy"), &points, &context);
+    let format = crate::Format::Npy;
+    assert_eq!(saved.warnings, [Warning::ArrivalLeftOut { format }]);
+
+    let path = folder.path().join("b.csv");
+    let text = fs::read_to_string(&path).expect("a table");
+    fs::write(&path, text.replacen(",119,2\n", ",119,1\n", 1)).expect("changed");
+    let found = checked(&path);
+    let fields: Vec<&str> = found.differences.iter().map(|one| one.field).collect();
+    assert_eq!(fields, ["digest"]);
 }

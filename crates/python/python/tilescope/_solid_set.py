@@ -173,20 +173,48 @@ class SolidSet:
         width, height, depth = sides(size)
         region = {"width": width, "height": height, "depth": depth, "boundary": boundary}
         self._points = array
+        self._arrival: npt.NDArray[np.uint32] | None = None
+        self._level: npt.NDArray[np.uint32] | None = None
         self._facts: dict[str, Any] = {
             "method": "unknown", "parameters": {}, "region": region, "radius": float(radius), "made": None,
         }  # fmt: skip
 
     @classmethod
-    def _made(cls, made: tuple[npt.NDArray[np.float64], str]) -> SolidSet:
+    def _made(cls, made: _tilescope.MadeSolid) -> SolidSet:
         one = cls.__new__(cls)
-        one._points, one._facts = made[0], json.loads(made[1])
+        one._points, one._arrival, one._level, facts = made
+        one._facts = json.loads(facts)
         return one
 
     @property
     def points(self) -> npt.NDArray[np.float64]:
         """Positions, of shape (N, 3), in the order of their arrival if the set was made here. It cannot be written to."""
         return self._points
+
+    @property
+    def arrival(self) -> npt.NDArray[np.uint32] | None:
+        """The place of each sample in the order of arrival, from 0: a read-only array of shape ``(N,)``.
+
+        ``None`` of positions from elsewhere, and of a file that does not say it; PLY and CSV do.
+        """
+        return self._arrival
+
+    @property
+    def level(self) -> npt.NDArray[np.uint32] | None:
+        """The level at which each sample arrived, from 0 to 15: a read-only array of shape ``(N,)``.
+
+        It says how often the cubes were halved into which darts were thrown: the later a sample, the smaller the hole that it
+        fills. ``None`` as of :attr:`arrival`.
+
+        Examples
+        --------
+        >>> import tilescope
+        >>> balls = tilescope.sample(size=(6, 6, 6), radius=1)
+        >>> early = balls.points[balls.level == 0]
+        >>> 0 < len(early) < len(balls), bool((balls.level[1:] >= balls.level[:-1]).all())
+        (True, True)
+        """
+        return self._level
 
     @property
     def radius(self) -> float:
@@ -308,7 +336,7 @@ class SolidSet:
         ----------
         path : path-like
             The file. Its extension gives the format: ``.ply``, ``.npy`` of shape (N, 3), ``.csv``, ``.xyz``, ``.bin`` and
-            ``.dat`` of UTK.
+            ``.dat`` of UTK. PLY and CSV also have columns ``arrival`` and ``level``, if the set has these.
         format, precision, shuffle, verify, judge, progress
             As in :meth:`tilescope.PointSet.save`.
 
@@ -326,8 +354,8 @@ class SolidSet:
         """
         with following(progress) as told:
             text = _tilescope.save_solid(
-                self._points, json.dumps(self._facts), local_path(path), format_name=format, precision=precision,
-                shuffle=shuffle, verify=verify, judge=judge, progress=told,
+                self._points, json.dumps(self._facts), local_path(path), arrival=self._arrival, level=self._level,
+                format_name=format, precision=precision, shuffle=shuffle, verify=verify, judge=judge, progress=told,
             )  # fmt: skip
         found = json.loads(text)
         for warning in found["warnings"]:

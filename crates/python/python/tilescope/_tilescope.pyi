@@ -14,7 +14,7 @@ from tilescope._report import Level
 MadeSet = tuple[npt.NDArray[np.float64], npt.NDArray[np.uint32] | None, npt.NDArray[np.float64] | None, str]
 
 # Positions in space, and facts as JSON.
-MadeSolid = tuple[npt.NDArray[np.float64], str]
+MadeSolid = tuple[npt.NDArray[np.float64], npt.NDArray[np.uint32] | None, npt.NDArray[np.uint32] | None, str]
 
 class _Given(Protocol):
     radius: Any
@@ -160,6 +160,8 @@ def save_solid(
     facts: str,
     path: str,
     *,
+    arrival: npt.NDArray[np.uint32] | None,
+    level: npt.NDArray[np.uint32] | None,
     format_name: str | None,
     precision: str,
     shuffle: SupportsIndex | None,

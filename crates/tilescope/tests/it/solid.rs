@@ -110,7 +110,7 @@ fn planted_faults_are_seen() {
         .map(|field| field.parse().unwrap())
         .collect();
     let near = beside[0] + if beside[0] < 2.0 { 0.3 } else { -0.3 };
-    let more = format!("{text}{near},{},{}\n", beside[1], beside[2]);
+    let more = format!("{text}{near},{},{},999,0\n", beside[1], beside[2]);
     fs::write(&path, more).unwrap();
     let found = run(&folder, "verify a.csv", 1);
     assert_eq!(
@@ -267,19 +267,32 @@ fn balls_are_drawn_as_pictures_and_turn() {
     assert_ne!(pictures[0], pictures[1]);
     let svg = fs::read_to_string(folder.path().join("a.svg")).unwrap();
     assert!(
-        svg.contains("seen from 20 degrees below") && svg.contains("by arrival"),
+        svg.contains("seen from 20 degrees below") && svg.contains("by the level"),
         "{svg}"
     );
 
-    // A file whose order is not that of arrival has one colour, without a legend.
-    ends(
-        &folder,
-        &format!("{made} --shuffle 3").replace("a.ply", "b.ply"),
-        0,
-    );
-    ends(&folder, "draw b.ply b.svg --orbit --size 120", 0);
-    let svg = fs::read_to_string(folder.path().join("b.svg")).unwrap();
-    assert!(!svg.contains("by arrival"));
+    // The colours are the levels of the file, whatever its order. Without them they are the order, if that is the one of
+    // arrival, and otherwise there is one colour, without a legend.
+    for (name, options, wanted) in [
+        ("b.ply", "--shuffle 3", Some("by the level")),
+        ("c.npy", "", Some("by arrival")),
+        ("d.npy", "--shuffle 3", None),
+    ] {
+        ends(
+            &folder,
+            &made.replace("a.ply", &format!("{name} {options}")),
+            0,
+        );
+        ends(
+            &folder,
+            &format!("draw {name} {name}.svg --orbit --size 120"),
+            0,
+        );
+        let svg = fs::read_to_string(folder.path().join(format!("{name}.svg"))).unwrap();
+        for legend in ["by the level", "by arrival"] {
+            assert_eq!(svg.contains(legend), wanted == Some(legend), "{name}");
+        }
+    }
 
     let said = ends(&folder, "draw a.ply a.gif --orbit --turn --size 32", 0);
     assert!(said.contains("turned in 72 frames"), "{said}");
@@ -310,6 +323,73 @@ fn balls_are_drawn_as_pictures_and_turn() {
     ends(&folder, "sample --radius 0.1 --out planar.csv", 0);
     refused(&folder, "draw planar.csv x.png --orbit", "no third side");
     refused(&folder, "draw a.ply x.png", "or of its balls, --orbit");
+}
+
+/// When each sample arrived, in columns of the file, goes with it through all commands.
+#[test]
+fn columns_of_arrival_and_level_stay_with_their_samples() {
+    let folder = tempdir().unwrap();
+    let read = |name: &str| fs::read_to_string(folder.path().join(name)).unwrap();
+    let made = "sample --size 6x5x7 --radius 1 --seed 7";
+    let said = ends(&folder, &format!("{made} --out a.csv"), 0);
+    assert!(!said.contains("note:"), "{said}");
+    let table = read("a.csv");
+    let (head, rows) = table.split_once('\n').unwrap();
+    assert_eq!(head, "x,y,z,arrival,level");
+    let rows: Vec<&str> = rows.lines().collect();
+    for (number, row) in rows.iter().enumerate() {
+        let fields: Vec<&str> = row.split(',').collect();
+        assert_eq!(fields[3], number.to_string());
+    }
+    let level_of = |row: &str| -> u32 { row.rsplit(',').next().unwrap().parse().unwrap() };
+    assert!(rows.is_sorted_by_key(|row| level_of(row)));
+    assert!(level_of(rows[0]) == 0 && level_of(rows[rows.len() - 1]) > 3);
+
+    // Through PLY and back it is the same table, byte for byte; a format without columns says that it has none.
+    ends(&folder, "convert a.csv b.ply", 0);
+    ends(&folder, "convert b.ply c.csv", 0);
+    assert_eq!(read("c.csv"), table);
+    let said = ends(&folder, "convert b.ply d.npy", 0);
+    assert!(
+        said.contains("PLY and CSV also keep when each sample arrived"),
+        "{said}"
+    );
+    ends(&folder, "convert d.npy d.csv", 0);
+    assert!(read("d.csv").starts_with("x,y,z\n"));
+
+    // Shuffled files and thinned clouds have some of the rows, or all in another order.
+    ends(&folder, &format!("{made} --shuffle 2 --out e.csv"), 0);
+    ends(&folder, "thin a.csv --radius 1.6 --out f.csv", 0);
+    for (name, is_whole) in [("e.csv", true), ("f.csv", false)] {
+        let text = read(name);
+        let found: Vec<&str> = text.lines().skip(1).collect();
+        assert!(
+            text.starts_with(head) && found.iter().all(|row| rows.contains(row)),
+            "{name}"
+        );
+        assert_eq!(found.len() == rows.len(), is_whole, "{name}");
+        assert_ne!(found, rows, "{name}");
+    }
+    for line in [
+        "verify e.csv",
+        "verify f.csv",
+        "analyze e.csv",
+        "draw b.ply z.png --slice z=3 --size 40",
+    ] {
+        ends(&folder, line, 0);
+    }
+    // Of the first samples of a set, too.
+    ends(&folder, "sample --size 6x5x7 --exactly 150 --out g.csv", 0);
+    assert_eq!(read("g.csv").lines().count(), 151);
+    assert!(read("g.csv").lines().last().unwrap().contains(",149,"));
+
+    // A window of space without end has levels, but no first sample from which arrivals could be counted.
+    ends(
+        &folder,
+        "sample --radius 1 --window 0 0 0 5 5 5 --out h.csv",
+        0,
+    );
+    assert!(read("h.csv").starts_with("x,y,z,level\n"));
 }
 
 /// The picture in README.md is what its commands make, for whoever has the repository.

@@ -614,13 +614,13 @@ fn balls_are_exported_and_turn_and_the_plane_passes() {
     write(&mut state, ExportKind::Picture, &path("balls.svg"), &[]);
     let svg = String::from_utf8(written("balls.svg")).expect("text");
     assert!(svg.contains("balls of half the radius"), "{svg}");
-    assert!(!svg.contains("by arrival"));
+    assert!(!svg.contains("by the level"));
     fill_in(&mut state, ExportKind::Picture, &path("legend.svg"), &[]);
     export(&mut state, ExportCommand::Legend(true));
     export(&mut state, ExportCommand::Write);
     state.settle();
     let svg = String::from_utf8(written("legend.svg")).expect("text");
-    assert!(svg.contains("by arrival"), "{svg}");
+    assert!(svg.contains("by the level"), "{svg}");
     write(&mut state, ExportKind::Animation, &path("turn.png"), &[]);
     // The chunk that makes a PNG an animation begins with the number of frames.
     let frames = |name: &str| {

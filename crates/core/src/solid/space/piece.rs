@@ -36,6 +36,11 @@ pub(super) struct Arrived {
 }
 
 impl Arrived {
+    /// Returns its level.
+    pub const fn level(&self) -> u32 {
+        self.level
+    }
+
     /// Returns where it lies: x, y and z.
     pub const fn place(&self) -> Place {
         let [z, y, x] = self.turned;

@@ -3,27 +3,29 @@ use std::ops::ControlFlow;
 use super::*;
 use crate::lattice::Boundary;
 use crate::progress::{Progress, Unobserved};
-use crate::solid::{SolidDomain, solid_sample_parallel};
+use crate::solid::{SolidDomain, solid_arrivals_parallel};
 
 fn samples(space: &SolidSpace, low: [f64; 3], high: [f64; 3]) -> Vec<Place> {
     let window = space.window(low, high).unwrap();
     space.samples(&window, &mut Unobserved).unwrap()
 }
 
-/// Another engine: a box has the samples of the space deeper than 8 r, in the same order. Nothing farther than 5.9 r from a
+/// Another engine: a box has the samples of the space deeper than 8 r, in the same order and of the same levels. Nothing farther than 5.9 r from a
 /// side was seen to depend on it.
 #[test]
 fn a_window_has_the_samples_of_a_box_around_it() {
     for seed in 0..4 {
         let space = SolidSpace::new(0.1, seed).unwrap();
         let domain = SolidDomain::from_size([2.4, 2.2, 2.3], 0.1, Boundary::Bounded).unwrap();
-        let whole = solid_sample_parallel(domain, seed, &mut Unobserved).unwrap();
+        let whole = solid_arrivals_parallel(domain, seed, &mut Unobserved).unwrap();
         let window = space.window([0.8; 3], [1.6, 1.4, 1.5]).unwrap();
-        let expected: Vec<Place> = whole
-            .into_iter()
-            .filter(|place| window.contains(*place))
+        let expected: Vec<(Place, u8)> = (whole.places.iter().copied())
+            .zip(whole.levels.of_samples())
+            .filter(|(place, _)| window.contains(*place))
             .collect();
-        let found = space.samples(&window, &mut Unobserved).unwrap();
+        let found = space.arrivals(&window, &mut Unobserved).unwrap();
+        let levels = found.levels.of_samples();
+        let found: Vec<(Place, u8)> = found.places.into_iter().zip(levels).collect();
         assert!(found.len() > 150 && found == expected, "seed {seed}");
     }
 }

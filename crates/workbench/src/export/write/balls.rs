@@ -23,6 +23,7 @@ struct Balls<'a> {
     job: &'a ExportJob,
     shown: &'a BallsView,
     points: Vec<[f64; 3]>,
+    levels: Vec<u8>,
     solid: &'a MadeSolid,
 }
 
@@ -35,6 +36,7 @@ impl<'a> Balls<'a> {
             job,
             shown,
             points: solid.positions(session.run()),
+            levels: solid.levels.of_samples().collect(),
             solid,
         })
     }
@@ -46,7 +48,7 @@ impl<'a> Balls<'a> {
             is_dark,
             ..
         } = *self.shown;
-        let set = drawn_set(&self.job.session, self.solid, &self.points);
+        let set = drawn_set(&self.job.session, self.solid, &self.points, &self.levels);
         OrbitPicture::new(set, view, size, palette(is_dark))
     }
 

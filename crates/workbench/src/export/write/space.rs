@@ -10,7 +10,7 @@ use tilescope_session::jobs::Monitor;
 use tilescope_session::solid::{MadeSolid, planar_report};
 
 use tilescope_formats::ExportContext;
-use tilescope_sets::region;
+use tilescope_sets::{columns_of, region};
 
 use super::{ExportContent, ExportJob, What, WriteError, go_on};
 use crate::export::provenance::{method, parameter_map};
@@ -30,6 +30,7 @@ impl SolidExport {
         go_on(monitor)?;
         let (session, run) = (&*job.session, job.session.run());
         let mut points = solid.positions(run);
+        let mut columns = columns_of(&solid.levels);
 
         let mut planar = ExportContext::new(region(&run.domain), run.domain.radius());
         method(session).clone_into(&mut planar.method);
@@ -46,6 +47,7 @@ impl SolidExport {
                 let there = moment.samples(session).len();
                 planar.made = (there < points.len()).then_some(points.len() as u64);
                 points.truncate(there);
+                columns.truncate(there);
                 let description = moment.description(session);
                 planar.parameters.insert("moment".to_owned(), description);
                 is_result = false;
@@ -55,7 +57,11 @@ impl SolidExport {
         let depth = solid.depth();
         Ok(Self {
             points,
-            context: SolidContext { planar, depth },
+            context: SolidContext {
+                planar,
+                depth,
+                columns,
+            },
             is_result,
         })
     }
