@@ -4,6 +4,7 @@ import json
 import pickle
 
 import numpy as np
+import plyfile
 import pytest
 from matplotlib import pyplot
 
@@ -79,6 +80,54 @@ def test_files_are_saved_and_verified(balls, name, tmp_path):
     stated = json.loads(beside.read_text())
     beside.write_text(json.dumps({**stated, "count": stated["count"] + 1}))
     assert not tilescope.verify_solid(path).passed
+
+
+@pytest.mark.parametrize("name", ["set.ply", "set.csv"])
+def test_files_say_when_each_sample_arrived(balls, name, tmp_path):
+    assert np.array_equal(balls.arrival, np.arange(len(balls))) and not balls.level.flags.writeable
+    assert balls.level[0] == 0 < balls.level[-1] <= 15 and (np.diff(balls.level.astype(int)) >= 0).all()
+
+    # Columns stay with their samples when these are shuffled.
+    balls.save(tmp_path / name, shuffle=5)
+    again = tilescope.read_solid(tmp_path / name)
+    assert not np.array_equal(again.arrival, balls.arrival)
+    assert np.array_equal(again.points, balls.points[again.arrival])
+    assert np.array_equal(again.level, balls.level[again.arrival])
+    # And so they do in a file of a set that was read.
+    again.save(tmp_path / f"again-{name}")
+    assert (tmp_path / f"again-{name}").read_bytes() == (tmp_path / name).read_bytes()
+
+    if name == "set.ply":
+        read = plyfile.PlyData.read(tmp_path / name)["vertex"]
+        assert [kind for _, kind in read.data.dtype.descr] == ["<f8", "<f8", "<f8", "<i4", "<i4"]
+        columns = [read["arrival"], read["level"]]
+    else:
+        table = np.genfromtxt(tmp_path / name, delimiter=",", names=True)
+        assert table.dtype.names == ("x", "y", "z", "arrival", "level")
+        columns = [table["arrival"], table["level"]]
+    assert np.array_equal(columns, [again.arrival, again.level])
+
+
+def test_sets_of_others_have_no_arrival(balls, tmp_path):
+    bare = tilescope.SolidSet(balls.points, 1, balls.size)
+    assert bare.arrival is None and bare.level is None
+    bare.save(tmp_path / "bare.csv")
+    assert tilescope.read_solid(tmp_path / "bare.csv").level is None
+    # Nor have files without columns, of which the program says so where it prints.
+    balls.save(tmp_path / "set.npy")
+    assert tilescope.read_solid(tmp_path / "set.npy").arrival is None
+
+
+@pytest.mark.parametrize("module", ["open3d", "pyvista"])
+def test_other_readers_take_files_with_columns(balls, module, tmp_path):
+    reader = pytest.importorskip(module)
+    path = tmp_path / "set.ply"
+    balls.save(path)
+    if module == "open3d":
+        points = np.asarray(reader.io.read_point_cloud(str(path)).points)
+    else:
+        points = np.asarray(reader.read(path).points)
+    assert np.allclose(points, balls.points, rtol=0, atol=1e-6)
 
 
 def test_arrays_are_shaped_n_by_3(balls, tmp_path):

@@ -12,6 +12,7 @@ mod ranks;
 mod space;
 #[cfg(test)]
 mod tests;
+mod turns;
 
 use rayon::prelude::*;
 use tilescope_analysis::{Control, Number, ThinnedRadii, ThinnedReport, ThinnedSet};
@@ -26,8 +27,9 @@ pub use space::{SpaceCloud, SpaceFile, SpaceRecipe, SpaceThinning, judge_space, 
 const WITNESSES: usize = 3;
 
 /// About how many bytes a point takes while a cloud is thinned, besides its position, radius and rank: 16 while it is sorted, 28
-/// in its layer, up to 29 for a cell of its own and 1 for its flag; then up to 48 for its judge. And a fifth.
-const BYTES_A_POINT: f64 = 90.0;
+/// in its layer, up to 37 for a cell of its own, of which up to 16 are rows to find it by, and 1 for its flag; then up to 48 for its
+/// judge. And a fifth, for lists that grow.
+const BYTES_A_POINT: f64 = 99.0;
 
 /// The largest extent of a cloud, in its least radius: beyond it the doubles of coordinates are too coarse to say which points
 /// are near, and the numbers of two cells do not fit into one word.

@@ -5,9 +5,9 @@
 //!
 //! Only cells with points exist, so that the memory follows the points and not the rectangle around them.
 
-use std::sync::atomic::{AtomicBool, AtomicU32, Ordering};
-
 use rayon::prelude::*;
+
+use super::turns::Turns;
 
 /// A cell is wider than the reach of its points by this share: positions in a grid of up to 2^31 cells are rounded by less.
 const MARGIN: f64 = 1.0 / (1 << 16) as f64;
@@ -112,21 +112,12 @@ pub(super) struct Layer {
     pub grid: Grid,
     /// The cells that have points, in order.
     keys: Vec<u64>,
-    /// Where the points of each cell begin; the last number is that of all points.
-    starts: Vec<u32>,
     finder: Finder,
     pub points: Vec<[f64; 2]>,
     pub ranks: Vec<u32>,
     /// The index of each point in the cloud.
     pub indices: Vec<u32>,
-    /// The first point of each cell that is not decided. The last number, behind all cells, is not used.
-    heads: Vec<AtomicU32>,
-    /// How many points of each cell are kept.
-    counts: Vec<AtomicU32>,
-    /// The kept points of each cell, from its start on.
-    kept: Vec<AtomicU32>,
-    /// Cells that wait for the cells of other bands.
-    pub stuck: Vec<AtomicBool>,
+    pub turns: Turns,
 }
 
 /// A point in a grid, before it is sorted: by its cell, and in a cell by its rank.
@@ -165,7 +156,6 @@ impl Layer {
         }
         starts.push(entries.len() as u32);
 
-        let zeros = |count: usize| (0..count).map(|_| AtomicU32::new(0)).collect();
         Self {
             finder: Finder::of(&keys, grid.cells),
             points: (entries.par_iter())
@@ -173,13 +163,9 @@ impl Layer {
                 .collect(),
             ranks: entries.par_iter().map(|entry| entry.rank).collect(),
             indices: entries.par_iter().map(|entry| entry.index).collect(),
-            heads: starts.iter().map(|&start| AtomicU32::new(start)).collect(),
-            counts: zeros(keys.len()),
-            kept: zeros(entries.len()),
-            stuck: keys.iter().map(|_| AtomicBool::new(false)).collect(),
+            turns: Turns::new(starts),
             grid,
             keys,
-            starts,
         }
     }
 
@@ -190,34 +176,6 @@ impl Layer {
 
     pub fn place(&self, cell: u32) -> Place {
         Place::of(self.keys[cell as usize])
-    }
-
-    /// Returns the first point of a cell that is not decided, if there is one.
-    ///
-    /// After that, [`Self::kept`] returns all points before it that were kept, also by another thread.
-    pub fn head(&self, cell: u32) -> Option<u32> {
-        let head = self.heads[cell as usize].load(Ordering::Acquire);
-        (head < self.starts[cell as usize + 1]).then_some(head)
-    }
-
-    /// Returns the kept points of a cell.
-    pub fn kept(&self, cell: u32) -> impl Iterator<Item = u32> {
-        let start = self.starts[cell as usize];
-        let count = self.counts[cell as usize].load(Ordering::Acquire);
-        (start..start + count).map(|slot| self.kept[slot as usize].load(Ordering::Relaxed))
-    }
-
-    /// Decides the first open point of a cell, which only one thread at a time may do.
-    pub fn decide(&self, cell: u32, is_kept: bool) {
-        let cell = cell as usize;
-        let head = self.heads[cell].load(Ordering::Relaxed);
-        if is_kept {
-            let count = self.counts[cell].load(Ordering::Relaxed);
-            self.kept[(self.starts[cell] + count) as usize].store(head, Ordering::Relaxed);
-            self.counts[cell].store(count + 1, Ordering::Release);
-        }
-        // Last, so that a thread that reads the new head also reads the kept points.
-        self.heads[cell].store(head + 1, Ordering::Release);
     }
 
     /// Returns the band of a row, where the rows from the lowest to the highest are divided into `bands` bands.
@@ -304,8 +262,7 @@ impl Finder {
         // The rests at the upper borders are a column and a row of their own.
         let [columns, most_rows] = cells.map(|count| count as usize + 1);
 
-        // Two places a cell take 8 bytes, which `BYTES_A_POINT` counts. The constants here (chosen, not measured) let small
-        // clouds have tables.
+        // Two places a cell take 8 bytes. The constants here (chosen, not measured) let small clouds have tables.
         if columns.saturating_mul(most_rows) <= 2 * keys.len() + 1024 {
             let place = |key| {
                 let Place { column, row } = Place::of(key);
@@ -314,7 +271,8 @@ impl Finder {
             let begins = begins(keys, columns * most_rows, place);
             return Self::Places { columns, begins };
         }
-        // Most rows would be empty where a point lies far from all others. Up to four rows a cell take 16 bytes.
+        // Most rows would be empty where a point lies far from all others. Up to four rows a cell take 16 bytes, which
+        // `BYTES_A_POINT` counts.
         if most_rows < 4 * keys.len() + 1024 {
             let row = |key| Place::of(key).row as usize;
             return Self::Rows(begins(keys, most_rows, row));

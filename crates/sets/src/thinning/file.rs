@@ -140,12 +140,7 @@ impl<'a> PointFile<'a> {
     where
         'a: 'b,
     {
-        Hint {
-            name,
-            // Of several sets one is left.
-            set: None,
-            ..self.hint
-        }
+        hint_of_chosen(&self.hint, name)
     }
 
     /// Refuses a name under which the file would be read in another way.
@@ -198,16 +193,51 @@ impl<'a> PointFile<'a> {
             return Err(self.misnamed(name, found_format));
         }
 
-        // To the bit: 0 and -0 are the same place, but not the same digest.
-        let chosen_points = (self.points().iter().zip(kept)).filter(|(_, kept)| **kept);
-        let expected = chosen_points.map(|(point, _)| point.map(f64::to_bits));
-        let found = chosen.points().iter().map(|point| point.map(f64::to_bits));
-        if found.eq(expected) {
-            Ok(chosen)
-        } else {
-            Err(ThinFileError::ReadBack)
-        }
+        check_chosen(chosen.points(), self.points(), kept)?;
+        Ok(chosen)
     }
+}
+
+/// Refuses points that were read back and are not those that were kept.
+pub(super) fn check_chosen<const N: usize>(
+    chosen: &[[f64; N]],
+    given: &[[f64; N]],
+    kept: &[bool],
+) -> Result<(), ThinFileError> {
+    // To the bit: 0 and -0 are the same place, but not the same digest.
+    let bits = |point: &[f64; N]| point.map(f64::to_bits);
+    let expected = (given.iter().zip(kept)).filter(|(_, kept)| **kept);
+    if (chosen.iter().map(bits)).eq(expected.map(|(point, _)| bits(point))) {
+        Ok(())
+    } else {
+        Err(ThinFileError::ReadBack)
+    }
+}
+
+/// Returns how the points chosen from a file are read, if it is read by `hint`, from a file of that name.
+pub(super) fn hint_of_chosen<'b>(hint: &Hint<'b>, name: &'b str) -> Hint<'b> {
+    Hint {
+        name,
+        // Of several sets one is left.
+        set: None,
+        ..*hint
+    }
+}
+
+/// Returns the rank of each of `count` points in a file, unless that is its index. A column is read only to rank the points by it.
+pub(super) fn ranks_in(
+    bytes: &[u8],
+    hint: &Hint<'_>,
+    priority: &ThinningPriority,
+    count: usize,
+) -> Result<Option<Vec<u32>>, FormatError> {
+    let column = match priority {
+        ThinningPriority::Column { column, .. } => {
+            read_column(bytes, hint, column, ColumnUse::Order)?
+        }
+        ThinningPriority::Order | ThinningPriority::Random { .. } => Vec::new(),
+    };
+    Ok(ranks(priority, count, &column))
 }
 
 /// Where the radii of points come from.
@@ -347,17 +377,8 @@ impl ThinRecipe {
                 None => of_field(source, points, region, origin)?,
             },
         };
-        // A column is read only to rank the points by it.
-        let priorities = match &self.priority {
-            ThinningPriority::Column { column, .. } if with_ranks => {
-                read_column(file.bytes, &file.hint, column, ColumnUse::Order)?
-            }
-            ThinningPriority::Column { .. }
-            | ThinningPriority::Order
-            | ThinningPriority::Random { .. } => Vec::new(),
-        };
-        // There are no ranks if none are asked for, nor for the order of the file, where a point's index is its rank.
-        let in_order = with_ranks.then(|| ranks(&self.priority, points.len(), &priorities));
+        let of_file = || ranks_in(file.bytes, &file.hint, &self.priority, points.len());
+        let in_order = with_ranks.then(of_file).transpose()?;
 
         let (name, value) = self.radius.stated();
         Ok(Thinning {

@@ -92,9 +92,7 @@ pub(super) fn choose(
     // Layers are sorted by cell; flags are asked for in the order of the points.
     let mut kept = vec![false; cloud.points.len()];
     for layer in &choice.layers {
-        for point in (0..layer.cells()).flat_map(|cell| layer.kept(cell)) {
-            kept[layer.indices[point as usize] as usize] = true;
-        }
+        layer.turns.flag(&layer.indices, &mut kept);
     }
     Ok(kept)
 }
@@ -203,7 +201,7 @@ impl Visitor<'_> {
                 // All that waits for another band is marked, so that no cell follows the same way again.
                 Visit::Waits(_) => {
                     for cell in self.waiting.drain(..) {
-                        let stuck = &self.choice.layers[cell.layer].stuck;
+                        let stuck = &self.choice.layers[cell.layer].turns.stuck;
                         stuck[cell.number as usize].store(true, Ordering::Relaxed);
                     }
                 }
@@ -224,7 +222,7 @@ impl Visitor<'_> {
             return true;
         };
         let layer = &self.choice.layers[cell.layer];
-        let is_stuck = layer.stuck[cell.number as usize].load(Ordering::Relaxed);
+        let is_stuck = layer.turns.stuck[cell.number as usize].load(Ordering::Relaxed);
         layer.band(layer.place(cell.number).row, band.all) == band.number && !is_stuck
     }
 
@@ -233,7 +231,7 @@ impl Visitor<'_> {
         let layer = &self.choice.layers[cell.layer];
         let place = layer.place(cell.number);
         let mut has_looked = false;
-        while let Some(open) = layer.head(cell.number) {
+        while let Some(open) = layer.turns.head(cell.number) {
             // Where radii differ, the cells around depend on the point; else they are the same for all points of a cell.
             if !(has_looked && self.choice.reach.is_some()) {
                 self.look_around(cell, place, layer.points[open as usize]);
@@ -246,7 +244,7 @@ impl Visitor<'_> {
                 Meeting::Open(Some(earlier)) => return Visit::Waits(earlier),
                 Meeting::Open(None) => true,
             };
-            layer.decide(cell.number, is_kept);
+            layer.turns.decide(cell.number, is_kept);
             self.decided += 1;
         }
         Visit::Done
@@ -291,14 +289,14 @@ impl Visitor<'_> {
             let layer_there = &choice.layers[cell.layer];
             // The head is read before the kept points, since another thread may decide points of the cell meanwhile.
             // Read the other way round, an earlier point that is kept between the two readings would be missed by both.
-            if let Some(head) = layer_there.head(cell.number) {
+            if let Some(head) = layer_there.turns.head(cell.number) {
                 let before = layer_there.ranks[head as usize];
                 if before < rank && earliest.is_none_or(|(least, _)| before < least) {
                     earliest = Some((before, cell));
                 }
             }
 
-            for other in layer_there.kept(cell.number) {
+            for other in layer_there.turns.kept(cell.number) {
                 let other = other as usize;
                 // Where radii differ, each pair has a distance of its own.
                 let reach = choice.reach.unwrap_or_else(|| {

@@ -2,10 +2,9 @@
 //!
 //! Only cells with points exist, so that the memory follows the points and not the box around them.
 
-use std::sync::atomic::{AtomicBool, AtomicU32, Ordering};
-
 use rayon::prelude::*;
 
+use super::super::turns::Turns;
 use super::SpaceCloud;
 
 /// A cell is wider than the radius by this share: positions in up to 2^29 cells along an axis are rounded by less.
@@ -31,20 +30,11 @@ pub(super) struct SpaceCells {
     places: Vec<CellPlace>,
     /// In each of the nine rows around a cell, its own among them, the first of the up to three cells that are near it.
     rows: Vec<[u32; 9]>,
-    /// Where the points of each cell begin; the last number is that of all points.
-    starts: Vec<u32>,
     pub points: Vec<[f64; 3]>,
     pub ranks: Vec<u32>,
     /// The index of each point in the cloud.
     indices: Vec<u32>,
-    /// The first point of each cell that is not decided. The last number, behind all cells, is not used.
-    heads: Vec<AtomicU32>,
-    /// How many points of each cell are kept.
-    counts: Vec<AtomicU32>,
-    /// The kept points of each cell, from its start on.
-    kept: Vec<AtomicU32>,
-    /// Cells that wait for the cells of other bands.
-    pub stuck: Vec<AtomicBool>,
+    pub turns: Turns,
 }
 
 impl SpaceCells {
@@ -93,7 +83,6 @@ impl SpaceCells {
                     .collect()
             }
         };
-        let zeros = |count: usize| (0..count).map(|_| AtomicU32::new(0)).collect();
         Self {
             rows: rows(&places),
             points: (indices.par_iter())
@@ -101,46 +90,14 @@ impl SpaceCells {
                 .collect(),
             ranks,
             indices,
-            heads: starts.iter().map(|&start| AtomicU32::new(start)).collect(),
-            counts: zeros(places.len()),
-            kept: zeros(count as usize),
-            stuck: places.iter().map(|_| AtomicBool::new(false)).collect(),
+            turns: Turns::new(starts),
             places,
-            starts,
         }
     }
 
     /// Returns how many cells there are.
     pub fn count(&self) -> u32 {
         self.places.len() as u32
-    }
-
-    /// Returns the first point of a cell that is not decided, if there is one.
-    ///
-    /// After that, [`Self::kept`] returns all points before it that were kept, also by another thread.
-    pub fn head(&self, cell: u32) -> Option<u32> {
-        let head = self.heads[cell as usize].load(Ordering::Acquire);
-        (head < self.starts[cell as usize + 1]).then_some(head)
-    }
-
-    /// Returns the kept points of a cell.
-    pub fn kept(&self, cell: u32) -> impl Iterator<Item = u32> {
-        let start = self.starts[cell as usize];
-        let count = self.counts[cell as usize].load(Ordering::Acquire);
-        (start..start + count).map(|slot| self.kept[slot as usize].load(Ordering::Relaxed))
-    }
-
-    /// Decides the first open point of a cell, which only one thread at a time may do.
-    pub fn decide(&self, cell: u32, is_kept: bool) {
-        let cell = cell as usize;
-        let head = self.heads[cell].load(Ordering::Relaxed);
-        if is_kept {
-            let count = self.counts[cell].load(Ordering::Relaxed);
-            self.kept[(self.starts[cell] + count) as usize].store(head, Ordering::Relaxed);
-            self.counts[cell].store(count + 1, Ordering::Release);
-        }
-        // Last, so that a thread that reads the new head also reads the kept points.
-        self.heads[cell].store(head + 1, Ordering::Release);
     }
 
     /// Replaces `around` by the cells in which points near those of a cell may lie, the cell itself first: most points are refused,
@@ -171,9 +128,7 @@ impl SpaceCells {
     /// Returns for each point of the cloud whether it is kept, once all are decided.
     pub fn flags(&self) -> Vec<bool> {
         let mut kept = vec![false; self.points.len()];
-        for point in (0..self.count()).flat_map(|cell| self.kept(cell)) {
-            kept[self.indices[point as usize] as usize] = true;
-        }
+        self.turns.flag(&self.indices, &mut kept);
         kept
     }
 }

@@ -110,7 +110,7 @@ struct SpaceVisitor<'a> {
 impl SpaceVisitor<'_> {
     /// Decides all points of a cell, and before them those that they wait for.
     fn settle(&mut self, cell: u32) {
-        let stuck = &self.choice.cells.stuck;
+        let stuck = &self.choice.cells.turns.stuck;
         self.waiting.push(cell);
         while let Some(&cell) = self.waiting.last() {
             match self.visit(cell) {
@@ -137,7 +137,7 @@ impl SpaceVisitor<'_> {
 
     /// Returns whether a cell is of this band and does not wait for another one.
     fn may_visit(&self, cell: u32) -> bool {
-        let is_stuck = || self.choice.cells.stuck[cell as usize].load(Ordering::Relaxed);
+        let is_stuck = || self.choice.cells.turns.stuck[cell as usize].load(Ordering::Relaxed);
         self.is_last || (self.band.contains(&cell) && !is_stuck())
     }
 
@@ -146,7 +146,7 @@ impl SpaceVisitor<'_> {
     fn visit(&mut self, cell: u32) -> Option<u32> {
         let cells = &self.choice.cells;
         let mut has_looked = false;
-        while let Some(open) = cells.head(cell) {
+        while let Some(open) = cells.turns.head(cell) {
             if !has_looked {
                 cells.look_around(cell, &mut self.around);
                 has_looked = true;
@@ -158,7 +158,7 @@ impl SpaceVisitor<'_> {
                 SpaceMeeting::Open(earlier) => return Some(earlier),
                 SpaceMeeting::Nothing => true,
             };
-            cells.decide(cell, is_kept);
+            cells.turns.decide(cell, is_kept);
             self.decided += 1;
         }
         None
@@ -172,14 +172,14 @@ impl SpaceVisitor<'_> {
         for &cell in &self.around {
             // The head is read before the kept points, since another thread may decide points of the cell meanwhile.
             // Read the other way round, an earlier point that is kept between the two readings would be missed by both.
-            if let Some(head) = cells.head(cell) {
+            if let Some(head) = cells.turns.head(cell) {
                 let before = cells.ranks[head as usize];
                 if before < rank && earliest.is_none_or(|(least, _)| before < least) {
                     earliest = Some((before, cell));
                 }
             }
 
-            for other in cells.kept(cell) {
+            for other in cells.turns.kept(cell) {
                 let other = cells.points[other as usize];
                 if reach.holds([0, 1, 2].map(|axis| (point[axis] - other[axis]).abs())) {
                     return SpaceMeeting::Kept;

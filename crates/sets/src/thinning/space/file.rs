@@ -2,12 +2,12 @@
 
 use tilescope_analysis::{Boundary, Control, SolidError, SolidRegion, ThinnedReport};
 use tilescope_formats::{
-    Certificate, ColumnUse, Format, FormatError, Hint, KeptRows, SolidRaw, Thinned,
-    ThinnedSolidFacts, decode_solid, detect, keep_rows, read_column, solid_digest,
+    Certificate, Format, FormatError, Hint, KeptRows, SolidRaw, Thinned, ThinnedSolidFacts,
+    decode_solid, detect, keep_rows, solid_digest,
 };
 
-use super::super::file::ThinFileError;
-use super::super::{ThinError, ThinningPriority, ranks};
+use super::super::file::{ThinFileError, check_chosen, hint_of_chosen, ranks_in};
+use super::super::{ThinError, ThinningPriority};
 use super::{SpaceCloud, bounds, judge_space, thin_space};
 use crate::facts::Stated;
 
@@ -56,13 +56,7 @@ impl<'a> SpaceFile<'a> {
         'a: 'b,
     {
         *rows = keep_rows(self.bytes, &self.hint, kept)?;
-        let hint = Hint {
-            name,
-            // Of several sets one is left.
-            set: None,
-            ..self.hint
-        };
-        let chosen = SpaceFile::new(&rows.bytes, hint)?;
+        let chosen = SpaceFile::new(&rows.bytes, hint_of_chosen(&self.hint, name))?;
         // With fewer rows another format may be recognised than before, which a first look at the name could not show.
         let (found, format) = (chosen.read.detection.format, self.read.detection.format);
         if found != format {
@@ -74,14 +68,8 @@ impl<'a> SpaceFile<'a> {
             });
         }
 
-        // To the bit: 0 and -0 are the same place, but not the same digest.
-        let chosen_points = (self.points().iter().zip(kept)).filter(|(_, kept)| **kept);
-        let expected = chosen_points.map(|(point, _)| point.map(f64::to_bits));
-        if (chosen.points().iter().map(|point| point.map(f64::to_bits))).eq(expected) {
-            Ok(chosen)
-        } else {
-            Err(ThinFileError::ReadBack)
-        }
+        check_chosen(chosen.points(), self.points(), kept)?;
+        Ok(chosen)
     }
 
     /// Refuses a name under which the file would be read in another way.
@@ -163,17 +151,8 @@ impl SpaceRecipe {
             None => around(points, self.radius)?,
         };
 
-        // A column is read only to rank the points by it.
-        let column = match &self.priority {
-            ThinningPriority::Column { column, .. } if with_ranks => {
-                read_column(file.bytes, &file.hint, column, ColumnUse::Order)?
-            }
-            ThinningPriority::Column { .. }
-            | ThinningPriority::Order
-            | ThinningPriority::Random { .. } => Vec::new(),
-        };
-        // There are no ranks if none are asked for, nor for the order of the file, where a point's index is its rank.
-        let in_order = with_ranks.then(|| ranks(&self.priority, points.len(), &column));
+        let of_file = || ranks_in(file.bytes, &file.hint, &self.priority, points.len());
+        let in_order = with_ranks.then(of_file).transpose()?;
         Ok(SpaceThinning {
             region,
             radius: self.radius,
