@@ -8,7 +8,7 @@ use tilescope_core::{
     Boundary, Observer, SampleError, SolidDomain, SolidLevels, SolidRequest, SolidSample,
     solid_arrivals_parallel,
 };
-use tilescope_formats::{ExportContext, SolidColumns, SolidContext};
+use tilescope_formats::{ExportContext, SolidColumns, SolidContext, in_space};
 
 use crate::facts::Stated;
 
@@ -125,21 +125,29 @@ impl SolidMade {
     /// Returns the verifier's box.
     #[must_use]
     pub fn region(&self) -> SolidRegion {
-        self.context().region()
+        let [_, _, depth] = self.domain.size();
+        in_space(self.base(), depth)
+    }
+
+    /// Returns the rectangle that the box stands on.
+    fn base(&self) -> Region {
+        let [width, height, _] = self.domain.size();
+        Region::new(
+            [width, height],
+            self.domain.boundary() == Boundary::Periodic,
+        )
     }
 
     /// Returns what the certificate of an export is to state.
     #[must_use]
     pub fn context(&self) -> SolidContext {
-        let [width, height, depth] = self.domain.size();
-        let is_periodic = self.domain.boundary() == Boundary::Periodic;
-        let base = Region::new([width, height], is_periodic);
+        let [_, _, depth] = self.domain.size();
         SolidContext {
             planar: ExportContext {
                 method: Self::METHOD.to_owned(),
                 parameters: self.parameters(),
                 made: self.made,
-                ..ExportContext::new(base, self.domain.radius())
+                ..ExportContext::new(self.base(), self.domain.radius())
             },
             depth,
             columns: columns_of(&self.levels),

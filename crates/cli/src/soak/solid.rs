@@ -4,7 +4,7 @@ use anyhow::Result;
 use serde_json::json;
 use tilescope_analysis::{Region, VerifyOptions, measure_solid};
 use tilescope_core::{
-    Boundary, Parameters, SolidDomain, Unobserved, solid_sample, solid_sample_parallel,
+    Boundary, Parameters, SolidDomain, Unobserved, solid_arrivals, solid_arrivals_parallel,
 };
 use tilescope_formats::in_space;
 
@@ -35,12 +35,13 @@ pub fn round(parameters: &Parameters, dice: &Dice, options: &VerifyOptions) -> R
     let (boundary, seed) = (parameters.boundary, parameters.seed);
     let domain = SolidDomain::from_size(size, radius, boundary)?;
     // The definition of the samples is the engine of one thread. All threads have an engine of their own, by parcels.
-    let samples = solid_sample(domain, seed, &mut Unobserved)?;
-    let on_threads = solid_sample_parallel(domain, seed, &mut Unobserved)?;
-    let schedules_agree = samples == on_threads;
+    // Both are to give the same samples in the same order, and at the same levels.
+    let made = solid_arrivals(domain, seed, &mut Unobserved)?;
+    let on_threads = solid_arrivals_parallel(domain, seed, &mut Unobserved)?;
+    let schedules_agree = made == on_threads;
 
     let base = Region::new([size[0], size[1]], boundary == Boundary::Periodic);
-    let positions = domain.users_from_lattice(&samples);
+    let positions = domain.users_from_lattice(&made.places);
     let (region, control) = (in_space(base, size[2]), |_| interrupt::flow());
     // A side has a whole number of lattice units, no shorter than those of the radius. Along a short side they may be
     // so much longer that the tolerance of certificates is a little too small; the domain's own bound is not.

@@ -282,7 +282,9 @@ class SolidSet:
         return solid_report_of(json.loads(found))
 
     def plot(self, ax: Any = None) -> Any:
-        """Draws the samples with matplotlib, as dots in their box, coloured by their order from early to late.
+        """Draws the samples with matplotlib, as dots in their box, coloured from early to late.
+
+        Without :attr:`arrival` their order counts as that of arrival.
 
         ``tilescope draw --orbit`` draws them as balls, cut open at a corner.
 
@@ -311,7 +313,8 @@ class SolidSet:
             ax = pyplot.figure().add_subplot(projection="3d")
         elif not hasattr(ax, "set_zlim"):
             raise TypeError("the axes are not of three dimensions: projection='3d' makes such")
-        ax.scatter(*self._points.T, c=np.arange(len(self)), cmap="cividis", s=12, linewidths=0)
+        ages = np.arange(len(self)) if self._arrival is None else self._arrival
+        ax.scatter(*self._points.T, c=ages, cmap="cividis", s=12, linewidths=0)
         width, height, depth = self.size
         ax.set(xlim=(0, width), ylim=(0, height), zlim=(0, depth), xlabel="x", ylabel="y", zlabel="z")
         ax.set_box_aspect(self.size)

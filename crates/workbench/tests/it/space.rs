@@ -472,11 +472,15 @@ fn files_of_the_set_are_those_of_the_command() {
     // A moment has the first samples by their arrival.
     let half = session(&state).recording().expect("events").len() / 2;
     state.apply(Command::Time(TimeCommand::Jump(half)));
-    let path = folder.path().join("half.npy");
+    let path = folder.path().join("half.ply");
     write(&mut state, ExportKind::Samples, &path, &[]);
     let set = read_solid(&path, &Overrides::default(), None).expect("a set");
     assert!(set.points.len() > 100 && set.points.len() < made.points.len());
-    assert_eq!(set.points, made.points[..set.points.len()]);
+    let count = set.points.len();
+    assert_eq!(set.points, made.points[..count]);
+    assert!(set.columns.arrival.into_iter().eq(0..count as u32));
+    let levels = made.levels.of_samples().take(count);
+    assert!(set.columns.level.into_iter().eq(levels));
 
     // A format without a third coordinate says so before anything is written.
     let path = folder.path().join("balls.svg");
