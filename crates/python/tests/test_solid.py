@@ -186,7 +186,9 @@ def test_windows_of_space_agree_and_are_valid():
     [
         ((0, 0, 0, 1, 0, 1), "the window's height runs from 0 to 0"),
         ((0, 0, 0, 1, 1, 1e6), "depth reaches 1,000,000; it must lie between -32,640 and 32,640"),
-        ((0, 0, 0, 1e4, 1e4, 1e4), "samples lie in the window; it may have 2e8"),
+        ((0, 0, 0, 1e4, 1e4, 1e4), "samples lie in the window and within 2 r of it; there may be 2e8"),
+        # It is thin, and what is judged with it is not.
+        ((0, 0, 0, 2e4, 2e4, 1e-3), "about 4.69"),
         ((0, 0, 0, 1, 1, float("nan")), "the window's depth"),
     ],
 )

@@ -70,6 +70,8 @@ fn windows_of_space_are_made_judged_and_saved() {
             "--window 0 0 0 1e4 1e4 1e4",
             "samples lie in the window and within 2 r of it",
         ),
+        // It is thin, and what is judged with it is not.
+        ("--window 0 0 0 6e3 6e3 1e-3", "about 1.05"),
     ] {
         refused(&folder, &format!("sample --radius 1 {line}"), wanted);
     }
