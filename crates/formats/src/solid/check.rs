@@ -75,6 +75,7 @@ pub(crate) fn read_solid_bytes(
             difference: first.to_string(),
         }));
     }
+
     Ok(SolidSet {
         points: file.points,
         region: file.judged.region,
@@ -169,6 +170,7 @@ pub fn check_solid_bytes(
     let differences = (file.stated.as_ref()).map_or_else(Vec::new, |stated| {
         differences(stated, &file.judged, &file.mapping, &file.found, &verdict)
     });
+
     let check = SolidCheck {
         detection: file.detection,
         precision: file.found.precision,
