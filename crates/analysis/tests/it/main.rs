@@ -9,6 +9,7 @@ mod judges;
 mod live_cover;
 mod live_pairs;
 mod live_slices;
+mod live_solid;
 mod live_spectrum;
 mod live_squares;
 mod numbers;
