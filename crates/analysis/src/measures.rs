@@ -69,7 +69,9 @@ pub use distributions::{chi_square_quantile, chi_square_tail, poisson_interval, 
 pub use error::MeasureError;
 pub use measured::{MeasuredSet, Part};
 pub use nufft::{MAX_FREQUENCY, MAX_WINDOW_BYTES, NUFFT_ERROR};
-pub use numbers::{CATALOGUE, SetNumber, number};
+pub use numbers::{
+    CATALOGUE, SPACE_CATALOGUE, SetNumber, SolidMoment, SolidMomentPairs, number, space_number,
+};
 pub use order::{CellOrder, Order};
 pub use pair_correlation::PairCorrelation;
 pub use peaks::Peaks;

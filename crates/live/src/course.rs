@@ -1,9 +1,13 @@
 //! The course of a run: which sample comes or goes at which event. It is all that measures need of a run, so that one code
 //! follows runs of every kind: recorded ones, those of the reference sampler, and nested levels, whose moments are prefixes.
 
-use tilescope_analysis::live::Plane;
+use std::sync::Arc;
+
+use tilescope_analysis::live::{Plane, SolidBox};
 use tilescope_analysis::{Boundary, Region};
-use tilescope_core::{Domain, Point, R, Recorder, RunEvent, Stage};
+use tilescope_core::{
+    Boundary as MadeBoundary, Domain, Point, R, Recorder, RunEvent, SolidDomain, Stage,
+};
 use tilescope_debugger::{EventKind, Recording};
 use tilescope_sets::region;
 
@@ -25,12 +29,23 @@ pub struct Change {
 struct Start {
     cursor: usize,
     stage: Stage,
+    /// How many cells, or in space cubes, throw a dart in it.
+    active: u32,
+}
+
+/// What the course of a set in space has besides that of its projections.
+struct Third {
+    domain: SolidDomain,
+    /// Where each sample lies along the third axis, by id, in units.
+    heights: Arc<[i32]>,
 }
 
 /// When the samples of a run come and go.
 pub struct Course {
     domain: Domain,
     places: Vec<[i32; 2]>,
+    /// The third axis; `None` of planar sets.
+    third: Option<Third>,
     changes: Vec<Change>,
     starts: Vec<Start>,
     events: usize,
@@ -57,7 +72,13 @@ impl Course {
             };
             recorder.take(run_event);
         }
-        recorder.finish(*recording.domain(), &recording.run().samples.points)
+        let mut course = recorder.finish(*recording.domain(), &recording.run().samples.points);
+        let third = recording.domain_in_space().zip(recording.heights());
+        course.third = third.map(|(domain, heights)| Third {
+            domain,
+            heights: heights.into(),
+        });
+        course
     }
 
     /// Returns the course of samples in an order of their own, such as nested levels: a cursor is a number of samples.
@@ -72,7 +93,33 @@ impl Course {
         recorder.finish(domain, points)
     }
 
-    /// Returns the domain of the run, on the lattice.
+    /// Returns whether the run is of a set in space. Its places are then the projections to x and y.
+    #[must_use]
+    pub const fn is_in_space(&self) -> bool {
+        self.third.is_some()
+    }
+
+    /// Returns the box of a set in space in the units of the lattice, as measures take it; `None` of planar sets.
+    #[must_use]
+    pub fn solid_box(&self) -> Option<SolidBox> {
+        let domain = self.third.as_ref()?.domain;
+        Some(SolidBox {
+            size: domain.sides().map(i32::unsigned_abs),
+            radius: R as u32,
+            boundary: match domain.boundary() {
+                MadeBoundary::Periodic => Boundary::Periodic,
+                MadeBoundary::Bounded => Boundary::Bounded,
+            },
+        })
+    }
+
+    /// Returns where each sample lies along the third axis, by id, in units; `None` of planar sets.
+    #[must_use]
+    pub fn heights(&self) -> Option<&Arc<[i32]>> {
+        Some(&self.third.as_ref()?.heights)
+    }
+
+    /// Returns the domain of the run, on the lattice; of a set in space, that of the projections.
     #[must_use]
     pub const fn domain(&self) -> &Domain {
         &self.domain
@@ -171,9 +218,24 @@ impl Course {
     /// Returns the stage that is current at `cursor`.
     #[must_use]
     pub fn stage(&self, cursor: usize) -> Stage {
+        self.start(cursor).stage
+    }
+
+    /// Returns how many cells, or in space cubes, throw a dart in the throw that is at work at `cursor`; 0 in other stages.
+    #[must_use]
+    pub fn active(&self, cursor: usize) -> u32 {
+        self.start(cursor).active
+    }
+
+    /// Returns the first cursor of each stage, rising.
+    pub(crate) fn beginnings(&self) -> impl Iterator<Item = usize> {
+        self.starts.iter().map(|start| start.cursor)
+    }
+
+    fn start(&self, cursor: usize) -> &Start {
         let begun = self.starts.partition_point(|start| start.cursor <= cursor);
         // The first stage is current from cursor 0 on.
-        self.starts[begun - 1].stage
+        &self.starts[begun - 1]
     }
 }
 
@@ -191,7 +253,11 @@ impl From<Stage> for CourseRecorder {
     fn from(stage: Stage) -> Self {
         Self {
             changes: Vec::new(),
-            starts: vec![Start { cursor: 0, stage }],
+            starts: vec![Start {
+                cursor: 0,
+                stage,
+                active: 0,
+            }],
             events: 0,
             count: 0,
             most: 0,
@@ -206,6 +272,7 @@ impl CourseRecorder {
         Course {
             domain,
             places: points.iter().map(|point| [point.x, point.y]).collect(),
+            third: None,
             changes: self.changes,
             starts: self.starts,
             events: self.events,
@@ -217,8 +284,10 @@ impl CourseRecorder {
     fn take(&mut self, run_event: Option<RunEvent>) {
         let (comes, goes) = (true, false);
         match run_event {
-            Some(RunEvent::Begin(stage)) => self.begin(stage),
-            Some(RunEvent::Iteration { number, .. }) => self.begin(Stage::Iterate(number)),
+            Some(RunEvent::Begin(stage)) => self.begin(stage, 0),
+            Some(RunEvent::Iteration { number, detectors }) => {
+                self.begin(Stage::Iterate(number), detectors);
+            }
             // A sample that is tiled outside a bounded domain is dropped at once.
             Some(
                 RunEvent::Tiled {
@@ -235,9 +304,14 @@ impl CourseRecorder {
         self.events += 1;
     }
 
-    fn begin(&mut self, stage: Stage) {
+    /// Begins a stage in which so many cells throw.
+    fn begin(&mut self, stage: Stage, active: u32) {
         let cursor = self.events + 1;
-        self.starts.push(Start { cursor, stage });
+        self.starts.push(Start {
+            cursor,
+            stage,
+            active,
+        });
     }
 
     /// Adds the change of a sample that comes or goes.

@@ -9,7 +9,7 @@ use tilescope_core::Stage;
 
 use crate::course::Course;
 use crate::moment::{LiveMoment, Wanted};
-use crate::numbers::{is_of_spectrum, wanted_for};
+use crate::numbers::{is_of_spectrum, number_of_run, place_of, wanted_for};
 
 /// The moments of a curve of the spectrum, if no number of them is stated: reading a spectrum of a quarter of a million
 /// frequencies takes as long as ten changes of the samples do, and a curve is drawn a thousand points wide.
@@ -78,6 +78,14 @@ pub enum CurveError {
         /// The most samples at once.
         count: usize,
     },
+    /// The number is one of planar sets, and the run is in space; or the other way around.
+    #[error("the number \"{key}\" is not followed {place}")]
+    NotHere {
+        /// The key of the number.
+        key: &'static str,
+        /// Where it is not followed.
+        place: &'static str,
+    },
     /// There are too few moments.
     #[error(
         "a curve of {moments} moments has not both of its ends; at least {MIN_MOMENTS} are needed"
@@ -105,7 +113,8 @@ impl CurveMaker {
     /// there are more such moments than `moments`, at so many that are evenly spread among them. If a number is of the
     /// spectrum and `moments` is not given, there are at most [`MOMENTS_OF_SPECTRUM`].
     ///
-    /// Each number must be one that every moment has: [`crate::numbers_named`] returns such numbers.
+    /// Each number must be one that every moment has: [`crate::numbers_named`] returns such numbers. Of a run in space, the number
+    /// with the same key is taken that is defined there.
     ///
     /// # Errors
     ///
@@ -115,6 +124,13 @@ impl CurveMaker {
         numbers: &[&'static SetNumber],
         moments: Option<usize>,
     ) -> Result<Self, CurveError> {
+        let is_in_space = course.is_in_space();
+        let own = numbers.iter().map(|number| {
+            let (key, place) = (number.key, place_of(is_in_space));
+            number_of_run(key, is_in_space).ok_or(CurveError::NotHere { key, place })
+        });
+        let numbers: Vec<&'static SetNumber> = own.collect::<Result<_, _>>()?;
+
         // Too many samples are refused before anything is computed, as the time grows with the square of their number.
         let of_spectrum = numbers.iter().find(|number| is_of_spectrum(number));
         let count = course.most_samples();
@@ -131,14 +147,15 @@ impl CurveMaker {
         let moments = moments.or(of_spectrum.map(|_| MOMENTS_OF_SPECTRUM));
         let cursors = spread_cursors(&course, moments.unwrap_or(usize::MAX));
         let curve = Curve {
-            numbers: numbers.to_vec(),
+            numbers: numbers.clone(),
             events: Vec::with_capacity(cursors.len()),
             stages: Vec::with_capacity(cursors.len()),
             columns: vec![Vec::with_capacity(cursors.len()); numbers.len()],
         };
+        let wanted = wanted_for(&numbers);
         Ok(Self {
             moment: LiveMoment::new(course),
-            wanted: wanted_for(numbers),
+            wanted,
             cursors,
             curve,
         })
@@ -200,18 +217,18 @@ impl CurveMaker {
     }
 }
 
-/// Returns the cursors of a curve: both ends of the run, and those after its changes. If there are more than `most`, which
+/// Returns the cursors of a curve: both ends of the run, those after its changes, and in space those where throws begin. If there are more than `most`, which
 /// is two or more, so many are taken.
 fn spread_cursors(course: &Course, most: usize) -> Vec<usize> {
-    let after = course
-        .changes()
-        .iter()
-        .map(|change| change.event as usize + 1);
-    let mut all: Vec<usize> = [0]
-        .into_iter()
-        .chain(after)
-        .chain([course.events()])
-        .collect();
+    let changes = course.changes().iter();
+    let after = changes.map(|change| change.event as usize + 1);
+    let mut all: Vec<usize> = [0].into_iter().chain(after).collect();
+    // The number of active cubes changes where a throw begins, even one that finds no room for a sample.
+    if course.is_in_space() {
+        all.extend(course.beginnings());
+        all.sort_unstable();
+    }
+    all.push(course.events());
     // The end is listed twice if the last event is a change, as in an order of samples and in a recording that was cut
     // off, or if there are no events.
     all.dedup();

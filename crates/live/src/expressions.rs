@@ -2,13 +2,13 @@
 
 use std::sync::{Arc, LazyLock};
 
-use tilescope_analysis::measures::{SetNumber, number};
+use tilescope_analysis::measures::SetNumber;
 use tilescope_debugger::{MomentNumbers, NumberAt, NumberName, NumberValue, Recording};
 
 use crate::course::Course;
 use crate::curve::MAX_SAMPLES_OF_SPECTRUM;
 use crate::moment::{LiveMoment, MAX_SAMPLES};
-use crate::numbers::{is_of_spectrum, live_numbers, wanted_for};
+use crate::numbers::{all_live_numbers, is_of_spectrum, number_of_run, wanted_for};
 
 /// The numbers of the catalogue that can be had at every moment, by their keys, for
 /// [`give_numbers`](Recording::give_numbers). Nothing is measured before an expression names one.
@@ -17,7 +17,7 @@ use crate::numbers::{is_of_spectrum, live_numbers, wanted_for};
 /// these are fewer; a watch waits for it no longer than the steps that it has in a frame. All conditions of a run from its start to
 /// its end take the time of the run's curve.
 pub static MOMENT_NUMBERS: LazyLock<MomentNumbers> = LazyLock::new(|| MomentNumbers {
-    names: live_numbers().map(name).collect(),
+    names: all_live_numbers().map(name).collect(),
     follow,
 });
 
@@ -55,7 +55,8 @@ fn follow(recording: &Recording) -> NumberAt {
     let mut moment = LiveMoment::new(Arc::new(Course::of_recording(recording)));
     Box::new(move |key, cursor, steps| {
         // Expressions name only numbers of the list above, so that there is one.
-        let Some(found) = number(key) else {
+        // Those that planar sets and sets in space do not share are defined in one of the two alone.
+        let Some(found) = number_of_run(key, moment.course().is_in_space()) else {
             return Ok(NumberValue::Undefined);
         };
 

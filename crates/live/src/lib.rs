@@ -28,6 +28,7 @@
 //! # Ok::<(), Box<dyn std::error::Error>>(())
 //! ```
 
+mod balls;
 mod course;
 mod curve;
 mod expressions;
@@ -43,5 +44,8 @@ pub use curve::{Curve, CurveError, CurveMaker};
 pub use expressions::MOMENT_NUMBERS;
 pub use make::CourseError;
 pub use moment::{FRAME_STEPS, LiveMoment, MAX_SAMPLES, Moved, Wanted};
-pub use numbers::{NumberError, is_of_spectrum, live_numbers, numbers_named};
+pub use numbers::{
+    IN_SPACE, IN_THE_PLANE, NumberError, all_live_numbers, is_of_spectrum, live_numbers,
+    number_of_run, numbers_named, space_numbers, space_numbers_named,
+};
 pub use timing::{FRAMES, JUMPS, Motion, STEPS, TIMED_RADII, Timed, timed};

@@ -3,8 +3,8 @@
 use std::sync::Arc;
 
 use tilescope_core::{
-    MAXIMAL_DENSITY, NestedRequest, Observer, ParameterError, Parameters, SampleError, Stage,
-    radius_estimate, reference_recorded,
+    Domain, MAXIMAL_DENSITY, NestedRequest, Observer, ParameterError, Parameters, SampleError,
+    SolidDomain, Stage, radius_estimate, reference_recorded,
 };
 use tilescope_debugger::{DEFAULT_BUDGET, MAX_SAMPLES, Recording};
 use tilescope_sets::{Recipe, Settled};
@@ -133,5 +133,46 @@ impl Course {
             None => nested.make(&recipe.parameters, observer)?,
         };
         Ok(Self::of_order(*made.domain(), made.points()))
+    }
+
+    /// Refuses sets in space of more samples than saved sessions have, before anything is made.
+    ///
+    /// # Errors
+    ///
+    /// [`CourseError::TooMany`].
+    pub fn check_space(domain: &SolidDomain) -> Result<(), CourseError> {
+        let samples = domain.expected_samples();
+        if samples > MAX_SAMPLES as f64 {
+            let samples = samples as u64;
+            return Err(CourseError::TooMany { samples });
+        }
+        Ok(())
+    }
+
+    /// Makes a set in space by darts, with the radius of its box. Its events are those of a window that records the same run: darts,
+    /// insertions, and cubes that are cut.
+    ///
+    /// # Errors
+    ///
+    /// As [`Self::of_run`]. The sides of the plane of projections must have at least the length that planar domains need.
+    pub fn of_space(
+        domain: SolidDomain,
+        seed: u64,
+        observer: &mut dyn Observer,
+    ) -> Result<Self, CourseError> {
+        Self::check_space(&domain)?;
+        let ([width, height, _], radius) = (domain.size(), domain.radius());
+        let planar = Domain::from_size([width, height], radius, domain.boundary())?;
+        // Of the parameters the seed alone changes the set.
+        let parameters = Parameters {
+            width,
+            height,
+            radius,
+            seed,
+            boundary: domain.boundary(),
+            ..Parameters::default()
+        };
+        let recording = Recording::in_space(domain, planar, &parameters, DEFAULT_BUDGET, observer)?;
+        Ok(Self::of_recording(&recording))
     }
 }

@@ -3,9 +3,10 @@
 use std::sync::Arc;
 
 use tilescope_analysis::LiveSquares;
-use tilescope_analysis::live::{LiveCover, LivePairs, LiveSpectrum};
+use tilescope_analysis::live::{LiveCover, LivePairs, LiveSolidPairs, LiveSpectrum};
 use tilescope_analysis::measures::MeasureError;
 
+use crate::balls::BallPairs;
 use crate::course::Course;
 use crate::kept::Kept;
 use crate::spectra::Spectra;
@@ -25,7 +26,7 @@ pub struct Wanted {
     pub spectrum: bool,
     /// Whether every second or third frequency along each axis will do while the budget of steps is too small for all.
     pub thinned: bool,
-    /// Distances: g(r), the smallest one, conflicts.
+    /// Distances: g(r), the smallest one, conflicts. Of a set in space they are all that moves with the run, without g(r).
     pub pairs: bool,
     /// Open places and, of one radius in a rectangle, the covering radius; in a field or a shape, conflicts too.
     pub cover: bool,
@@ -43,6 +44,7 @@ pub struct Moved {
 /// The measures of the moment at a cursor.
 pub struct LiveMoment {
     course: Arc<Course>,
+    cursor: usize,
     /// How many changes lie before the cursor.
     changes: usize,
     spectra: Spectra,
@@ -50,6 +52,8 @@ pub struct LiveMoment {
     cover: Kept<LiveCover>,
     /// In a field or a shape, the squares of its judge, which take the place of covered circles.
     squares: Option<Kept<LiveSquares>>,
+    /// In space, the distances, which take the place of all others.
+    balls: Kept<BallPairs>,
 }
 
 impl LiveMoment {
@@ -58,11 +62,13 @@ impl LiveMoment {
     pub fn new(course: Arc<Course>) -> Self {
         Self {
             course,
+            cursor: 0,
             changes: 0,
             spectra: Spectra::default(),
             pairs: Kept::default(),
             cover: Kept::default(),
             squares: None,
+            balls: Kept::default(),
         }
     }
 
@@ -102,7 +108,10 @@ impl LiveMoment {
         budget: u64,
     ) -> Result<Moved, MeasureError> {
         let (course, changes) = (&*self.course, self.course.changes_before(cursor));
-        self.changes = changes;
+        (self.cursor, self.changes) = (cursor, changes);
+        if course.is_in_space() {
+            return self.seek_in_space(wanted, budget);
+        }
         let plane = course.plane();
         let mut steps = 0;
 
@@ -132,9 +141,26 @@ impl LiveMoment {
         Ok(Moved { steps, arrived })
     }
 
+    /// Brings the distances of a set in space to the cursor, as [`Self::seek`] does in the plane. Its projections have no
+    /// spectrum and no circles of their own, so that asking for these takes no steps.
+    fn seek_in_space(&mut self, wanted: Wanted, budget: u64) -> Result<Moved, MeasureError> {
+        let (course, changes) = (&*self.course, self.changes);
+        let mut steps = 0;
+        if let (true, Some(solid), Some(heights)) =
+            (wanted.pairs, course.solid_box(), course.heights())
+        {
+            self.balls
+                .begin(|| BallPairs::new(solid, Arc::clone(heights)))?;
+            steps = self.balls.seek(course, changes, budget);
+        }
+        let arrived = self.balls.after(changes).is_some() || !wanted.pairs;
+        Ok(Moved { steps, arrived })
+    }
+
     /// Returns about the steps of reading the wanted measures: the rings and the picture of a spectrum take far more than the rest.
     pub(crate) fn cost_of_reading(&self, wanted: Wanted) -> u64 {
-        if wanted.spectrum {
+        // In space no spectrum is followed.
+        if wanted.spectrum && !self.course.is_in_space() {
             self.spectra.cost_of_reading(self.changes)
         } else {
             0
@@ -158,6 +184,18 @@ impl LiveMoment {
     #[must_use]
     pub fn pairs(&self) -> Option<&LivePairs> {
         self.pairs.after(self.changes)
+    }
+
+    /// Returns the distances in space, if they are this moment's. Planar sets have none.
+    #[must_use]
+    pub fn balls(&self) -> Option<&LiveSolidPairs> {
+        self.balls.after(self.changes).map(|balls| &balls.pairs)
+    }
+
+    /// Returns how many cells, or in space cubes, throw a dart in the throw at work; 0 where none is.
+    #[must_use]
+    pub fn active(&self) -> u32 {
+        self.course.active(self.cursor)
     }
 
     /// Returns the covered circles, if they are this moment's. In a field or a shape there are none.

@@ -3,7 +3,8 @@
 
 use tilescope_analysis::live::LiveSpectrum;
 use tilescope_analysis::measures::{
-    CATALOGUE, MeasuredSet, Part, SetNumber, largest_min_distance, number,
+    CATALOGUE, MeasuredSet, Part, SPACE_CATALOGUE, SetNumber, SolidMoment, SolidMomentPairs,
+    largest_min_distance, number, space_number,
 };
 use tilescope_analysis::{COVERING_TOLERANCE, MAX_CONFLICTS, Report};
 
@@ -30,6 +31,18 @@ pub enum NumberError {
         /// The keys that can be used, in the catalogue's sequence.
         known: String,
     },
+    /// It is one of planar sets, and the run is in space; or the other way around.
+    #[error(
+        "the number \"{key}\" is not followed {place}; those that can be had at every moment there are {known}"
+    )]
+    NotHere {
+        /// The key as it was given.
+        key: String,
+        /// Where it is not followed: [`IN_SPACE`] or [`IN_THE_PLANE`].
+        place: &'static str,
+        /// The keys that can be used, in the catalogue's sequence.
+        known: String,
+    },
     /// It is named twice, and columns need different names.
     #[error("the number \"{key}\" is named twice; name it once")]
     Twice {
@@ -44,17 +57,62 @@ pub enum NumberError {
     },
 }
 
-/// Returns the numbers of the catalogue that can be had at every moment.
+/// The place of sets in space, in messages.
+pub const IN_SPACE: &str = "in space";
+
+/// The place of planar sets, in messages.
+pub const IN_THE_PLANE: &str = "in the plane";
+
+/// Returns the numbers of the catalogue that can be had at every moment of planar sets.
 pub fn live_numbers() -> impl Iterator<Item = &'static SetNumber> {
     CATALOGUE.iter().filter(|number| is_live(number))
 }
 
-/// Returns the numbers with these keys. Fails without any key, and for one that is not known, that not every moment has, or
-/// that is there twice.
+/// Returns the numbers that can be had at every moment of sets in space. Most have the key of a planar one, and are defined by
+/// distances in space and by the volume.
+pub fn space_numbers() -> impl Iterator<Item = &'static SetNumber> {
+    SPACE_CATALOGUE.iter()
+}
+
+/// Returns a number for each key that planar sets or sets in space have at every moment: the planar one where there is one.
+pub fn all_live_numbers() -> impl Iterator<Item = &'static SetNumber> {
+    let is_planar = |key| live_numbers().any(|number| number.key == key);
+    live_numbers().chain(space_numbers().filter(move |number| !is_planar(number.key)))
+}
+
+/// Returns the number with a key that can be had at every moment of a run, in space or planar.
+#[must_use]
+pub fn number_of_run(key: &str, is_in_space: bool) -> Option<&'static SetNumber> {
+    if is_in_space {
+        space_number(key)
+    } else {
+        number(key).filter(|number| is_live(number))
+    }
+}
+
+/// Returns the numbers with these keys of a planar run. Fails without any key, and for one that is not known, that not every moment
+/// has, or that is there twice.
 pub fn numbers_named<K: AsRef<str>>(keys: &[K]) -> Result<Vec<&'static SetNumber>, NumberError> {
+    named(keys, false)
+}
+
+/// Returns the numbers with these keys of a run in space. Fails as [`numbers_named`].
+pub fn space_numbers_named<K: AsRef<str>>(
+    keys: &[K],
+) -> Result<Vec<&'static SetNumber>, NumberError> {
+    named(keys, true)
+}
+
+fn named<K: AsRef<str>>(
+    keys: &[K],
+    is_in_space: bool,
+) -> Result<Vec<&'static SetNumber>, NumberError> {
     let known = || {
-        let keys: Vec<&str> = live_numbers().map(|number| number.key).collect();
-        keys.join(", ")
+        let is_of_run = |number: &&SetNumber| number_of_run(number.key, is_in_space).is_some();
+        let keys = all_live_numbers()
+            .filter(is_of_run)
+            .map(|number| number.key);
+        keys.collect::<Vec<&str>>().join(", ")
     };
     if keys.is_empty() {
         return Err(NumberError::None { known: known() });
@@ -62,20 +120,37 @@ pub fn numbers_named<K: AsRef<str>>(keys: &[K]) -> Result<Vec<&'static SetNumber
 
     let mut numbers: Vec<&SetNumber> = Vec::with_capacity(keys.len());
     for key in keys.iter().map(AsRef::as_ref) {
-        let (owned, known) = (key.to_owned(), known());
-        let Some(found) = number(key) else {
-            return Err(NumberError::Unknown { key: owned, known });
+        let Some(found) = number_of_run(key, is_in_space) else {
+            return Err(not_found(key, is_in_space, known()));
         };
-        if !is_live(found) {
-            return Err(NumberError::NotLive { key: owned, known });
-        }
         // Readers of a table find a column by its name, so that no two columns may have the same.
         if numbers.iter().any(|number| number.key == key) {
-            return Err(NumberError::Twice { key: owned });
+            let key = key.to_owned();
+            return Err(NumberError::Twice { key });
         }
         numbers.push(found);
     }
     Ok(numbers)
+}
+
+/// Returns why a run has no number with a key at every moment.
+fn not_found(key: &str, is_in_space: bool, known: String) -> NumberError {
+    let (planar, in_space) = (number(key), space_number(key));
+    let key = key.to_owned();
+    match (planar, in_space) {
+        (None, None) => NumberError::Unknown { key, known },
+        (Some(_), _) if !is_in_space => NumberError::NotLive { key, known },
+        _ => NumberError::NotHere {
+            key,
+            place: place_of(is_in_space),
+            known,
+        },
+    }
+}
+
+/// Returns the place of a run in messages.
+pub const fn place_of(is_in_space: bool) -> &'static str {
+    if is_in_space { IN_SPACE } else { IN_THE_PLANE }
 }
 
 /// Returns whether a number is read from what live measures give.
@@ -113,7 +188,8 @@ pub fn wanted_for(numbers: &[&SetNumber]) -> Wanted {
 }
 
 impl LiveMoment {
-    /// Returns the measures of the moment as those of a set, of which the numbers of the catalogue are read. A measure that is
+    /// Returns the measures of the moment as those of a set, of which the numbers of the catalogue are read; of a set in space, those
+    /// of [`SPACE_CATALOGUE`]. A measure that is
     /// not the moment's is left out. Distances are those on the lattice, by which the sampler decides: the sides of the domain are
     /// rounded to its units there, so that they differ from distances in user units by up to 2 in a million.
     #[must_use]
@@ -121,6 +197,10 @@ impl LiveMoment {
         let course = self.course();
         let radius = course.domain().radius();
         let mut set = MeasuredSet::new(self.count(), course.region(), Some(radius));
+        if let Some(solid) = course.solid_box() {
+            set.space = Some(self.measured_in_space(solid.volume_in_radii()));
+            return set;
+        }
         if let Some(report) = self.report() {
             set.take_report(report);
         }
@@ -129,6 +209,19 @@ impl LiveMoment {
             set.take_spectrum(spectrum);
         }
         set
+    }
+
+    /// Returns what is followed of a set in space, in a box of a volume in cubed radii.
+    fn measured_in_space(&self, volume: f64) -> SolidMoment {
+        let pairs = self.balls().map(|balls| SolidMomentPairs {
+            conflicts: balls.conflicts(),
+            min_distance: balls.smallest_distance_in_radii(),
+        });
+        SolidMoment {
+            volume,
+            pairs,
+            active_cubes: self.active(),
+        }
     }
 
     /// Returns the cursor of another moment, whose spectrum has come nearest to this one, and the spectrum as part of the measures of

@@ -9,7 +9,7 @@ use super::blue_noise::PowerCurve;
 use super::discrepancy::Discrepancy;
 use super::distances::NearestDistances;
 use super::error::MeasureError;
-use super::numbers::{CATALOGUE, SetNumber};
+use super::numbers::{CATALOGUE, SetNumber, SolidMoment};
 use super::order::Order;
 use super::pair_correlation::PairCorrelation;
 use super::periodogram::Periodogram;
@@ -106,6 +106,8 @@ pub struct MeasuredSet {
     pub order: Option<Arc<Order>>,
     /// The L2 discrepancies, once they are measured.
     pub discrepancy: Option<Discrepancy>,
+    /// What is followed of a set in space, whose projection the other measures are of; `None` of planar sets.
+    pub space: Option<SolidMoment>,
     /// The parts that were measured, also those that are not defined for this set.
     known: Vec<Part>,
 }
@@ -126,6 +128,7 @@ impl MeasuredSet {
             curve: None,
             order: None,
             discrepancy: None,
+            space: None,
             known: Vec::new(),
         }
     }

@@ -4,10 +4,13 @@
 
 mod rings;
 mod slope;
+mod space;
 
 use super::distances::NearestDistances;
 use super::measured::{MeasuredSet, Part};
 use super::order::Order;
+
+pub use space::{SPACE_CATALOGUE, SolidMoment, SolidMomentPairs, space_number};
 
 /// A number that describes a set.
 #[derive(Clone, Copy, Debug)]
@@ -26,14 +29,20 @@ pub struct SetNumber {
     pub meaning: &'static str,
     /// The part of the measures that it is read from, its cost; `None` if it costs nothing.
     pub needs: Option<Part>,
+    /// Whether it is of sets in space.
+    is_in_space: bool,
     /// Reads the number from the measures of a set.
     value: fn(&MeasuredSet) -> Option<f64>,
 }
 
 impl SetNumber {
-    /// Returns this number of a set; `None` if it is not defined for the set, not finite, or not yet measured.
+    /// Returns this number of a set; `None` if it is not defined for the set, not finite, or not yet measured. A planar number is
+    /// not defined for a set in space, nor one of these for a planar set.
     #[must_use]
     pub fn of(&self, set: &MeasuredSet) -> Option<f64> {
+        if set.space.is_some() != self.is_in_space {
+            return None;
+        }
         (self.value)(set).filter(|value| value.is_finite())
     }
 }
@@ -60,6 +69,7 @@ const PLAIN: SetNumber = SetNumber {
     decimals: 0,
     meaning: "",
     needs: None,
+    is_in_space: false,
     value: |_| None,
 };
 

@@ -4,4 +4,5 @@ mod course;
 mod curve;
 mod expressions;
 mod moment;
+mod space;
 mod support;
