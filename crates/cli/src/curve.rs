@@ -5,12 +5,14 @@ use std::sync::Arc;
 
 use anyhow::{Context, Result, ensure};
 use clap::Args;
+use tilescope_analysis::measures::SetNumber;
 use tilescope_core::memory::Making;
-use tilescope_core::{Parameter, Pattern};
+use tilescope_core::{Parameter, Pattern, SolidDomain, SolidRequest};
 use tilescope_debugger::{Debugger, PatternFile, Recording, Session};
 use tilescope_formats::{read_whole, write_whole};
 use tilescope_live::{
     Course, Curve, CurveMaker, FRAME_STEPS, is_of_spectrum, live_numbers, numbers_named,
+    space_numbers, space_numbers_named,
 };
 use tilescope_sets::GivenDomain;
 
@@ -20,6 +22,9 @@ use crate::parameters::{RunArguments, set_of_file};
 use crate::paths::{InFile, check_file, check_inputs_stay, named};
 use crate::progress::{Stopwatch, bar};
 use crate::sample_arguments::{NestedArguments, SamplingMethod};
+use crate::solid::make::{USED, refuse_other_parameters};
+use crate::solid::refuse;
+use crate::space::SpaceArguments;
 use crate::{EXIT_FINE, interrupt, output};
 
 /// Arguments of `tilescope curve`.
@@ -30,9 +35,12 @@ pub struct CurveArguments {
     run: RunArguments,
     #[command(flatten)]
     nested: NestedArguments,
-    /// KDRT, exact tiling, or the reference sampler, which uses only radius or count, sides, boundary and seed
-    #[arg(long, value_enum, default_value = "kdrt")]
-    method: SamplingMethod,
+    #[command(flatten)]
+    space: SpaceArguments,
+    /// KDRT, exact tiling, or the reference sampler, which uses only radius or count, sides, boundary and seed; if not given,
+    /// KDRT, and for a set in space the reference sampler
+    #[arg(long, value_enum)]
+    method: Option<SamplingMethod>,
     /// The run of a saved session instead of one that the arguments describe
     #[arg(long, value_name = "FILE", group = "size", conflicts_with_all = options_of_runs())]
     session: Option<PathBuf>,
@@ -50,12 +58,15 @@ pub struct CurveArguments {
 
 /// Returns the text at the end of the help, with the numbers that a curve may have.
 fn examples() -> String {
-    let keys = |needs_spectrum| -> String {
-        let numbers = live_numbers().filter(|number| is_of_spectrum(number) == needs_spectrum);
+    let keys = |numbers: &mut dyn Iterator<Item = &'static SetNumber>| -> String {
         let each: Vec<&str> = numbers.map(|number| number.key).collect();
         each.join(", ")
     };
-    let [quick, of_spectrum] = [false, true].map(keys);
+    let planar = |needs_spectrum| {
+        keys(&mut live_numbers().filter(|number| is_of_spectrum(number) == needs_spectrum))
+    };
+    let [quick, of_spectrum] = [false, true].map(planar);
+    let in_space = keys(&mut space_numbers());
     format!(
         "\
 Each row is a moment: how many events have happened, the stage, and the numbers of the samples that are
@@ -64,11 +75,13 @@ defined, as the smallest distance of no samples, is an empty cell.
 
 Numbers, as `tilescope analyze` has them: {quick}.
 Those that need the spectrum: {of_spectrum}.
+Those of sets in space, by distances in space: {in_space}.
 
 Examples:
   tilescope curve --radius 0.01 --numbers conflicts,gaps,min_distance_r --out run.csv
   tilescope curve --count 5000 --variant as-printed --numbers samples,gaps
   tilescope curve --count 2000 --method reference --numbers density,low_power --moments 200
+  tilescope curve --size 10x10x10 --radius 1 --numbers samples,density,active_cubes
   tilescope curve --session lecture.json --out lecture.csv"
     )
 }
@@ -77,7 +90,15 @@ Examples:
 fn options_of_runs() -> Vec<&'static str> {
     let parameters = Parameter::all().map(Parameter::key);
     parameters
-        .chain(["count", "pattern", "pattern-radius", "levels", "exactly"])
+        .chain([
+            "count",
+            "pattern",
+            "pattern-radius",
+            "levels",
+            "exactly",
+            "depth",
+            "sides",
+        ])
         .collect()
 }
 
@@ -90,16 +111,14 @@ pub fn run(arguments: &CurveArguments) -> Result<u8> {
         check_inputs_stay(path, inputs.into_iter().flatten().map(PathBuf::as_path))?;
         check_file(path).context("--out")?;
     }
-    // A misspelt number is refused before the run is made.
-    let numbers = if arguments.numbers.is_empty() {
-        // Without a choice all numbers but those that need a spectrum at every row, which takes far longer.
-        let quick = live_numbers().filter(|number| !is_of_spectrum(number));
-        quick.collect()
-    } else {
-        numbers_named(&arguments.numbers).context("--numbers")?
-    };
+    // A misspelt number is refused before the run is made. Whether a saved session is of a set in space, its file says.
+    let is_in_space = arguments.space.is_given();
+    if arguments.session.is_none() {
+        numbers_of(arguments, is_in_space)?;
+    }
 
     let followed = course(arguments)?;
+    let numbers = numbers_of(arguments, followed.is_in_space())?;
     // More samples than a spectrum can follow are refused here, before the first number is computed.
     let maker = CurveMaker::new(Arc::new(followed), &numbers, arguments.moments)?;
     let table = made(maker)?.csv();
@@ -108,6 +127,20 @@ pub fn run(arguments: &CurveArguments) -> Result<u8> {
         None => output::emit(&table)?,
     }
     Ok(EXIT_FINE)
+}
+
+/// Returns the numbers that the arguments ask for, of a run in space or of a planar one.
+fn numbers_of(arguments: &CurveArguments, is_in_space: bool) -> Result<Vec<&'static SetNumber>> {
+    let keys = &arguments.numbers;
+    match (keys.is_empty(), is_in_space) {
+        (true, true) => Ok(space_numbers().collect()),
+        // Without a choice all numbers but those that need a spectrum at every row, which takes far longer.
+        (true, false) => Ok(live_numbers()
+            .filter(|number| !is_of_spectrum(number))
+            .collect()),
+        (false, true) => space_numbers_named(keys).context("--numbers"),
+        (false, false) => numbers_named(keys).context("--numbers"),
+    }
 }
 
 /// Makes a curve with a bar; stops on Ctrl-C.
@@ -133,18 +166,23 @@ fn course(arguments: &CurveArguments) -> Result<Course> {
         return Ok(Course::of_recording(&recording));
     }
 
+    if arguments.space.is_given() {
+        return course_in_space(arguments, &mut watch);
+    }
+
+    let method = arguments.method.unwrap_or(SamplingMethod::Kdrt);
     let mut recipe = arguments.run.recipe()?;
     if let Some(nested) = arguments.nested.request()? {
         // Nested levels are defined for randomized tiling alone. How many samples there may be is checked only where the
         // course is made, since `--exactly` replaces the radius.
-        ensure!(arguments.method == SamplingMethod::Kdrt, "{NEEDS_KDRT}");
+        ensure!(method == SamplingMethod::Kdrt, "{NEEDS_KDRT}");
         ask_for_levels(&nested, &recipe.parameters)?;
         return Ok(Course::of_levels(&recipe, &nested, &mut watch)?);
     }
 
     // Checked before the radius of a count is searched for, and before memory is asked for.
     Course::check(&recipe.parameters)?;
-    match arguments.method {
+    match method {
         SamplingMethod::Kdrt => {
             // The course keeps all samples in memory, which limits how many there may be.
             let in_memory = true;
@@ -163,6 +201,40 @@ fn course(arguments: &CurveArguments) -> Result<Course> {
             Ok(Course::of_exact(&recipe, &mut watch)?)
         }
     }
+}
+
+/// Makes the run of a set in space, and returns its course.
+fn course_in_space(arguments: &CurveArguments, watch: &mut Stopwatch) -> Result<Course> {
+    let (option, nested) = (arguments.space.option(), &arguments.nested);
+    refuse_other_parameters(arguments.method, &arguments.run.typed, option, &USED)?;
+    let why = format!("{option} makes a whole set in space, by the reference sampler");
+    let given = [
+        ("--levels", nested.levels.is_some()),
+        ("--exactly", nested.exactly.is_some()),
+        ("--pattern", arguments.run.pattern.is_some()),
+    ];
+    refuse(&given, &why)?;
+
+    let asked = &arguments.run.asked;
+    let size = (arguments.space)
+        .size([asked.width, asked.height])
+        .context("a set in space has three sides")?;
+    let (boundary, seed) = (asked.boundary, asked.seed);
+    let domain = match arguments.run.count {
+        Some(count) => {
+            let request = SolidRequest {
+                size,
+                boundary,
+                seed,
+            };
+            // An estimate is near enough to refuse a number before sets are made in search of the radius.
+            let estimate = request.radius_estimate(count)?;
+            Course::check_space(&SolidDomain::from_size(size, estimate, boundary)?)?;
+            request.of_count(count, watch)?.domain
+        }
+        None => SolidDomain::from_size(size, asked.radius, boundary)?,
+    };
+    Ok(Course::of_space(domain, seed, watch)?)
 }
 
 /// Makes the run of a saved session, and checks that it is the same run.
@@ -193,7 +265,8 @@ fn pattern_beside(session: &Path, file: &PatternFile) -> Result<Pattern> {
 mod tests {
     use std::fs;
 
-    use tilescope_core::{Parameters, PatternSpec, Unobserved};
+    use clap::Parser;
+    use tilescope_core::{Parameters, PatternSpec, Unobserved, solid_sample};
     use tilescope_debugger::{DEFAULT_BUDGET, pattern_digest};
     use tilescope_formats::{ExportContext, PointSet, export};
 
@@ -266,5 +339,92 @@ mod tests {
         export(&folder.path().join("pattern.npy"), &set, &context, &go_on).unwrap();
         let recording = of_session(&path, &mut Stopwatch::start()).unwrap();
         assert_eq!(tilescope_debugger::digest(recording.run()), session.digest);
+    }
+
+    /// Reads the words of a command line.
+    fn arguments(words: &[&str]) -> CurveArguments {
+        let words = ["tilescope", "curve"].iter().chain(words);
+        match crate::Arguments::try_parse_from(words).unwrap().command {
+            Some(crate::Command::Curve(arguments)) => *arguments,
+            _ => panic!("a curve"),
+        }
+    }
+
+    #[test]
+    fn a_curve_in_space_has_the_numbers_of_the_set() {
+        let folder = tempfile::tempdir().unwrap();
+        let path = folder.path().join("run.csv");
+        let out = path.to_str().unwrap();
+        let words = [
+            "--size", "10x10x4", "--radius", "1", "--seed", "3", "--out", out,
+        ];
+        assert_eq!(run(&arguments(&words)).unwrap(), EXIT_FINE);
+
+        let table = fs::read_to_string(&path).unwrap();
+        let mut rows = table.lines();
+        assert_eq!(
+            rows.next(),
+            Some(
+                "event,stage,samples,density,min_distance_r,conflicts,relative_radius,active_cubes"
+            )
+        );
+        // At first nothing has arrived, and at the end no cube is active.
+        assert!(
+            rows.next().is_some_and(|row| row.ends_with(",0,0,,0,,0")),
+            "{table:.200}"
+        );
+        let domain =
+            SolidDomain::from_size([10.0, 10.0, 4.0], 1.0, tilescope_core::Boundary::Periodic);
+        let made = solid_sample(domain.unwrap(), 3, &mut Unobserved).unwrap();
+        let last: Vec<&str> = rows.next_back().unwrap().split(',').collect();
+        assert_eq!(last[2], made.len().to_string());
+        assert_eq!((last[5], last[7]), ("0", "0"));
+
+        // About so many samples by a radius that is searched for.
+        let words = [
+            "--size",
+            "10x10x4",
+            "--count",
+            "300",
+            "--numbers",
+            "samples",
+        ];
+        assert_eq!(
+            course(&arguments(&words))
+                .unwrap()
+                .final_count()
+                .abs_diff(300)
+                / 4,
+            0
+        );
+    }
+
+    #[test]
+    fn options_and_numbers_of_planar_runs_are_refused_in_space() {
+        let refused = |words: &[&str]| {
+            let words = [&["--size", "10x10x4", "--radius", "1"], words].concat();
+            crate::describe(&run(&arguments(&words)).unwrap_err())
+        };
+        for (words, part) in [
+            (
+                &["--numbers", "gaps"][..],
+                "\"gaps\" is not followed in space",
+            ),
+            (
+                &["--method", "kdrt"],
+                "--method kdrt: --size makes a set in space",
+            ),
+            (&["--leaf", "9"], "--leaf: --size makes a set in space"),
+            (&["--levels", "3"], "--levels: --size makes a whole set"),
+        ] {
+            let said = refused(words);
+            assert!(said.contains(part), "{said}");
+        }
+        let large = arguments(&["--size", "1000x1000x1000", "--radius", "1"]);
+        let said = crate::describe(&run(&large).unwrap_err());
+        assert!(
+            said.contains("about 733") && said.contains("2000000"),
+            "{said}"
+        );
     }
 }

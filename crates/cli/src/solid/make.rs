@@ -22,7 +22,7 @@ use crate::verdict_code;
 use super::{check_judge, refuse, verdict};
 
 /// The parameters that a set of balls has.
-const USED: [Parameter; 5] = [
+pub const USED: [Parameter; 5] = [
     Parameter::Width,
     Parameter::Height,
     Parameter::Radius,
@@ -63,13 +63,8 @@ pub(super) fn refuse_planar(
     option: &str,
     used: &[Parameter],
 ) -> Result<()> {
-    let why = format!("{option} makes a set in space, by the reference sampler");
-    // The reference sampler makes every set in space: to ask for it by name changes nothing.
-    match arguments.method {
-        None | Some(SamplingMethod::Reference) => {}
-        Some(SamplingMethod::Kdrt) => bail!("--method kdrt: {why}; leave it out"),
-        Some(SamplingMethod::Exact) => bail!("--method exact: {why}; leave it out"),
-    }
+    let why = in_space(option);
+    refuse_other_parameters(arguments.method, &arguments.run.typed, option, used)?;
     // The reference sampler takes fields and shapes in the plane, but they depend on x and y alone.
     if let Some(ground) = arguments.ground.option() {
         bail!("{ground}: {why}, with one radius in a whole box; leave it out");
@@ -84,11 +79,31 @@ pub(super) fn refuse_planar(
     ];
     refuse(&given, &why)?;
     arguments.engine.check_on_cpu("the reference sampler")?;
-    check_judge(&arguments.judge)?;
+    check_judge(&arguments.judge)
+}
+
+/// Says why options of planar sets are refused beside the option that makes a set in space.
+fn in_space(option: &str) -> String {
+    format!("{option} makes a set in space, by the reference sampler")
+}
+
+/// Refuses other samplers than that of sets in space, and parameters that were typed but are not among those `used`.
+pub fn refuse_other_parameters(
+    method: Option<SamplingMethod>,
+    typed: &[Parameter],
+    option: &str,
+    used: &[Parameter],
+) -> Result<()> {
+    let why = in_space(option);
+    // The reference sampler makes every set in space: to ask for it by name changes nothing.
+    match method {
+        None | Some(SamplingMethod::Reference) => {}
+        Some(SamplingMethod::Kdrt) => bail!("--method kdrt: {why}; leave it out"),
+        Some(SamplingMethod::Exact) => bail!("--method exact: {why}; leave it out"),
+    }
 
     // Only a typed option is refused, as all have defaults.
-    let typed = arguments.run.typed.iter();
-    match typed.copied().find(|typed| !used.contains(typed)) {
+    match typed.iter().find(|typed| !used.contains(typed)) {
         Some(typed) => bail!("--{}: {why}; leave it out", typed.key()),
         None => Ok(()),
     }
