@@ -6,6 +6,7 @@ pub mod measured;
 mod measuring;
 pub mod reference;
 pub mod reference_file;
+pub mod solid;
 
 use std::sync::Arc;
 

@@ -10,7 +10,7 @@ use serde::{Deserialize, Deserializer, Serialize, Serializer, de::Error as _};
 use tilescope_analysis::measures::SetNumber;
 use tilescope_core::Stage;
 use tilescope_debugger::Direction;
-use tilescope_live::{Curve, CurveMaker, FRAME_STEPS, live_numbers};
+use tilescope_live::{Curve, CurveMaker, FRAME_STEPS, all_live_numbers, number_of_run};
 use tilescope_session::jobs::{Job, Monitor, Wake};
 use tilescope_session::session::Session;
 use tilescope_session::task::{self, SessionRef, Task};
@@ -32,9 +32,15 @@ const SLICE: u64 = 5 * FRAME_STEPS;
 pub struct CurveNumber(&'static SetNumber);
 
 impl CurveNumber {
-    /// Returns every one, in the sequence of tables.
+    /// Returns every one, in the sequence of tables; those that sets in space alone have come last.
     pub fn all() -> impl Iterator<Item = Self> {
-        live_numbers().map(Self)
+        all_live_numbers().map(Self)
+    }
+
+    /// Returns the number of this key that runs in space or planar runs have; `None` if they have none.
+    #[must_use]
+    pub fn of_runs(self, is_in_space: bool) -> Option<Self> {
+        number_of_run(self.key(), is_in_space).map(Self)
     }
 
     /// Returns the number with a key, if it can be had at every moment.
@@ -289,11 +295,15 @@ impl RunCurve {
 
     /// Takes a finished curve, and starts that of `number` unless it is known or at work; `None` stops the work.
     pub fn want(&mut self, session: &Arc<Session>, number: Option<CurveNumber>, wake: &Wake) {
+        // Its unit and its meaning are those that it has in this run.
+        let is_in_space = session.solid.is_some();
+        let of_run = |number: CurveNumber| number.of_runs(is_in_space).unwrap_or(number);
+        let number = number.map(of_run);
         let wanted = number.map(|number| (session.generation, number));
         if self.of != wanted {
             self.of = wanted;
             // A session without measurable moments is refused here, before any work begins.
-            self.making = match (number, refused(session)) {
+            self.making = match (number, refused(session, number)) {
                 (None, _) => Making::Nothing,
                 (Some(_), Some(why)) => Making::Failed(why),
                 (Some(number), None) => {
@@ -327,8 +337,24 @@ impl RunCurve {
     }
 }
 
-/// Returns why a session has no curves.
-fn refused(session: &Session) -> Option<String> {
+/// Why a run in space has no curve of a number.
+pub const NOT_IN_SPACE: &str = "This number is not followed in space. Those of curves there are samples, density, smallest distance, conflicts, relative radius and active cubes; open places are judged at the end, and the spectrum is measured at rest.";
+
+/// Why a planar run has no curve of a number.
+pub const NOT_IN_THE_PLANE: &str =
+    "This number is followed in space alone, where cubes are active.";
+
+/// Returns why a session has no curve of a number.
+fn refused(session: &Session, number: Option<CurveNumber>) -> Option<String> {
+    let is_in_space = session.solid.is_some();
+    if number.is_some_and(|number| number.of_runs(is_in_space).is_none()) {
+        let why = if is_in_space {
+            NOT_IN_SPACE
+        } else {
+            NOT_IN_THE_PLANE
+        };
+        return Some(why.to_owned());
+    }
     let is_local = session.ground.is_some();
     is_local
         .then(|| ONE_RADIUS.to_owned())

@@ -228,14 +228,11 @@ pub const GLOBAL: &str = "Global: spectrum and g(r) are of all samples together,
 pub const NO_MEANING: &str =
     "It is not measured in a field or a shape: it is defined for one radius in a rectangle.";
 
-/// Why planes through sets in space are not measured.
-pub const IN_SPACE: &str = "The measures of this panel are those of planar sets, and this set is in space: `tilescope analyze` measures its spectrum and its pairs. Its verdict is by cubes and by circles.";
+/// What of a set in space moves with the run, and what does not.
+pub const IN_SPACE: &str = "These numbers are of the whole box, by distances in space, and move with the run. Spectrum and g(r) are measured at rest, and open places are judged at the end, by cubes and by circles.";
 
 /// Returns why a run has no measures that move with it.
 pub(crate) fn refusal(session: &Session) -> Option<String> {
-    if session.solid.is_some() {
-        return Some(IN_SPACE.to_owned());
-    }
     // A set in a field or a shape without events is not measured at rest either, so that the reason does not offer
     // that.
     if session.ground.is_some() && session.recording().is_none() {

@@ -42,6 +42,7 @@ tasks! {
     crate::state::run_view::FindEventsTask,
     crate::analysis::StartMeasuringTask,
     crate::analysis::ContinueMeasuringTask,
+    crate::analysis::solid::MeasureSolidTask,
     crate::analysis::reference::MeasureReferenceTask,
     crate::analysis::brush::BrushTask,
     crate::curve::CurveTask,

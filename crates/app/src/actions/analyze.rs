@@ -39,7 +39,8 @@ pub(super) fn add(list: &mut List, state: &State) {
         .refused(is_without.then_some("This run is not compared with a file."));
 
     let measuring = &state.runs().first.measuring;
-    let is_idle = measuring.progress().is_none();
+    let in_space = &state.runs().first.solid_measuring;
+    let is_idle = measuring.progress().is_none() && in_space.progress().is_none();
     let stop = Command::Analysis(AnalysisCommand::Stop);
     list.add("Cancel measuring", stop)
         .refused(is_idle.then_some("Nothing is being measured."));

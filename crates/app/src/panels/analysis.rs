@@ -8,6 +8,7 @@ mod difference;
 mod numbers;
 mod picture;
 mod plot;
+mod space;
 
 use std::sync::Arc;
 
@@ -29,7 +30,7 @@ use tilescope_workbench::analysis::reference_file::ReferenceFile;
 use tilescope_workbench::analysis::{Analysis, AnalysisCommand, name_of};
 use tilescope_workbench::command::{Command, Which};
 use tilescope_workbench::files::{FileCommand, Purpose};
-use tilescope_workbench::live::{GLOBAL, IN_SPACE, Live};
+use tilescope_workbench::live::{GLOBAL, Live};
 use tilescope_workbench::state::{RunView, State};
 
 /// Minimum width of the panel for two columns of charts, in screen points.
@@ -70,6 +71,8 @@ struct RunMeasures<'a> {
     before: Option<&'a MeasuredSet>,
     /// Whether the radius depends on the place, or the domain is a shape.
     is_local: bool,
+    /// Whether the set is in space, and its numbers are those of sets there.
+    is_in_space: bool,
 }
 
 impl<'a> RunMeasures<'a> {
@@ -92,6 +95,7 @@ impl<'a> RunMeasures<'a> {
             live: run.live.of(shown).map(|set| &**set).filter(|_| is_wanted),
             before: before.filter(|_| is_wanted),
             is_local: shown.session.ground.is_some(),
+            is_in_space: shown.session.solid.is_some(),
         }
     }
 
@@ -164,10 +168,9 @@ pub fn show(ui: &mut Ui, context: &AnalysisContext<'_>, commands: &mut Vec<Comma
         return;
     };
 
-    // A set in space has no measures here: those of this panel are defined for planar sets.
+    // A set in space has numbers and charts of its own.
     if shown.session.solid.is_some() {
-        lines(ui, RichText::new(IN_SPACE).color(palette.muted)).known_as("analysis.status");
-        return;
+        return space::show(ui, context, &shown, commands);
     }
 
     // Commands of the analysis are collected apart, and become commands of the window at the end.

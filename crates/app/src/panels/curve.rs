@@ -44,7 +44,7 @@ pub fn show(
     track: Rect,
     commands: &mut Vec<Command>,
 ) {
-    let (Some(number), Some(session)) = (context.curve.number, &context.run.session) else {
+    let (Some(number), Some(session)) = (number_of(context), &context.run.session) else {
         return;
     };
 
@@ -72,12 +72,25 @@ pub fn show_alone(ui: &mut Ui, context: &TimeContext<'_>, commands: &mut Vec<Com
     };
     heading(ui, "Curve of the run");
     chooser(ui, context, commands);
-    if let Some(number) = context.curve.number {
+    if let Some(number) = number_of(context) {
         let room = vec2(ui.available_width(), f32::from(context.curve.height));
         let (chart, _) = ui.allocate_exact_size(room, Sense::hover());
         let segments = track::segments_within(session, chart);
         chart_of(ui, context, session, number, &segments, chart, commands);
     }
+}
+
+/// Returns whether the run is of a set in space.
+fn is_in_space(context: &TimeContext<'_>) -> bool {
+    let session = context.run.session.as_ref();
+    session.is_some_and(|session| session.solid.is_some())
+}
+
+/// Returns the number of the curve with the unit that it has in this run. One that the run does not have stays as it was chosen, and
+/// in the place of its curve stands why.
+fn number_of(context: &TimeContext<'_>) -> Option<CurveNumber> {
+    let number = context.curve.number?;
+    number.of_runs(is_in_space(context)).or(Some(number))
 }
 
 /// Shows the chart, or why there is none yet.
@@ -105,7 +118,7 @@ fn chart_of(
 
 /// Shows the choice of the number, its value at the moment, and the buttons that save and hide the curve.
 fn chooser(ui: &mut Ui, context: &TimeContext<'_>, commands: &mut Vec<Command>) {
-    let number = context.curve.number;
+    let number = number_of(context);
     let named = |number: Option<CurveNumber>| {
         number.map_or_else(
             || "No curve".to_owned(),
@@ -116,7 +129,10 @@ fn chooser(ui: &mut Ui, context: &TimeContext<'_>, commands: &mut Vec<Command>) 
     let combo = ComboBox::from_id_salt("curve").width(ui.available_width().min(230.0));
     let selected = ui.words(named(number));
     let shown = combo.selected_text(selected).show_ui(ui, |ui| {
-        for other in [None].into_iter().chain(CurveNumber::all().map(Some)) {
+        // Those of the run's kind, with what they mean there.
+        let is_in_space = is_in_space(context);
+        let of_run = CurveNumber::all().filter_map(|number| number.of_runs(is_in_space));
+        for other in [None].into_iter().chain(of_run.map(Some)) {
             let row = ui.selectable_label(other == number, ui.words(named(other)));
             row.known_as(format_args!(
                 "curve.{}",

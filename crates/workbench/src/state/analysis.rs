@@ -18,7 +18,10 @@ impl Runs {
         for run in [Some(&mut self.first), second].into_iter().flatten() {
             match command {
                 AnalysisCommand::Stop => run.stop_measuring(),
-                AnalysisCommand::Resume => run.measuring.resume(),
+                AnalysisCommand::Resume => {
+                    run.measuring.resume();
+                    run.solid_measuring.resume();
+                }
                 AnalysisCommand::Clear | AnalysisCommand::Brush(_) => {}
             }
         }
@@ -40,8 +43,12 @@ impl Analysis {
         if !is_seen {
             return self.rest();
         }
-        if let (Some(session), Some(shown)) = (&run.session, run.shown()) {
-            self.want(session, &shown, wake);
+        match (&run.session, run.shown()) {
+            // Reference and brush are of planar sets.
+            (Some(session), Some(shown)) if session.solid.is_none() => {
+                self.want(session, &shown, wake);
+            }
+            _ => self.rest(),
         }
     }
 

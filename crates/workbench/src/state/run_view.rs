@@ -18,6 +18,7 @@ use tilescope_session::verification::{Verdict, WitnessMark};
 
 use super::{Appearance, Verification};
 use crate::analysis::Measuring;
+use crate::analysis::solid::SolidMeasuring;
 use crate::curve::RunCurve;
 use crate::live::Live;
 use crate::orbit::RunOrbit;
@@ -79,6 +80,8 @@ pub struct RunView {
     pub live: Live,
     /// All measures of the moment, once it rests.
     pub measuring: Measuring,
+    /// The spectrum and g(r) of the moment of a set in space, once it rests.
+    pub solid_measuring: SolidMeasuring,
     /// The curve of the run.
     pub curve: RunCurve,
     /// The parameters of the session being made, if no file is part of its input.
@@ -137,6 +140,7 @@ impl Default for RunView {
             geometry: Geometry::default(),
             live: Live::default(),
             measuring: Measuring::default(),
+            solid_measuring: SolidMeasuring::default(),
             curve: RunCurve::default(),
             asked: None,
             rows: None,

@@ -22,5 +22,6 @@ mod parts;
 mod runs;
 mod script;
 mod space;
+mod space_measures;
 mod stipple;
 mod tiled_shapes;

@@ -45,7 +45,7 @@ fn view(state: &mut State, command: ViewCommand) {
 }
 
 /// A window with a set in a box.
-fn made() -> State {
+pub(crate) fn made() -> State {
     let mut state = State::new(Arc::new(|| {}));
     state.settle();
     for (parameter, text) in BOX {
@@ -57,11 +57,11 @@ fn made() -> State {
     state
 }
 
-fn session(state: &State) -> &Arc<Session> {
+pub(crate) fn session(state: &State) -> &Arc<Session> {
     state.runs().first.session.as_ref().expect("a session")
 }
 
-fn solid(state: &State) -> &MadeSolid {
+pub(crate) fn solid(state: &State) -> &MadeSolid {
     session(state).solid.as_ref().expect("a set in space")
 }
 

@@ -4,7 +4,7 @@
 use egui::{
     Align2, Color32, FontId, Rangef, Rect, Response, Role, Sense, Ui, WidgetInfo, pos2, vec2,
 };
-use tilescope_analysis::measures::{CATALOGUE, MeasuredSet, Part, SetNumber};
+use tilescope_analysis::measures::{CATALOGUE, MeasuredSet, Part, SPACE_CATALOGUE, SetNumber};
 use tilescope_session::words::{conflicts_in, counted, grouped, sentence};
 use tilescope_ui::language::Worded;
 use tilescope_ui::table::{SpokenCell, spoken_row, table};
@@ -42,12 +42,14 @@ impl Column {
     /// Returns the columns of a table, the most important first: those that have room.
     fn of(sets: &Sets<'_>, width: f32) -> Vec<Self> {
         let compared = sets.second.is_some();
+        // The set of reference and files are planar.
+        let is_planar = !sets.first.is_in_space;
         let all = [
             (Self::Moment, true),
             (Self::Second, compared),
             (Self::Difference, compared),
-            (Self::Reference, true),
-            (Self::File, sets.reference_file.is_some()),
+            (Self::Reference, is_planar),
+            (Self::File, is_planar && sets.reference_file.is_some()),
         ];
         let shown = all.into_iter().filter(|(_, is_there)| *is_there);
         // Two runs and their difference are shown in any case, however narrow the panel.
@@ -81,23 +83,34 @@ pub fn show(ui: &mut Ui, sets: &Sets<'_>) {
     let of_heads = heads.iter().map(|head| ((*head).to_owned(), is_outdated));
     let of_heads: Vec<(String, bool)> = of_heads.collect();
 
-    let named = CATALOGUE.iter().filter(|number| number.short.is_some());
+    let catalogue = if sets.first.is_in_space {
+        SPACE_CATALOGUE
+    } else {
+        CATALOGUE
+    };
+    let named = catalogue.iter().filter(|number| number.short.is_some());
     // The heads are a row, and the names a column.
     let size = [named.count() + 1, columns.len() + 1];
     let name = ui.words("Numbers of the sets");
     table(ui, &name, size, Role::Table, |ui| {
         row(ui, sets, 0, ("", ""), &heads, &of_heads, "");
-        numbers(ui, sets, &columns, &heads);
+        numbers(ui, sets, catalogue, &columns, &heads);
     });
 }
 
 /// Shows the rows of numbers below the heads.
-fn numbers(ui: &mut Ui, sets: &Sets<'_>, columns: &[Column], heads: &[&str]) {
+fn numbers(
+    ui: &mut Ui,
+    sets: &Sets<'_>,
+    catalogue: &'static [SetNumber],
+    columns: &[Column],
+    heads: &[&str],
+) {
     let is_outdated = false;
 
     // The file keeps its own unit. It is judged by this run's r, whose length in that unit is `sets.unit`.
     let file = (sets.reference_file).map(|file| file.measured.with_radius(sets.unit));
-    let named = CATALOGUE
+    let named = catalogue
         .iter()
         .filter_map(|number| Some((number, number.short?)));
     for (index, (number, name)) in named.enumerate() {
@@ -198,7 +211,10 @@ fn text_of(number: &SetNumber, set: &MeasuredSet) -> Option<String> {
 
 /// Returns whether a number is not known while the run moves, though the set has one.
 fn awaits_rest(number: &SetNumber, live: &MeasuredSet) -> bool {
-    live.samples >= MIN_SAMPLES && number.needs.is_some_and(|part| !live.knows(part))
+    // In space all numbers are followed.
+    live.space.is_none()
+        && live.samples >= MIN_SAMPLES
+        && number.needs.is_some_and(|part| !live.knows(part))
 }
 
 /// Returns whether a number is one of this run. In a field or a shape these are counts, with conflicts and open places by the judge

@@ -165,23 +165,26 @@ impl RunView {
 
         if !asked.is_analysed {
             self.measuring.rest();
+            self.solid_measuring.rest();
         }
 
         // These are taken out of the run, because they change while `shown` borrows it.
         let (mut live, mut geometry) = (take(&mut self.live), take(&mut self.geometry));
         let mut measuring = take(&mut self.measuring);
+        let mut solid_measuring = take(&mut self.solid_measuring);
 
         if let (Some(session), Some(shown)) = (&self.session, self.shown()) {
             let layers = session.drawable(asked.layers).drawn_at(shown.stage);
             // The panel of the analysis shows all measures; a part of the frequencies will do while all would take too many steps.
-            // Its measures are those of the plane.
-            let is_analysed = asked.is_analysed && session.solid.is_none();
+            // Of a set in space distances alone are followed.
+            let is_in_space = session.solid.is_some();
+            let is_analysed = asked.is_analysed && !is_in_space;
             // The measures of circles are those of one radius in a rectangle.
-            let has_circles = session.ground.is_none() && session.solid.is_none();
+            let has_circles = session.ground.is_none() && !is_in_space;
             let wanted = Wanted {
                 spectrum: is_analysed,
                 thinned: is_analysed,
-                pairs: is_analysed,
+                pairs: asked.is_analysed,
                 // Where disks have radii of their own, and in a shape, gaps are looked for pixel by pixel.
                 cover: is_analysed || layers.has_gaps() && has_circles,
             };
@@ -189,24 +192,30 @@ impl RunView {
             if is_analysed && has_circles {
                 measuring.want(session, &shown, &context.wake);
             }
+            if asked.is_analysed && is_in_space {
+                solid_measuring.want(session, &shown, &context.wake);
+            }
             if let Some(cover) = live.cover(&shown).filter(|_| layers.has_gaps()) {
                 geometry.take_borders(&shown, cover);
             }
-            if layers.wants_geometry() && session.solid.is_none() {
+            if layers.wants_geometry() && !is_in_space {
                 geometry.want(session, &shown, layers.has_net(), &context.wake);
             }
         }
 
         (self.live, self.geometry, self.measuring) = (live, geometry, measuring);
+        self.solid_measuring = solid_measuring;
     }
 
     /// Stops measuring the moment.
     pub(in crate::state) fn stop_measuring(&mut self) {
         let mut measuring = take(&mut self.measuring);
+        let mut solid_measuring = take(&mut self.solid_measuring);
         if let Some(shown) = self.shown() {
             measuring.stop(&shown);
+            solid_measuring.stop(&shown);
         }
-        self.measuring = measuring;
+        (self.measuring, self.solid_measuring) = (measuring, solid_measuring);
     }
 
     /// Takes finished work on the session.
@@ -248,7 +257,7 @@ impl RunView {
             self.geometry.settle();
         }
         // Each round measures one more part.
-        while self.measuring.settle() {
+        while self.measuring.settle() || self.solid_measuring.settle() {
             self.follow_moment(asked, context);
         }
 
