@@ -93,6 +93,24 @@ impl Course {
         recorder.finish(domain, points)
     }
 
+    /// Returns the course of a set in space in the order of arrival: a cursor is a number of samples. `points` are the projections, and
+    /// `heights` where each lies along the third axis, in units.
+    #[must_use]
+    pub fn of_arrivals(
+        solid: SolidDomain,
+        projected: Domain,
+        points: &[Point],
+        heights: Arc<[i32]>,
+    ) -> Self {
+        Self {
+            third: Some(Third {
+                domain: solid,
+                heights,
+            }),
+            ..Self::of_order(projected, points)
+        }
+    }
+
     /// Returns whether the run is of a set in space. Its places are then the projections to x and y.
     #[must_use]
     pub const fn is_in_space(&self) -> bool {

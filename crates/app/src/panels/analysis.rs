@@ -80,6 +80,8 @@ impl<'a> RunMeasures<'a> {
     fn of(run: &'a RunView, shown: &ShownMoment<'a>) -> Self {
         let measuring = &run.measuring;
         let now = measuring.of(shown).map(|known| &*known.measured);
+        // A set in space has those of a moment at rest only if it has no events.
+        let now = now.or_else(|| run.solid_measuring.numbers(shown));
         let is_whole = now.is_some_and(|now| missing(now).is_none());
         // Until the measures at rest are whole, others stand in for them. Where measuring has failed, these would hide
         // the failure.

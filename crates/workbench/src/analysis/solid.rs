@@ -5,7 +5,9 @@
 use std::sync::Arc;
 
 use serde::{Deserialize, Serialize};
+use tilescope_analysis::measures::MeasuredSet;
 use tilescope_analysis::{SolidCorrelation, SolidError, SolidRegion, SolidSpectrum};
+use tilescope_live::{Course, LiveMoment, Wanted};
 use tilescope_session::geometry::{Key, key_of};
 use tilescope_session::jobs::{Job, Monitor, Wake};
 use tilescope_session::moment::{Moment, ShownMoment};
@@ -23,9 +25,11 @@ pub const REACH: f64 = 4.0;
 /// The fewest samples that are measured, as in the plane.
 const MIN_SAMPLES: usize = 3;
 
-/// The spectrum and g(r) of a set in space. Lengths are in radii.
+/// The numbers, the spectrum and g(r) of a set in space. Lengths of the latter are in radii.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct SolidMeasures {
+    /// The numbers of a set without events, which has no run that they could move with.
+    pub numbers: Option<MeasuredSet>,
     /// The power by shells of frequency.
     pub spectrum: SolidSpectrum,
     /// g(r), up to 4 r or half the shortest side.
@@ -91,6 +95,13 @@ impl SolidMeasuring {
         let known = self.known.as_ref()?;
         let key = key_of(shown);
         (known.key.0 == key.0).then(|| (known, known.key == key))
+    }
+
+    /// Returns the numbers of a set without events, once they are measured.
+    #[must_use]
+    pub fn numbers(&self, shown: &ShownMoment<'_>) -> Option<&MeasuredSet> {
+        let (known, is_shown) = self.last(shown)?;
+        known.measures.numbers.as_ref().filter(|_| is_shown)
     }
 
     /// Returns whether a moment is measured.
@@ -220,11 +231,39 @@ impl Task for MeasureSolidTask {
                 "{count}; at least {MIN_SAMPLES} are needed to be measured."
             )));
         }
-        measured(&points, region_in_radii(solid), monitor).map_err(|error| match error {
+        let measured = measured(&points, region_in_radii(solid), monitor);
+        let measures = measured.map_err(|error| match error {
             SolidError::Cancelled => None,
             error => Some(sentence(&error.to_string())),
+        })?;
+        // A run with events has its numbers at every moment, and also at rest.
+        let numbers = match session.recording() {
+            Some(_) => None,
+            None => Some(numbers(session, solid)?),
+        };
+        Ok(SolidMeasures {
+            numbers,
+            ..measures
         })
     }
+}
+
+/// Returns the numbers of a whole set.
+fn numbers(session: &Session, solid: &MadeSolid) -> Result<MeasuredSet, String> {
+    let run = session.run();
+    let ids = 0..run.samples.len() as u32;
+    let heights = ids.map(|id| solid.height(id)).collect();
+    let course = Course::of_arrivals(solid.domain, run.domain, &run.samples.points, heights);
+
+    let wanted = Wanted {
+        pairs: true,
+        ..Wanted::default()
+    };
+    let events = course.events();
+    let mut moment = LiveMoment::new(Arc::new(course));
+    let moved = moment.seek(events, wanted, u64::MAX);
+    moved.map_err(|error| sentence(&error.to_string()))?;
+    Ok(moment.measured())
 }
 
 /// Returns the places of the samples that have arrived, in radii.
@@ -264,6 +303,7 @@ fn measured(
     monitor.set_activity("spectrum");
     let spectrum = SolidSpectrum::of(points, region, SolidSpectrum::USUAL, &control)?;
     Ok(SolidMeasures {
+        numbers: None,
         spectrum,
         correlation,
     })

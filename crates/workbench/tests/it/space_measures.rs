@@ -4,7 +4,8 @@ use std::ops::ControlFlow;
 
 use tilescope_analysis::measures::{MeasuredSet, space_number};
 use tilescope_analysis::{JudgeChoice, SolidReport, VerifyOptions, verify_solid};
-use tilescope_workbench::command::{AppearanceCommand, TimeCommand, WindowCommand};
+use tilescope_core::Parameter;
+use tilescope_workbench::command::{AppearanceCommand, FormCommand, TimeCommand, WindowCommand};
 use tilescope_workbench::curve::{CurveNumber, NOT_IN_SPACE, NOT_IN_THE_PLANE};
 use tilescope_workbench::layout::Panel;
 use tilescope_workbench::{Command, State};
@@ -163,4 +164,38 @@ fn curves_of_a_run_in_space_are_its_own() {
     let mut planar = opened();
     curve(&mut planar, "active_cubes");
     assert_eq!(planar.runs().first.curve.failure(), Some(NOT_IN_THE_PLANE));
+}
+
+/// Sets of more than 50,000 samples have no events, and are measured whole.
+#[test]
+#[ignore = "takes long: tests/run --slow runs it"]
+fn a_set_without_events_has_its_numbers_at_rest() {
+    let mut state = analysing();
+    for (parameter, text) in [(Parameter::Width, "42"), (Parameter::Height, "42")] {
+        let command = FormCommand::Type(parameter, text.to_owned());
+        state.apply(Command::Form(command));
+    }
+    for command in [
+        FormCommand::Type(Parameter::Radius, "1".to_owned()),
+        FormCommand::Depth("42".to_owned()),
+    ] {
+        state.apply(Command::Form(command));
+    }
+    state.apply(Command::Run);
+    state.settle();
+
+    let run = &state.runs().first;
+    assert!(run.cursor().is_none());
+    assert!(
+        run.live
+            .refusal()
+            .is_some_and(|why| why.contains("at rest alone"))
+    );
+    let shown = run.shown().expect("a moment");
+    let found = run.solid_measuring.numbers(&shown).expect("numbers");
+    let verdict = &run.verdict().expect("a verdict").report;
+    assert_eq!(found.samples, verdict.count);
+    assert_eq!(value(found, "conflicts").to_bits(), 0.0_f64.to_bits());
+    assert!((value(found, "density") - verdict.density).abs() < 1e-6);
+    assert!((value(found, "min_distance_r") - verdict.min_distance).abs() < 1e-5);
 }

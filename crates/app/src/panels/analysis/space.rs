@@ -52,7 +52,7 @@ pub fn show(
 fn moving(ui: &mut Ui, context: &AnalysisContext<'_>, shown: &ShownMoment<'_>, sets: &Sets<'_>) {
     let palette = context.palette;
     heading(ui, "This moment");
-    let text = status(context.run, shown, sets.first.live);
+    let text = status(context.run, shown, sets.first.now.or(sets.first.live));
     lines(ui, RichText::new(ui.words(text))).known_as("analysis.status");
 
     heading(ui, "Numbers");
@@ -76,10 +76,13 @@ fn status(run: &RunView, shown: &ShownMoment<'_>, live: Option<&MeasuredSet>) ->
         0 => "no conflicts".to_owned(),
         count => counted(count as usize, "conflict", "conflicts"),
     };
+    let samples = counted(live.samples, "sample", "samples");
+    if shown.debugger.is_none() {
+        return format!("At the end: {samples}, {conflicts}.");
+    }
     format!(
-        "At event {}: {}, {conflicts}, {}.",
+        "At event {}: {samples}, {conflicts}, {}.",
         grouped(shown.cursor()),
-        counted(live.samples, "sample", "samples"),
         counted(space.active_cubes as usize, "active cube", "active cubes")
     )
 }
