@@ -385,18 +385,12 @@ mod tests {
             "--size",
             "10x10x4",
             "--count",
-            "300",
+            "400",
             "--numbers",
             "samples",
         ];
-        assert_eq!(
-            course(&arguments(&words))
-                .unwrap()
-                .final_count()
-                .abs_diff(300)
-                / 4,
-            0
-        );
+        let found = course(&arguments(&words)).unwrap().final_count();
+        assert!(found.abs_diff(400) <= 4, "{found}");
     }
 
     #[test]

@@ -1,6 +1,8 @@
 //! Measures that move with a recorded run: those of the module `live` of `tilescope-analysis`, changed by the samples that come
 //! and go between two moments, and any number of the catalogue over the events of a run.
 //!
+//! Of a set in space these are conflicts, the smallest distance, density and active cubes, by distances in space.
+//!
 //! Begin with [`Course`]: which sample comes or goes at which event. [`LiveMoment`] holds the measures of one moment,
 //! [`CurveMaker`] makes a [`Curve`] of all moments.
 //!

@@ -33,6 +33,7 @@ mod scenes;
 mod sentences;
 mod sessions;
 mod snapshots;
+mod space;
 #[path = "../support/mod.rs"]
 mod support;
 mod talk;

@@ -231,6 +231,7 @@ impl Task for MeasureSolidTask {
                 "{count}; at least {MIN_SAMPLES} are needed to be measured."
             )));
         }
+
         let measured = measured(&points, region_in_radii(solid), monitor);
         let measures = measured.map_err(|error| match error {
             SolidError::Cancelled => None,

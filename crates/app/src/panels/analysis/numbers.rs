@@ -5,6 +5,7 @@ use egui::{
     Align2, Color32, FontId, Rangef, Rect, Response, Role, Sense, Ui, WidgetInfo, pos2, vec2,
 };
 use tilescope_analysis::measures::{CATALOGUE, MeasuredSet, Part, SPACE_CATALOGUE, SetNumber};
+use tilescope_core::SOLID_DENSITY;
 use tilescope_session::words::{conflicts_in, counted, grouped, sentence};
 use tilescope_ui::language::Worded;
 use tilescope_ui::table::{SpokenCell, spoken_row, table};
@@ -42,13 +43,13 @@ impl Column {
     /// Returns the columns of a table, the most important first: those that have room.
     fn of(sets: &Sets<'_>, width: f32) -> Vec<Self> {
         let compared = sets.second.is_some();
-        // The set of reference and files are planar.
+        // Files are planar sets.
         let is_planar = !sets.first.is_in_space;
         let all = [
             (Self::Moment, true),
             (Self::Second, compared),
             (Self::Difference, compared),
-            (Self::Reference, is_planar),
+            (Self::Reference, true),
             (Self::File, is_planar && sets.reference_file.is_some()),
         ];
         let shown = all.into_iter().filter(|(_, is_there)| *is_there);
@@ -118,6 +119,9 @@ fn numbers(
             Column::Moment => now(number, &sets.first),
             Column::Second => sets.second.map_or_else(unknown, |run| now(number, &run)),
             Column::Difference => (difference(number, sets).unwrap_or_else(dash), is_outdated),
+            Column::Reference if sets.first.is_in_space => {
+                (in_space(number).unwrap_or_else(dash), is_outdated)
+            }
             Column::Reference => {
                 let set = sets.reference.map(|set| &**set);
                 (
@@ -146,6 +150,11 @@ fn numbers(
 
 fn dash() -> String {
     "\u{2013}".to_owned()
+}
+
+/// Returns the number of large maximal sets in space, of which the density alone is known.
+fn in_space(number: &SetNumber) -> Option<String> {
+    (number.key == "density").then(|| format!("{SOLID_DENSITY:.4}"))
 }
 
 fn unknown() -> (String, bool) {

@@ -105,7 +105,7 @@ fn resting(
     let power = Plot {
         title: "Power by shells P(\u{3bd})",
         x: PlotAxis {
-            label: "frequency \u{3bd} = |k| / \u{221b}(N/V)",
+            label: "frequency \u{3bd} = |k| (V/N)^(1/3)",
             sign: "\u{3bd}",
             range: [0.0, SolidSpectrum::USUAL],
         },
@@ -178,6 +178,7 @@ fn progress(
             cancel.known_as("analysis.cancel");
             let cancel = cancel.on_hover_text("Stops measuring this moment.");
             command = cancel.clicked().then_some(AnalysisCommand::Stop);
+
             let bar = ProgressBar::new(fraction).desired_height(6.0);
             named_bar(ui, bar.desired_width(56.0), "Measuring", context.palette);
         } else if measuring.is_stopped(shown) && !measuring.is_measured(shown) {
@@ -209,6 +210,7 @@ fn curves(
             },
         })
     };
+
     let first_line = (Dash::Solid, context.palette.accent);
     let Some(second) = context.second else {
         let first = of_run(context.run, shown, "this moment", first_line);
