@@ -174,9 +174,9 @@ impl From<CurveError> for Failure {
     fn from(error: CurveError) -> Self {
         match error {
             CurveError::Measure(error) => error.into(),
-            CurveError::TooMany { .. } | CurveError::TooFewMoments { .. } => {
-                Self::Value(error.to_string())
-            }
+            CurveError::TooMany { .. }
+            | CurveError::NotHere { .. }
+            | CurveError::TooFewMoments { .. } => Self::Value(error.to_string()),
         }
     }
 }
