@@ -185,7 +185,7 @@ fn visit() -> Vec<String> {
     found
 }
 
-/// Makes a set in space and returns the picture of its balls.
+/// Makes a set in space and returns the picture of its balls, and its measures.
 fn picture_of_balls() -> String {
     let mut state = State::new(Arc::new(|| {}));
     state.open_link("v=1&radius=0.5&width=3&height=3&depth=3");
@@ -195,7 +195,16 @@ fn picture_of_balls() -> String {
     }
     state.settle();
     let balls = state.runs().first.orbit().expect("balls");
-    format!("{:?}", balls.image().expect("a picture"))
+    let picture = format!("{:?}", balls.image().expect("a picture"));
+
+    // Nothing is measured before the panel of the analysis is visible.
+    let panel = WindowCommand::OpenPanel(Panel::Analysis);
+    state.apply(Command::Window(panel));
+    state.settle();
+    let run = &state.runs().first;
+    let measured = run.solid_measuring.last(&run.shown().expect("a moment"));
+    let (known, _) = measured.expect("measures in space");
+    format!("{picture}{:?}", known.measures)
 }
 
 /// Makes a scene and returns its small picture.
