@@ -19,8 +19,8 @@ import tilescope
 from tilescope import _tilescope
 
 MODULES = [
-    "tilescope", "tilescope._point_set", "tilescope._progress", "tilescope._report", "tilescope._spectrum",
-    "tilescope.qmc",
+    "tilescope", "tilescope._point_set", "tilescope._progress", "tilescope._report", "tilescope._solid_set",
+    "tilescope._spectrum", "tilescope.qmc",
 ]  # fmt: skip
 README = Path(__file__).parents[1] / "README.md"
 NOTEBOOK = Path(__file__).parents[3] / "assets/notebook/tilescope.ipynb"

@@ -1,14 +1,21 @@
 """Sets in space: arrays of shape (N, 3), verified, saved, and refused by name."""
 
+import importlib
 import json
+import os
 import pickle
+import subprocess
+import sys
 
 import numpy as np
 import plyfile
 import pytest
 from matplotlib import pyplot
+from scipy.spatial import Delaunay, cKDTree
 
 import tilescope
+
+PROGRAM = os.environ.get("TILESCOPE")
 
 
 @pytest.fixture(scope="module")
@@ -41,6 +48,54 @@ def test_planted_faults_are_seen(balls):
     more = tilescope.SolidSet(np.vstack([balls.points, beside]), 1, balls.size)
     report = more.verify()
     assert report.maximal and not report.conflict_free
+
+
+def judged_by_scipy(points, size):
+    """The smallest distance of points in a periodic box, and how far the farthest place is from all of them, by scipy alone.
+
+    The farthest places are vertices of the Voronoi diagram: centres of the spheres around tetrahedra of Delaunay's
+    triangulation. Of points and images the tetrahedra of centres in the box are those of the torus, as long as their spheres
+    reach no farther than the images, which is 2.
+    """
+    size = np.array(size)
+    steps = np.stack(np.meshgrid(*[[-1, 0, 1]] * 3), axis=-1).reshape(-1, 1, 3)
+    images = (points + steps * size).reshape(-1, 3)
+    images = images[((images >= -2) & (images < size + 2)).all(axis=1)]
+
+    corners = images[Delaunay(images).simplices]
+    first, edges = corners[:, 0], corners[:, 1:] - corners[:, :1]
+    # Flat ones have no centre. At the hull qhull makes some; their neighbours have those of the box.
+    solid = np.abs(np.linalg.det(edges)) > 1e-9
+    first, edges = first[solid], edges[solid]
+    # The centre is as far from each end of an edge: 2 e . c = e . e, from the first corner on.
+    to_centre = np.linalg.solve(2 * edges, (edges**2).sum(axis=-1)[..., None])[..., 0]
+    centres = first + to_centre
+    inside = ((centres >= 0) & (centres < size)).all(axis=1)
+
+    nearest = cKDTree(points, boxsize=size).query(points, k=2)[0][:, 1]
+    return nearest.min(), np.linalg.norm(to_centre[inside], axis=1).max()
+
+
+@pytest.mark.parametrize("seed", range(20))
+def test_scipy_finds_sets_valid_and_planted_faults(seed):
+    size = (6, 7, 8) if seed else (14, 15, 16)
+    balls = tilescope.sample(size=size, radius=1, seed=seed)
+    report = balls.verify()
+    least, farthest = judged_by_scipy(balls.points, size)
+    assert least > 1 and farthest <= 1 + 2**-15
+    assert least == pytest.approx(report.min_distance, rel=1e-12)
+    assert farthest == pytest.approx(report.covering_radius, rel=1e-8)
+
+    # Controls: a place that only one sample covers is bare without it, and a sample that moves to another is too near.
+    _, bare = judged_by_scipy(balls.points[1:], size)
+    assert bare > 1 + 2**-15
+    moved = balls.points.copy()
+    nearest = cKDTree(moved, boxsize=size).query(moved[0], k=2)[1][1]
+    way = moved[nearest] - moved[0]
+    way -= np.round(way / size) * size
+    moved[0] = np.mod(moved[0] + 0.5 * way, size)
+    near, _ = judged_by_scipy(moved, size)
+    assert near < 1
 
 
 def test_numbers_of_samples_are_met():
@@ -118,16 +173,97 @@ def test_sets_of_others_have_no_arrival(balls, tmp_path):
     assert tilescope.read_solid(tmp_path / "set.npy").arrival is None
 
 
-@pytest.mark.parametrize("module", ["open3d", "pyvista"])
-def test_other_readers_take_files_with_columns(balls, module, tmp_path):
-    reader = pytest.importorskip(module)
+def read_by_plyfile(path):
+    vertices = plyfile.PlyData.read(path)["vertex"]
+    return np.column_stack([vertices["x"], vertices["y"], vertices["z"]])
+
+
+def read_by_open3d(path):
+    return np.asarray(importlib.import_module("open3d").io.read_point_cloud(str(path)).points)
+
+
+def read_by_pyvista(path):
+    return np.asarray(importlib.import_module("pyvista").read(path).points)
+
+
+@pytest.mark.parametrize(
+    ("program", "read", "digits"),
+    [
+        ("plyfile", read_by_plyfile, 0),
+        ("open3d", read_by_open3d, 0),
+        # VTK reads doubles as floats.
+        ("pyvista", read_by_pyvista, 1e-7),
+    ],
+)
+def test_programs_of_others_read_ply(program, read, digits, tmp_path):
+    # One that is installed may lack a library of the system. The reason to skip names it.
+    pytest.importorskip(program, exc_type=ImportError)
+    # With a radius of 1 positions have few digits, which floats would hold, too.
+    balls = tilescope.sample(size=(0.5, 0.6, 0.7), radius=0.1, seed=3)
     path = tmp_path / "set.ply"
     balls.save(path)
-    if module == "open3d":
-        points = np.asarray(reader.io.read_point_cloud(str(path)).points)
-    else:
-        points = np.asarray(reader.read(path).points)
-    assert np.allclose(points, balls.points, rtol=0, atol=1e-6)
+    found = read(path)
+    assert found.shape == balls.points.shape
+    assert np.abs(found - balls.points).max() <= digits
+    # The control: another set is not read for this one.
+    another = tilescope.sample(size=(0.5, 0.6, 0.7), radius=0.1, seed=4).points
+    rows = min(len(found), len(another))
+    assert np.abs(found[:rows] - another[:rows]).max() > 0.1
+
+
+def test_pyvista_gets_all_samples(balls):
+    pyvista = pytest.importorskip("pyvista", exc_type=ImportError)
+    mesh = balls.to_pyvista()
+    assert np.array_equal(mesh.points, balls.points)
+    assert np.array_equal(mesh.point_data["order"], np.arange(len(balls)))
+    assert list(mesh.field_data["size"]) == [5, 6, 7] and list(mesh.field_data["radius"]) == [1]
+    # Balls of half the radius are spheres around the samples.
+    ball = pyvista.Sphere(radius=balls.radius / 2)
+    glyphs = mesh.glyph(orient=False, scale=False, geom=ball)
+    assert glyphs.n_points == len(balls) * ball.n_points
+
+
+def test_without_pyvista_the_error_says_how_to_install_it(balls, monkeypatch):
+    monkeypatch.setitem(sys.modules, "pyvista", None)
+    with pytest.raises(ImportError, match=r"tilescope\[pyvista\]"):
+        balls.to_pyvista()
+
+
+@pytest.mark.parametrize("boundary", ["periodic", "bounded"])
+def test_a_plane_meets_the_balls_that_pythagoras_says(boundary):
+    balls = tilescope.sample(size=(5, 6, 7), radius=1, boundary=boundary, seed=3)
+    for name, place in [("x", 2.5), ("y", 0), ("z", 6.9)]:
+        axis = "xyz".index(name)
+        disks = balls.slice(**{name: place})
+        others = [other for other in range(3) if other != axis]
+        assert np.array_equal(disks.middles, balls.points[disks.indices][:, others])
+        assert np.allclose(disks.radii**2 + disks.depths**2, 1, rtol=0, atol=1e-12)
+        # A place of the plane is covered exactly if it lies in a disk. Of a maximal set every place is.
+        apart = np.abs(balls.points[:, axis] - place)
+        if boundary == "periodic":
+            apart = np.minimum(apart, balls.size[axis] - apart)
+        assert np.array_equal(disks.indices, np.flatnonzero(apart <= 1)) and len(disks.indices) > 20
+
+
+def test_planes_that_are_none_are_refused(balls):
+    for planes in [{}, {"x": 1, "z": 1}]:
+        with pytest.raises(ValueError, match="give one of x, y and z"):
+            balls.slice(**planes)
+    for place in (7.1, -0.1, float("nan")):
+        with pytest.raises(ValueError, match=r"z is .*; the plane must lie in the box, from 0 to 7"):
+            balls.slice(z=place)
+
+
+@pytest.mark.skipif(not PROGRAM, reason="TILESCOPE names no program")
+@pytest.mark.parametrize("plane", ["x=2.5", "y=6", "z=0.25"])
+def test_planes_are_those_of_the_command_line(balls, plane, tmp_path):
+    balls.save(tmp_path / "set.ply")
+    command = [PROGRAM, "convert", tmp_path / "set.ply", tmp_path / "disks.csv", "--slice", plane]
+    subprocess.run(command, check=True, capture_output=True)
+    name, place = plane.split("=")
+    disks = balls.slice(**{name: float(place)})
+    theirs = np.loadtxt(tmp_path / "disks.csv", delimiter=",", skiprows=1)
+    assert np.array_equal(np.column_stack([disks.middles, disks.radii, disks.depths]), theirs)
 
 
 def test_arrays_are_shaped_n_by_3(balls, tmp_path):

@@ -37,7 +37,7 @@ from tilescope._input import Path, local_path, numbers, place, shown, shown_text
 from tilescope._point_set import Boundary, Format, Judge, PointSet
 from tilescope._progress import Progress, following
 from tilescope._report import Conflict, Domain, Gap, Level, LevelReport, Report, report_of
-from tilescope._solid_set import SolidGap, SolidJudge, SolidReport, SolidSet, sides, solid_report_of
+from tilescope._solid_set import SolidGap, SolidJudge, SolidReport, SolidSet, SolidSlice, sides, solid_report_of
 from tilescope._space import Space
 from tilescope._spectrum import Spectrum
 
@@ -56,6 +56,7 @@ __all__ = [
     "SolidGap",
     "SolidReport",
     "SolidSet",
+    "SolidSlice",
     "Space",
     "Spectrum",
     "analyze",

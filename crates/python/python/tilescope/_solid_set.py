@@ -13,11 +13,25 @@ import numpy.typing as npt
 
 from tilescope import _tilescope
 from tilescope._input import Path, local_path, numbers, shown
+from tilescope._optional import module
 from tilescope._progress import Progress, following
 from tilescope._report import Conflict
 
 Boundary = Literal["periodic", "bounded"]
 SolidJudge = Literal["subdivision", "circles", "both"]
+
+
+class SolidSlice(NamedTuple):
+    """The disks in which a plane meets the balls of a set: a place of it is covered exactly if it lies in one of them."""
+
+    middles: npt.NDArray[np.float64]
+    """Middles of the disks, of shape (M, 2): the two coordinates in the plane, in the order x, y, z."""
+    radii: npt.NDArray[np.float64]
+    """The radius of each disk, by Pythagoras; a ball that only touches the plane has a disk of radius 0."""
+    depths: npt.NDArray[np.float64]
+    """How far each sample lies above the plane; below it, less than 0."""
+    indices: npt.NDArray[np.intp]
+    """The rows of the samples in ``points``."""
 
 
 class SolidGap(NamedTuple):
@@ -281,12 +295,84 @@ class SolidSet:
             found = _tilescope.verify_solid(self._points, json.dumps(self._facts), judge, told)
         return solid_report_of(json.loads(found))
 
+    def slice(self, *, x: float | None = None, y: float | None = None, z: float | None = None) -> SolidSlice:
+        """Returns the disks in which a plane meets the balls of the radius, as ``tilescope convert --slice`` writes them.
+
+        Parameters
+        ----------
+        x, y, z : float
+            Where the plane meets an axis at right angles: one of them is given.
+
+        Returns
+        -------
+        SolidSlice
+            Middles, radii and depths of the disks, in the order of the samples.
+
+        Raises
+        ------
+        ValueError
+            If not exactly one of `x`, `y` and `z` is given, or the plane lies beyond the box.
+
+        Examples
+        --------
+        >>> import tilescope
+        >>> disks = tilescope.sample(size=(6, 6, 6), radius=1).slice(z=2.5)
+        >>> disks.middles.shape == (len(disks.radii), 2), bool((disks.radii <= 1).all())
+        (True, True)
+        """
+        given = [(axis, place) for axis, place in enumerate((x, y, z)) if place is not None]
+        if len(given) != 1:
+            raise ValueError("give one of x, y and z")
+        axis, place = given[0]
+        side = self.size[axis]
+        # A plane beyond the box would still meet the balls that reach out of it, and look like one inside.
+        if not 0 <= place <= side:
+            raise ValueError(f"{'xyz'[axis]} is {shown(place)}; the plane must lie in the box, from 0 to {side:g}")
+
+        depths = self._points[:, axis] - place
+        if self.boundary == "periodic":
+            # Of the images of a ball the nearest counts: in a box that verifies no other one meets the plane. Halves are
+            # rounded away from 0, as the program does, where numpy rounds them to even numbers.
+            turns = depths / side
+            depths = depths - np.copysign(np.floor(np.abs(turns) + 0.5), turns) * side
+        indices = np.flatnonzero(np.abs(depths) <= self.radius)
+        depths = depths[indices]
+        return SolidSlice(
+            np.delete(self._points[indices], axis, axis=1),
+            np.sqrt(self.radius * self.radius - depths * depths),
+            depths,
+            indices,
+        )
+
+    def to_pyvista(self) -> Any:
+        """Returns the samples as a mesh of pyvista, for its plots and for VTK.
+
+        Balls of half the radius never overlap:
+        ``balls.to_pyvista().glyph(orient=False, scale=False, geom=pyvista.Sphere(radius=balls.radius / 2)).plot()``.
+
+        Returns
+        -------
+        pyvista.PolyData
+            The samples as points. Its point data has ``order``, their rows from early to late; its field data has
+            ``radius`` and ``size``.
+
+        Raises
+        ------
+        ImportError
+            If there is no pyvista.
+        """
+        mesh = module("pyvista", "pyvista").PolyData(self._points.copy())
+        mesh.point_data["order"] = np.arange(len(self))
+        mesh.field_data["radius"] = [self.radius]
+        mesh.field_data["size"] = list(self.size)
+        return mesh
+
     def plot(self, ax: Any = None) -> Any:
         """Draws the samples with matplotlib, as dots in their box, coloured from early to late.
 
         Without :attr:`arrival` their order counts as that of arrival.
 
-        ``tilescope draw --orbit`` draws them as balls, cut open at a corner.
+        ``tilescope draw --orbit`` draws them as balls, cut open at a corner, and :meth:`to_pyvista` gives them to pyvista.
 
         Parameters
         ----------
