@@ -75,6 +75,8 @@ Experiments:
   density      samples to an area, of 48,000 independent sets (--many: 240,000), beside the published value
   varying      sets whose radius varies: samples to an area by slope and contrast, pairs, five rules, tones
   stippling    stipples beside weighted Voronoi stippling and error diffusion, with as many dots
+  space        maximal sets of balls: samples to a volume beside the published value, pairs, powers, and
+               how far places and samples are apart
   all          all of them
 
 The folder receives report.html and REPORT.md, figures (PNG, SVG) and data (CSV, JSON). After an

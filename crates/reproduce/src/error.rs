@@ -4,7 +4,7 @@ use std::path::{Path, PathBuf};
 
 use thiserror::Error;
 use tilescope_analysis::measures::MeasureError;
-use tilescope_analysis::{Report, VerifyError};
+use tilescope_analysis::{Report, SolidError, VerifyError};
 use tilescope_core::combine::CombineError;
 use tilescope_core::{ParameterError, SampleError};
 use tilescope_figures::FigureError;
@@ -91,6 +91,7 @@ failures! {
     GpuError => GpuError::Sample(SampleError::Cancelled { .. }),
     CombineError => CombineError::Sample(SampleError::Cancelled { .. }),
     VerifyError => VerifyError::Cancelled,
+    SolidError => SolidError::Cancelled,
     VaryingError => VaryingError::Sample(SampleError::Cancelled { .. }) | VaryingError::Judge(VerifyError::Cancelled),
     MeasureError => MeasureError::Cancelled | MeasureError::Set(VerifyError::Cancelled),
     ChartError,

@@ -31,11 +31,13 @@ pub enum Experiment {
     Varying,
     /// Beyond the paper: stipples beside other ways to place dots.
     Stippling,
+    /// Beyond the paper: maximal sets of balls.
+    Space,
 }
 
 impl Experiment {
     /// All of them, in the sequence of a report.
-    pub const ALL: [Self; 11] = [
+    pub const ALL: [Self; 12] = [
         Self::Fig10,
         Self::Fig11,
         Self::Fig12,
@@ -47,6 +49,7 @@ impl Experiment {
         Self::Density,
         Self::Varying,
         Self::Stippling,
+        Self::Space,
     ];
 
     /// Returns its name, as it is asked for.
@@ -75,6 +78,7 @@ impl Experiment {
             Self::Density => ["density", "Density at saturation"],
             Self::Varying => ["varying", "Radii that vary"],
             Self::Stippling => ["stippling", "Stippling beside other methods"],
+            Self::Space => ["space", "Maximal sets in space"],
         }
     }
 }

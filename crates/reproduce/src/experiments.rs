@@ -9,6 +9,7 @@ mod fig12;
 mod fig13;
 mod iterations;
 mod search;
+mod space;
 mod stippling;
 mod timing;
 mod uniformity;
@@ -46,6 +47,7 @@ impl Experiment {
             Self::Density => (density::units, density::run),
             Self::Varying => (varying::units, varying::run),
             Self::Stippling => (stippling::units, stippling::run),
+            Self::Space => (space::units, space::run),
         }
     }
 }

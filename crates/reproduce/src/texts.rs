@@ -76,7 +76,7 @@ macro_rules! file {
     };
 }
 
-const FILES: [(&str, &str); 11] = [
+const FILES: [(&str, &str); 12] = [
     file!("density"),
     file!("eq4"),
     file!("fig10"),
@@ -85,6 +85,7 @@ const FILES: [(&str, &str); 11] = [
     file!("fig13"),
     file!("iterations"),
     file!("search"),
+    file!("space"),
     file!("stippling"),
     file!("uniformity"),
     file!("varying"),

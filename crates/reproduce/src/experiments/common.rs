@@ -1,6 +1,7 @@
 //! Common parts of experiments: parameters of sets with seeds of their own, intervals of counts, charts and pictures.
 
 use serde_json::Value;
+use tilescope_analysis::measures::student_quantile;
 use tilescope_core::Parameters;
 use tilescope_figures::chart::{
     BarChart, BarGroup, ColorScale, Figure, Look, Panel, Series, TileChart, TileContent,
@@ -124,6 +125,12 @@ pub fn ends(values: impl Iterator<Item = f64>) -> [f64; 2] {
 /// Returns the largest of values that are not negative, or 0 if there are none.
 pub fn largest(values: impl Iterator<Item = f64>) -> f64 {
     values.fold(0.0, f64::max)
+}
+
+/// Returns the interval that holds the truth with probability 99 %, by the spread between `sets`. Of one set nothing is known.
+pub fn interval([value, error]: [f64; 2], sets: usize) -> Option<[f64; 2]> {
+    let reach = student_quantile(MISSED, sets.saturating_sub(1).max(1) as f64) * error;
+    reach.is_finite().then_some([value - reach, value + reach])
 }
 
 /// Returns the slope of the straight line that fits points best, by least squares, or NaN.

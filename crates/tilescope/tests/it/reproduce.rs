@@ -12,7 +12,7 @@ use predicates::str::contains;
 use serde_json::Value;
 use tempfile::{TempDir, tempdir};
 
-const EXPERIMENTS: [&str; 11] = [
+const EXPERIMENTS: [&str; 12] = [
     "fig10",
     "fig11",
     "fig12",
@@ -24,6 +24,7 @@ const EXPERIMENTS: [&str; 11] = [
     "density",
     "varying",
     "stippling",
+    "space",
 ];
 
 fn reproduced(folder: &TempDir, experiments: &[&str]) -> Value {

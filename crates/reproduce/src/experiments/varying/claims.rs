@@ -8,7 +8,7 @@ use super::ramps::middle;
 use super::rules::RadiusRule;
 use super::tones::STEPS;
 use super::{RuledField, VaryingResults};
-use crate::experiments::common::{MISSED, largest};
+use crate::experiments::common::{MISSED, interval, largest};
 use crate::experiments::density::PUBLISHED;
 use crate::outcome::{Claim, Verdict};
 use crate::rule::Rule;
@@ -43,12 +43,6 @@ pub fn claims(found: &VaryingResults) -> Vec<Claim> {
         rules(found),
         tones(found),
     ]
-}
-
-/// Returns the interval that holds the truth with probability 99 %, by the spread between `sets`. Of one set nothing is known.
-fn interval([value, error]: [f64; 2], sets: usize) -> Option<[f64; 2]> {
-    let reach = student_quantile(MISSED, sets.saturating_sub(1).max(1) as f64) * error;
-    reach.is_finite().then_some([value - reach, value + reach])
 }
 
 /// Returns the verdict that a density is within `limit` of the published one.
