@@ -1,8 +1,9 @@
-//! Maximal sets of balls in space, held against saturated random sequential packings of spheres: how many samples a volume
-//! has, how many balls a plane meets, how far places and samples are apart, pairs by distance, and the power of low frequencies.
+//! Maximal sets of balls in space, held against saturated random sequential packings of spheres: how many samples a
+//! volume has, how many balls a plane meets, how far places and samples are apart, pairs by distance, and the power
+//! of low frequencies.
 //!
-//! The paper has one sentence on space and no number. Every set is periodic, has a seed of its own and is judged twice. Two
-//! kinds of sets that are not maximal are the controls: each rule must refute one of them.
+//! The paper has one sentence on space and no number. Every set is periodic, has a seed of its own and is judged
+//! twice. Two kinds of sets that are not maximal are the controls: each rule must refute one of them.
 
 mod balls;
 mod claims;
@@ -13,6 +14,7 @@ use std::ops::Range;
 
 use serde_json::json;
 
+use crate::control::Control;
 use crate::error::Result;
 use crate::outcome::Outcome;
 use crate::study::{Settings, Study};
@@ -22,25 +24,25 @@ use results::SpaceResults;
 
 /// Sets of a unit of work: an interrupted run loses at most these. At 40 r they have 280,000 samples.
 const BATCH: usize = 6;
-/// Each group of sets has this many indices of seeds, so that no two sets share darts: those of one seed would, also in boxes of
-/// other sizes.
+/// Each group of sets has this many indices of seeds, so that no two sets share darts: those of one seed would, also
+/// in cubes of other sizes.
 const INDICES: usize = 100;
 
-/// How many sets are made, in boxes of which sides.
+/// How many sets are made, in cubes of which sides.
 #[derive(Clone, Copy, Debug)]
 struct SpacePlan {
-    /// Side of the large boxes in radii, and the number of their sets.
+    /// Side of the large cubes in radii, and the number of their sets.
     side: f64,
     sets: usize,
-    /// The same of smaller boxes, whose pairs and spectra are measured. Each control has as many of them.
+    /// The same of smaller cubes, whose spectra are measured. Each control has as many of them.
     small_side: f64,
     small_sets: usize,
 }
 
 impl SpacePlan {
     fn of(settings: &Settings) -> Self {
-        // Counts of sets scatter by a root of 0.05 of themselves, so that 24 sets of 47,000 samples tell the density to 0.00016.
-        // Twelve sets of 10,000 tell pairs to half a percent, and low powers to two percent.
+        // Counts of sets scatter by a root of some 0.06 of themselves, so that 24 sets of 47,000 samples tell the
+        // density to 0.0002, and pairs to a fifth of a percent. Twelve sets of 10,000 tell low powers to two percent.
         let whole = Self {
             side: 40.0,
             sets: 24,
@@ -60,7 +62,7 @@ impl SpacePlan {
 
 pub fn units(settings: &Settings) -> usize {
     let plan = SpacePlan::of(settings);
-    // Small boxes have the maximal sets and those of both controls.
+    // Small cubes have the maximal sets and those of both controls.
     plan.sets.div_ceil(BATCH) + 3 * plan.small_sets.div_ceil(BATCH)
 }
 
@@ -69,33 +71,27 @@ pub fn run(study: &Study<'_>) -> Result<Outcome> {
     let plan = SpacePlan::of(study.settings);
     let small = |group, kind: BallKind| {
         let side = plan.small_side;
-        in_batches(
-            study,
-            group,
-            plan.small_sets,
-            kind,
-            side,
-            |seed, control| kind.made(side, seed, control)?.with_curves(control),
-        )
+        let what = format!("{} in cubes of {side} r", kind.name());
+        in_batches(study, group, plan.small_sets, &what, |seed, control| {
+            kind.made(side, seed, control)?.with_spectrum(control)
+        })
+    };
+    let large = || {
+        let what = format!("maximal sets in cubes of {} r", plan.side);
+        in_batches(study, 0, plan.sets, &what, |seed, control| {
+            let set = BallKind::Maximal.made(plan.side, seed, control)?;
+            set.measured(control)
+        })
     };
 
+    // The small cubes come first: they take a quarter of the time.
     let found = SpaceResults {
         side: plan.side,
         small_side: plan.small_side,
         small: small(1, BallKind::Maximal)?,
         stopped: small(2, BallKind::Stopped)?,
         scattered: small(3, BallKind::Scattered)?,
-        large: in_batches(
-            study,
-            0,
-            plan.sets,
-            BallKind::Maximal,
-            plan.side,
-            |seed, control| {
-                let set = BallKind::Maximal.made(plan.side, seed, control)?;
-                Ok(set.counted())
-            },
-        )?,
+        large: large()?,
     };
 
     let values = json!({
@@ -116,16 +112,15 @@ fn in_batches(
     study: &Study<'_>,
     group: usize,
     sets: usize,
-    kind: BallKind,
-    side: f64,
-    make: impl Fn(u64, &crate::control::Control<'_>) -> Result<MeasuredBalls> + Sync,
+    what: &str,
+    make: impl Fn(u64, &Control<'_>) -> Result<MeasuredBalls> + Sync,
 ) -> Result<Vec<MeasuredBalls>> {
     let first = group * INDICES;
-    let batches = (first..first + sets).step_by(BATCH).map(|from| {
-        let indices: Range<usize> = from..(from + BATCH).min(first + sets);
-        let what = format!("{} in boxes of {side} r", kind.name());
+    let end = first + sets;
+    let batches = (first..end).step_by(BATCH).map(|from| {
+        let indices: Range<usize> = from..(from + BATCH).min(end);
         let key = format!("sets-{}-{}", indices.start, indices.end);
-        study.sets(&key, &what, indices, &make)
+        study.sets(&key, what, indices, &make)
     });
     let batches: Result<Vec<Vec<MeasuredBalls>>> = batches.collect();
     Ok(batches?.concat())

@@ -1,5 +1,5 @@
-//! Sets of balls in a periodic cube, as `tilescope sample` makes them, and two kinds of sets that are not maximal; what is
-//! measured of each. Lengths are in radii.
+//! Sets of balls in a periodic cube, as `tilescope sample` makes them, and two kinds of sets that are not maximal;
+//! what is measured of each. Lengths are in radii.
 
 use serde::{Deserialize, Serialize};
 use tilescope_analysis::measures::Summary;
@@ -13,7 +13,7 @@ use crate::control::Control;
 use crate::error::{ReproduceError, Result};
 
 /// A stopped set has this many of so many samples: the second number is the whole.
-pub const STOPPED: (usize, usize) = (99, 100);
+pub const STOPPED: (usize, usize) = (98, 100);
 /// Planes across each axis on which disks are counted. At a distance of 4 r and more they share no ball.
 const PLANES: usize = 4;
 /// Bins of g(r) to an r.
@@ -42,8 +42,8 @@ impl BallKind {
         }
     }
 
-    /// Makes the set of a seed in a periodic cube and has it judged, by cubes and by covered circles. Fails if a maximal set is
-    /// refused.
+    /// Makes the set of a seed in a periodic cube and has it judged, by cubes and by covered circles. Fails if a
+    /// maximal set is refused.
     pub fn made(self, side: f64, seed: u64, control: &Control<'_>) -> Result<Balls> {
         let recipe = SolidRecipe {
             size: [side; 3],
@@ -137,7 +137,7 @@ pub struct MeasuredBalls {
     pub judges: usize,
     /// Balls of radius r that a plane meets, for each r² of it, the mean of planes across all axes.
     pub disks: f64,
-    /// g of each bin of a twentieth of r, from 0 on; empty if it was not measured.
+    /// g of each bin of a twentieth of r, from 0 on.
     pub pairs: Vec<f64>,
     /// The power by shells, of whole cycles along a side from one on; empty if it was not measured.
     pub shells: Vec<ShellPower>,
@@ -151,44 +151,47 @@ impl MeasuredBalls {
 }
 
 impl Balls {
-    /// Returns what is counted of every set.
-    pub fn counted(&self) -> MeasuredBalls {
-        MeasuredBalls {
+    /// Returns what is measured of every set: all but the spectrum.
+    pub fn measured(&self, control: &Control<'_>) -> Result<MeasuredBalls> {
+        let bins = (FARTHEST_PAIR * BINS_IN_R as f64).round() as usize;
+        let correlation = SolidCorrelation::of(
+            &self.points,
+            self.region,
+            FARTHEST_PAIR,
+            bins,
+            &control.analysis(),
+        )?;
+        Ok(MeasuredBalls {
             side: self.region.width,
             samples: self.points.len(),
             least_distance: self.least_distance,
             farthest_place: self.farthest_place,
             judges: self.judges,
             disks: self.disks(),
-            pairs: Vec::new(),
+            pairs: correlation.g,
             shells: Vec::new(),
-        }
+        })
     }
 
-    /// Returns the same with pairs by distance and power by frequency.
-    pub fn with_curves(&self, control: &Control<'_>) -> Result<MeasuredBalls> {
+    /// Returns the same with the power by frequency.
+    pub fn with_spectrum(&self, control: &Control<'_>) -> Result<MeasuredBalls> {
         let (points, region) = (&self.points, self.region);
-        let bins = (FARTHEST_PAIR * BINS_IN_R as f64).round() as usize;
-        let correlation =
-            SolidCorrelation::of(points, region, FARTHEST_PAIR, bins, &control.analysis())?;
-
-        // Sets of one side get equal shells. The frequency between the last one and the next is asked for, as sets of some more or
-        // fewer samples have another unit of frequency.
+        // Sets of one side get equal shells. The frequency between the last one and the next is asked for, as sets of
+        // some more or fewer samples have another unit of frequency.
         let roots = (points.len() as f64).cbrt();
         let cycles =
             (SolidSpectrum::USUAL * tilescope_core::SOLID_DENSITY.cbrt() * region.width).floor();
         let most = (cycles + 0.5) / roots;
         let spectrum = SolidSpectrum::of(points, region, most, &control.analysis())?;
+
         let shells = spectrum.shells.iter().map(|shell| ShellPower {
             nu: shell.nu,
             frequencies: shell.count,
             power: shell.power,
         });
-
         Ok(MeasuredBalls {
-            pairs: correlation.g,
             shells: shells.collect(),
-            ..self.counted()
+            ..self.measured(control)?
         })
     }
 

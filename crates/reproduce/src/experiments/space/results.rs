@@ -8,8 +8,8 @@ use tilescope_analysis::measures::Summary;
 use super::balls::{BINS_IN_R, MeasuredBalls};
 use crate::experiments::common::interval;
 
-/// The published packing fraction of spheres of diameter r, 0.384 130 7 (Zhang and Torquato 2013), as N r³ / volume: a sphere
-/// fills pi / 6 of a cubed diameter.
+/// The published packing fraction of spheres of diameter r, 0.384 130 7 (Zhang and Torquato 2013), as N r³ / volume:
+/// a sphere fills pi / 6 of a cubed diameter.
 pub const PUBLISHED: f64 = 0.384_130_7 * 6.0 / PI;
 /// Its standard error: 2.1e-6 of the packing fraction.
 pub const PUBLISHED_ERROR: f64 = 2.1e-6 * 6.0 / PI;
@@ -22,11 +22,11 @@ pub struct SpaceResults {
     /// Sides in radii.
     pub side: f64,
     pub small_side: f64,
-    /// Maximal sets in large boxes.
+    /// Maximal sets in large cubes.
     pub large: Vec<MeasuredBalls>,
-    /// Maximal sets in small boxes, with pairs and spectra.
+    /// Maximal sets in small cubes, with spectra.
     pub small: Vec<MeasuredBalls>,
-    /// The controls, in small boxes: sets that were stopped early, and independent places.
+    /// The controls, in small cubes: sets that were stopped early, and independent places.
     pub stopped: Vec<MeasuredBalls>,
     pub scattered: Vec<MeasuredBalls>,
 }
@@ -97,8 +97,11 @@ pub fn floor(sets: &[MeasuredBalls]) -> SetMean {
     })
 }
 
-/// Returns the variance of the number of samples between sets over its mean. It estimates the power at frequency 0.
-pub fn scatter(sets: &[MeasuredBalls]) -> f64 {
+/// Returns the variance of the number of samples between sets over its mean, and the standard error of that. It
+/// estimates the power at frequency 0.
+pub fn scatter(sets: &[MeasuredBalls]) -> [f64; 2] {
     let counts = Summary::of(sets.iter().map(|set| set.samples as f64));
-    counts.map_or(f64::NAN, |all| all.deviation.powi(2) / all.mean)
+    let scatter = counts.map_or(f64::NAN, |all| all.deviation.powi(2) / all.mean);
+    // Counts of large cubes are nearly normal: the variance of so many has this error.
+    [scatter, scatter * (2.0 / (sets.len() as f64 - 1.0)).sqrt()]
 }

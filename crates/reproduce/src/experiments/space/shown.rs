@@ -7,7 +7,7 @@ use super::balls::{BINS_IN_R, MeasuredBalls};
 use super::claims::EXPECTED_PAIRS;
 use super::results::{PUBLISHED, SetMean, SpaceResults, floor, middle, pairs};
 use crate::error::Result;
-use crate::experiments::common::{curve, picture, reference};
+use crate::experiments::common::{curve, largest, picture, reference};
 use crate::outcome::{Picture, Table};
 use crate::texts::{chart, table};
 
@@ -46,7 +46,8 @@ fn densities(found: &SpaceResults) -> LineChart {
     let sets = &found.large;
     let each = sets.iter().enumerate();
     let each = each.map(|(index, set)| [(index + 1) as f64, set.density()]);
-    // Of fewer than four sets the interval is far wider than the differences between sets: it would press all else flat.
+    // Of fewer than four sets the interval is far wider than the differences between sets: it would press all else
+    // flat.
     let so_far = (4..=sets.len()).map(|count| {
         let mean = SetMean::of(&sets[..count], MeasuredBalls::density);
         (count as f64, mean)
@@ -57,19 +58,27 @@ fn densities(found: &SpaceResults) -> LineChart {
         "Zhang and Torquato 2013",
         vec![[1.0, PUBLISHED], [last, PUBLISHED]],
     );
-    chart(
+    let mut drawn = chart(
         "space/densities",
         vec![
             published,
             curve("each set", 1, each.collect()),
             measured("all so far", 0, so_far),
         ],
-    )
+    );
+
+    // Densities of sets differ in the third digit: an axis from 0 on would show one line. The interval of four sets
+    // may reach farther than the sets themselves, and is cut off.
+    let off = sets.iter().map(|set| (set.density() - PUBLISHED).abs());
+    let reach = 1.2 * largest(off);
+    drawn.x.range = Some([1.0, last]);
+    drawn.y.range = Some([PUBLISHED - reach, PUBLISHED + reach]);
+    drawn
 }
 
 /// Returns the chart of g(r), from a little before contact on.
 fn pair_chart(found: &SpaceResults) -> LineChart {
-    let bins = found.small.first().map_or(0, |set| set.pairs.len());
+    let bins = found.large.first().map_or(0, |set| set.pairs.len());
     let mean = |sets: &[MeasuredBalls], name, look| {
         let places = (BINS_IN_R..bins).map(|bin| (middle(bin), pairs(sets, bin)));
         measured(name, look, places)
@@ -80,7 +89,7 @@ fn pair_chart(found: &SpaceResults) -> LineChart {
         "space/pairs",
         vec![
             reference("expected", expected.collect()),
-            mean(&found.small, "here", 0),
+            mean(&found.large, "here", 0),
             mean(&found.scattered, "scattered", 2),
         ],
     )
@@ -97,6 +106,7 @@ fn powers(sets: &[MeasuredBalls]) -> impl Iterator<Item = (f64, SetMean)> + '_ {
 
 /// Returns the chart of the radial mean power.
 fn power_chart(found: &SpaceResults) -> LineChart {
+    // "here" and "scattered" have the looks that they have in the chart of pairs.
     chart(
         "space/power",
         vec![
@@ -127,13 +137,14 @@ fn kinds(found: &SpaceResults) -> Table {
     table("space/kinds", rows, |(kind, sets)| {
         let density = SetMean::of(sets, MeasuredBalls::density);
         let of = |quantity: fn(&MeasuredBalls) -> f64| sets.iter().map(quantity);
-        let contact = (!sets[0].pairs.is_empty()).then(|| pairs(sets, BINS_IN_R).mean);
+        // Spectra are not measured in large cubes: that cell stays empty.
         let power = (!sets[0].shells.is_empty()).then(|| floor(sets).mean);
         json!({
             "kind": kind, "side": sets[0].side, "sets": sets.len(),
             "samples": sets.iter().map(|set| set.samples).sum::<usize>(),
             "density": density.mean, "error": density.error,
-            "disks": SetMean::of(sets, |set| set.disks).mean, "contact": contact, "floor": power,
+            "disks": SetMean::of(sets, |set| set.disks).mean,
+            "contact": pairs(sets, BINS_IN_R).mean, "floor": power,
             "least": of(|set| set.least_distance).fold(f64::INFINITY, f64::min),
             "farthest": of(|set| set.farthest_place).fold(0.0, f64::max),
         })
@@ -153,9 +164,9 @@ fn sets(found: &SpaceResults) -> Table {
 
 /// Returns the table of pairs by distance, for data files.
 fn pair_table(found: &SpaceResults) -> Table {
-    let bins = found.small.first().map_or(0, |set| set.pairs.len());
+    let bins = found.large.first().map_or(0, |set| set.pairs.len());
     table("space/pairs", 0..bins, |bin| {
-        let g = pairs(&found.small, bin);
+        let g = pairs(&found.large, bin);
         json!({
             "distance": middle(bin), "pairs": g.mean, "error": g.error,
             "stopped": pairs(&found.stopped, bin).mean, "scattered": pairs(&found.scattered, bin).mean,
@@ -166,6 +177,7 @@ fn pair_table(found: &SpaceResults) -> Table {
 /// Returns the table of the radial mean power, for data files.
 fn power_table(found: &SpaceResults) -> Table {
     let here = powers(&found.small);
+    // All three have the same shells, as their cubes have one side.
     let controls = powers(&found.stopped).zip(powers(&found.scattered));
     table(
         "space/power",
