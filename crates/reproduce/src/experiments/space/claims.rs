@@ -182,6 +182,7 @@ fn pairs_by_distance(found: &SpaceResults) -> Claim {
         pairs_of(&found.large),
         [pairs_of(&found.stopped), pairs_of(&found.scattered)],
     );
+
     let g: Vec<f64> = near_contact(&found.large)
         .iter()
         .map(|one| one.mean)
@@ -191,6 +192,7 @@ fn pairs_by_distance(found: &SpaceResults) -> Claim {
         .zip(EXPECTED_PAIRS)
         .map(|(here, expected)| here / expected - 1.0);
     let [low, high] = ends(off);
+
     let ((valley, least), (top, peak)) = (least(&found.large), peak(&found.large));
     let values = json!({
         "limit": PAIRS, "g": g, "low": low, "high": high, "expected": EXPECTED_PAIRS,

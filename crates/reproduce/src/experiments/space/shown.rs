@@ -139,6 +139,7 @@ fn kinds(found: &SpaceResults) -> Table {
         let of = |quantity: fn(&MeasuredBalls) -> f64| sets.iter().map(quantity);
         // Spectra are not measured in large cubes: that cell stays empty.
         let power = (!sets[0].shells.is_empty()).then(|| floor(sets).mean);
+
         json!({
             "kind": kind, "side": sets[0].side, "sets": sets.len(),
             "samples": sets.iter().map(|set| set.samples).sum::<usize>(),
