@@ -132,6 +132,7 @@ def test_types_are_right(tmp_path):
         "ramp.save('ramp.geojson', format='geojson')\n"
         "dense = tilescope.sample(100, density=np.ones((3, 3)), mask=np.ones((3, 3), dtype=bool))\n"
         "passed: bool = tilescope.verify('ramp.geojson', lambda x, y: 0.01 + 0.04 * x).passed\n"
+        "disks = tilescope.sample(size=(5, 5, 5), radius=1).slice(z=2).radii.max()\n"
     )
     bad = tmp_path / "bad.py"
     bad.write_text("import tilescope\ntilescope.sample(2000, boundary='torus')\n")
