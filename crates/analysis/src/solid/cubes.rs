@@ -1,14 +1,16 @@
 //! The search for gaps: the region is cut into cubes until each is proven or has an uncovered place.
 
-use std::ops::Range;
+mod groups;
 
-use glam::{BVec3, DVec3};
+use fearless_simd::{Level, dispatch};
+use glam::DVec3;
 use rayon::prelude::*;
 
 use crate::monitor::Monitor;
 
 use super::error::SolidError;
 use super::{RESOLUTION, SolidQuestion};
+use groups::{LANES, SampleGroup};
 
 /// With this many samples near it or fewer, a cube is left to one thread: a few milliseconds.
 pub(super) const TASK_SAMPLES: usize = 2_048;
@@ -29,6 +31,14 @@ pub(super) struct CubesFound {
 const MAX_PLACES: usize = 1_024;
 
 impl CubesFound {
+    /// Counts the gap of a cube, of which a place is uncovered.
+    fn add(&mut self, place: [f64; 3]) {
+        self.gaps += 1;
+        if self.places.len() < MAX_PLACES {
+            self.places.push(place);
+        }
+    }
+
     fn merge(&mut self, other: Self) {
         self.gaps += other.gaps;
         self.places.extend(other.places);
@@ -65,9 +75,10 @@ pub(super) fn search_in(
         rule,
         region_volume: root.volume(),
         count: question.points.len() as f64,
+        level: Level::new(),
         monitor,
     };
-    task.of_cube(root, &near)
+    task.of_cube(root, &SampleGroup::all_of(&near))
 }
 
 /// When a cube is proven, and when it is not cut further.
@@ -79,26 +90,37 @@ struct Rule {
     least_half: f64,
 }
 
+impl Rule {
+    /// Whether a cube whose longest edge is twice this long is too small for several holes.
+    fn is_small(&self, longest_half: f64) -> bool {
+        2.0 * longest_half <= self.radius
+    }
+}
+
 /// The whole search, divided among threads.
 struct Task<'a> {
     rule: Rule,
     region_volume: f64,
     count: f64,
+    /// The vectors that the processor has.
+    level: Level,
     monitor: &'a Monitor<'a>,
 }
 
 impl Task<'_> {
     /// Returns the gaps in a cube, given all samples that are within the limit of some place of it.
-    fn of_cube(&self, cube: &Cube, near: &[[f64; 3]]) -> Result<CubesFound, SolidError> {
+    fn of_cube(&self, cube: &Cube, near: &[SampleGroup]) -> Result<CubesFound, SolidError> {
         // A cube shorter than a radius is not divided among threads either: crowded samples stay together however small
         // it is.
-        if near.len() <= TASK_SAMPLES || cube.longest_half() < self.rule.radius / 2.0 {
+        if near.len() <= TASK_SAMPLES / LANES || cube.longest_half() < self.rule.radius / 2.0 {
             let mut search = CubeSearch {
                 rule: self.rule,
-                lists: near.to_vec(),
+                level: self.level,
+                spare_lists: Vec::new(),
                 found: CubesFound::default(),
             };
-            search.visit(cube, 0..near.len());
+            // The cube itself is judged as the only part of itself.
+            search.judge(&CubeParts::only(cube), near, false);
             // By volume, since samples near the cube are near others, too.
             let share = cube.volume() / self.region_volume;
             self.monitor.advance((self.count * share) as u64)?;
@@ -106,13 +128,12 @@ impl Task<'_> {
         }
 
         let of_part = |part: Cube| {
-            let reaches =
-                |&sample: &[f64; 3]| part.distances(sample).nearest <= self.rule.limit_squared;
-            let near: Vec<[f64; 3]> = near.iter().copied().filter(reaches).collect();
-            self.of_cube(&part, &near)
+            let (limit, mut listed) = (self.rule.limit_squared, Vec::new());
+            dispatch!(self.level, simd => groups::list(simd, &part, limit, near, &mut listed));
+            self.of_cube(&part, &listed)
         };
         // In the sequence of the parts, so that the places listed do not depend on the threads.
-        let parts: Vec<Cube> = cube.parts().collect();
+        let parts: Vec<Cube> = cube.parts().all().collect();
         let found: Result<Vec<CubesFound>, _> = parts.into_par_iter().map(of_part).collect();
         let mut all = CubesFound::default();
         for found in found? {
@@ -125,62 +146,63 @@ impl Task<'_> {
 /// The search of one thread.
 struct CubeSearch {
     rule: Rule,
-    /// The lists of the cubes that are being cut, one after another.
-    lists: Vec<[f64; 3]>,
+    level: Level,
+    /// Empty lists, whose memory was used before.
+    spare_lists: Vec<Vec<SampleGroup>>,
     found: CubesFound,
 }
 
 impl CubeSearch {
-    /// Looks for uncovered places in a cube, given the samples within the limit of a cube that holds it. Returns
-    /// whether an uncovered place was found.
-    fn visit(&mut self, cube: &Cube, near: Range<usize>) -> bool {
+    /// Looks for uncovered places in the parts of a cube, given the samples within the limit of some place of it. Returns
+    /// whether one was found; in the parts of a small cube the first one is enough.
+    fn judge(&mut self, parts: &CubeParts, near: &[SampleGroup], is_first_enough: bool) -> bool {
         let limit = self.rule.limit_squared;
-        let first = self.lists.len();
-        let mut nearest = f64::INFINITY;
-        for index in near {
-            let sample = self.lists[index];
-            let distances = cube.distances(sample);
-            // Proven: the sample is within the limit of every place.
-            if distances.farthest <= limit {
-                self.lists.truncate(first);
-                return false;
-            }
-            if distances.nearest <= limit {
-                self.lists.push(sample);
-                // The nearest one comes first: it is the likeliest to prove the octants, which then look at no other.
-                if distances.middle < nearest {
-                    nearest = distances.middle;
-                    let last = self.lists.len() - 1;
-                    self.lists.swap(first, last);
-                }
-            }
-        }
-
-        let listed = first..self.lists.len();
-        let is_small = 2.0 * cube.longest_half() <= self.rule.radius;
-        // A large cube may have several holes, and is cut as long as samples reach into it.
-        if listed.is_empty() || (is_small && nearest > limit) {
-            self.found.gaps += 1;
-            if self.found.places.len() < MAX_PLACES {
-                self.found.places.push(cube.middle);
-            }
-            self.lists.truncate(first);
-            return true;
-        }
+        let found = dispatch!(self.level, simd => groups::compare(simd, parts, limit, near));
+        let is_small = self.rule.is_small(longest(parts.half));
 
         let mut has_gap = false;
-        // The smallest cubes are not cut: the middle is covered, and all other places are within `RESOLUTION` radii of
-        // it.
-        if cube.longest_half() > self.rule.least_half {
-            for part in cube.parts() {
-                has_gap |= self.visit(&part, listed.clone());
-                // The rim of a hole passes through thousands of cubes: in a small one the first is enough.
-                if has_gap && is_small {
-                    break;
-                }
+        // The others are proven: a sample is within the limit of every place of them.
+        for (number, part) in parts.of(parts.present & !found.proven) {
+            if is_small && found.covered >> number & 1 == 0 {
+                self.found.add(part.middle);
+                has_gap = true;
+            } else if part.longest_half() > self.rule.least_half {
+                has_gap |= self.cut(&part, near);
+            }
+            // The smallest cubes are not cut: the middle is covered, and all other places are within `RESOLUTION` radii of it.
+
+            // The rim of a hole passes through thousands of cubes: in a small one the first is enough.
+            if has_gap && is_first_enough {
+                break;
             }
         }
-        self.lists.truncate(first);
+        has_gap
+    }
+
+    /// Looks for uncovered places in a cube that is not proven, given the samples within the limit of a cube that holds it.
+    /// Returns whether one was found.
+    fn cut(&mut self, cube: &Cube, near: &[SampleGroup]) -> bool {
+        let is_small = self.rule.is_small(cube.longest_half());
+        // So few samples are compared at once: those that do not reach into a part cost nothing.
+        if is_small && near.len() <= 1 {
+            return self.judge(&cube.parts(), near, true);
+        }
+
+        let (limit, mut listed) = (
+            self.rule.limit_squared,
+            self.spare_lists.pop().unwrap_or_default(),
+        );
+        dispatch!(self.level, simd => groups::list(simd, cube, limit, near, &mut listed));
+        // A large cube may have several holes, and is cut as long as samples reach into it.
+        let has_gap = if listed.is_empty() {
+            self.found.add(cube.middle);
+            true
+        } else {
+            self.judge(&cube.parts(), &listed, is_small)
+        };
+
+        listed.clear();
+        self.spare_lists.push(listed);
         has_gap
     }
 }
@@ -214,32 +236,83 @@ impl Cube {
     }
 
     /// Returns its octants; of a long box its halves or quarters.
-    pub fn parts(&self) -> impl Iterator<Item = Self> + use<> {
+    pub fn parts(&self) -> CubeParts {
         let (middle, whole) = (DVec3::from(self.middle), DVec3::from(self.half));
         let is_cut = whole.cmpgt(DVec3::splat(CUT_SHARE * self.longest_half()));
         let half = DVec3::select(is_cut, whole / 2.0, whole);
         // The middles of parts stay where they are on an axis that is not cut.
         let step = DVec3::select(is_cut, half, DVec3::ZERO);
-
-        (0..8_usize).filter_map(move |octant| {
-            let is_upper = BVec3::new(octant & 1 == 1, octant >> 1 & 1 == 1, octant >> 2 == 1);
-            // An axis that is not cut has no upper half.
-            if (is_upper & !is_cut).any() {
-                return None;
-            }
-            let step = DVec3::select(is_upper, step, -step);
-            Some(Self {
-                middle: (middle + step).into(),
-                half: half.into(),
-            })
-        })
+        // An axis that is not cut has no upper half.
+        let absent = (0..3).filter(|&axis| !is_cut.test(axis));
+        CubeParts {
+            middles: [(middle - step).into(), (middle + step).into()],
+            half: half.into(),
+            present: absent.fold(ALL_PARTS, |present, axis| present & !UPPER_PARTS[axis]),
+        }
     }
 
     pub const fn longest_half(&self) -> f64 {
-        self.half[0].max(self.half[1]).max(self.half[2])
+        longest(self.half)
     }
 
     pub fn volume(&self) -> f64 {
         self.half.iter().product::<f64>() * 8.0
     }
+}
+
+/// How many parts a cube has at most.
+const PARTS: usize = 8;
+
+/// The bits of all parts, and of those in the upper half of each axis.
+const ALL_PARTS: u32 = (1 << PARTS) - 1;
+const UPPER_PARTS: [u32; 3] = [0b1010_1010, 0b1100_1100, 0b1111_0000];
+
+/// The parts of a cube: octants, or the halves or quarters of a long box. All are of one size.
+#[derive(Clone, Copy)]
+pub(super) struct CubeParts {
+    /// The middles of parts in the lower and in the upper half of each axis; the same of an axis that is not cut.
+    middles: [[f64; 3]; 2],
+    /// Half the edge of each part on each axis.
+    half: [f64; 3],
+    /// Which of the eight parts there are, a bit for each.
+    present: u32,
+}
+
+impl CubeParts {
+    /// Returns a cube as the only part of itself.
+    const fn only(cube: &Cube) -> Self {
+        Self {
+            middles: [cube.middle; 2],
+            half: cube.half,
+            present: 1,
+        }
+    }
+
+    /// Returns all parts, in the sequence of their numbers.
+    pub fn all(self) -> impl Iterator<Item = Cube> {
+        self.of(self.present).map(|(_, part)| part)
+    }
+
+    /// Returns the parts with some numbers, whose bits are set.
+    fn of(self, numbers: u32) -> impl Iterator<Item = (usize, Cube)> {
+        let numbered = (0..PARTS).filter(move |number| numbers >> number & 1 == 1);
+        numbered.map(move |number| (number, self.part(number)))
+    }
+
+    fn part(&self, number: usize) -> Cube {
+        let halves = halves(number);
+        Cube {
+            middle: [0, 1, 2].map(|axis| self.middles[halves[axis]][axis]),
+            half: self.half,
+        }
+    }
+}
+
+const fn longest([x, y, z]: [f64; 3]) -> f64 {
+    x.max(y).max(z)
+}
+
+/// Returns in which half of each axis a part lies: 0 in the lower one, 1 in the upper one.
+const fn halves(part: usize) -> [usize; 3] {
+    [part & 1, part >> 1 & 1, part >> 2 & 1]
 }

@@ -99,7 +99,7 @@ impl FarthestTask<'_> {
             return Ok(search.farthest);
         }
 
-        let parts: Vec<Cube> = cube.parts().collect();
+        let parts: Vec<Cube> = cube.parts().all().collect();
         let found: Result<Vec<f64>, _> =
             (parts.par_iter().map(|part| self.of_cube(part, &near))).collect();
         Ok(found?.into_iter().fold(0.0, f64::max))
@@ -135,7 +135,7 @@ impl FarthestSearch {
             return;
         }
 
-        for part in cube.parts() {
+        for part in cube.parts().all() {
             // Without distances left the sketch ends early: the proof after it finds what it has missed.
             let Some(left) = self.distances_left.checked_sub(near.len()) else {
                 return;
@@ -193,7 +193,7 @@ impl FarthestSearch {
 
     /// Looks for farther places in the parts of a cube, given the samples that may be nearest to a place of it.
     fn divide(&mut self, cube: &Cube, near: &Range<usize>) {
-        let parts = cube.parts().map(|part| self.ranked(part, near));
+        let parts = cube.parts().all().map(|part| self.ranked(part, near));
         let mut parts: Vec<RankedCube> = parts.collect();
         for part in &parts {
             self.farthest = self.farthest.max(part.middle);
