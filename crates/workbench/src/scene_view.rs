@@ -4,6 +4,7 @@ use emath::{Pos2, Rect};
 use glam::DVec2;
 use tilescope_debugger::{Debugger, Marked, SavedScene};
 use tilescope_drawing::camera::Camera;
+use tilescope_drawing::orbit::OrbitView;
 use tilescope_drawing::picture::{MomentView, PictureView};
 use tilescope_session::moment::Moment;
 use tilescope_session::selection::Selection;
@@ -69,6 +70,14 @@ pub(crate) fn view_of_scene(
         moment: Moment::at(session, cursor),
         view,
     })
+}
+
+/// Returns the view of a scene that shows the balls of a set in space; `None` if it shows a plane, and for planar sets.
+pub(crate) fn orbit_of_scene(session: &Session, scene: &SavedScene) -> Option<OrbitView> {
+    // A scene may have come with a session of another set: a planar one has no balls.
+    session.solid.as_ref()?;
+    let (saved, _invalid) = SavedView::from_json(&scene.view, &SavedView::default());
+    saved.orbit
 }
 
 /// Returns the place of the event after which a scene stops, in r.

@@ -6,13 +6,15 @@ use glam::DVec2;
 use serde::{Deserialize, Serialize};
 use tilescope_debugger::{Debugger, SavedScene};
 use tilescope_drawing::camera::Camera;
+use tilescope_drawing::orbit::{OrbitPicture, OrbitView};
 use tilescope_drawing::picture::{MomentView, Thumbnail, thumbnail};
 use tilescope_figures::to_pixels;
 use tilescope_session::jobs::{Job, Monitor, Wake};
 use tilescope_session::session::Session;
 use tilescope_session::task::{self, SessionRef, Task};
 
-use crate::scene_view::{place_of_scene, view_of_scene};
+use crate::orbit::{drawn_set, palette};
+use crate::scene_view::{orbit_of_scene, place_of_scene, view_of_scene};
 use crate::view::SceneCamera;
 
 /// Width and height of a picture, in points of the window.
@@ -132,8 +134,14 @@ impl Thumbnails {
             }
 
             let drawn = shown.map_or(Drawn::Done(None), |shown| {
+                let balls = orbit_of_scene(session, scene);
                 let session = SessionRef(Arc::clone(session));
-                Drawn::Pending(task::start(wake, ThumbnailTask { session, shown }))
+                let task = ThumbnailTask {
+                    session,
+                    shown,
+                    balls,
+                };
+                Drawn::Pending(task::start(wake, task))
             });
             self.0.push((key, drawn));
         }
@@ -153,15 +161,38 @@ fn place_to_show(debugger: &Debugger, scene: &SavedScene) -> Option<DVec2> {
 pub struct ThumbnailTask {
     session: SessionRef,
     shown: MomentView,
+    /// From where the balls of a set in space are seen, if the scene shows them instead of a plane.
+    balls: Option<OrbitView>,
 }
 
 impl Task for ThumbnailTask {
     type Outcome = Option<Thumbnail>;
     const NAME: &'static str = "thumbnail";
 
-    fn run(self, _: &Monitor) -> Self::Outcome {
+    fn run(self, monitor: &Monitor) -> Self::Outcome {
+        if let Some(view) = self.balls {
+            return self.of_balls(view, monitor);
+        }
+
         let scene = thumbnail(&self.session, &self.shown);
         let pixels = to_pixels(&scene, SHARPNESS / LAID_OUT).ok()?;
         Some(pixels.into())
+    }
+}
+
+impl ThumbnailTask {
+    /// Draws the balls of the whole set, as the canvas does at any moment of the run.
+    fn of_balls(&self, view: OrbitView, monitor: &Monitor) -> Option<Thumbnail> {
+        let session = &*self.session;
+        let solid = session.solid.as_ref()?;
+        let points = solid.positions(session.run());
+        let set = drawn_set(session, solid, &points);
+        let size = THUMBNAIL_SIZE.map(|side| (SHARPNESS * side).round() as u32);
+        let picture = OrbitPicture::new(set, view, size, palette(self.shown.view.dark));
+        let pixels = picture.draw(&|| monitor.go_on()).ok()?;
+        Some(Thumbnail {
+            size: size.map(|side| side as usize),
+            rgba: pixels.rgba,
+        })
     }
 }

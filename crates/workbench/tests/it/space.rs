@@ -15,11 +15,12 @@ use tilescope_session::session::Session;
 use tilescope_session::solid::MadeSolid;
 use tilescope_session::verification::Witness;
 use tilescope_sets::{BallSize, SolidRecipe};
-use tilescope_workbench::command::{FormCommand, TimeCommand, ViewCommand, Which};
+use tilescope_workbench::command::{FormCommand, TimeCommand, ViewCommand, Which, WindowCommand};
 use tilescope_workbench::compare::{CompareCommand, ComparePreset};
 use tilescope_workbench::draft::{Choice, FormPart};
 use tilescope_workbench::export::{ExportCommand, ExportKind, ExportRefusal, NumberField};
 use tilescope_workbench::files::FileCommand;
+use tilescope_workbench::layout::Panel;
 use tilescope_workbench::orbit::{OrbitCommand, RunOrbit};
 use tilescope_workbench::scene_lesson::lesson_of_session;
 use tilescope_workbench::scenes::SceneCommand;
@@ -369,6 +370,29 @@ fn a_scene_of_balls_shows_them_again_and_others_the_plane() {
         seen.push(state.runs().first.orbit().map(RunOrbit::view));
     }
     assert_eq!(seen, [None, turned, None]);
+}
+
+#[test]
+fn the_small_picture_of_a_scene_of_balls_is_that_of_the_canvas() {
+    let mut state = made();
+    let scene = |state: &mut State, command| state.apply(Command::Scene(command));
+    scene(&mut state, SceneCommand::Add);
+    orbit(&mut state, OrbitCommand::Show(true));
+    orbit(&mut state, OrbitCommand::Turn([20.0, 0.0]));
+    scene(&mut state, SceneCommand::Add);
+    // A canvas of the size of a small picture.
+    orbit(&mut state, OrbitCommand::Size([168, 112]));
+    state.apply(Command::Window(WindowCommand::OpenPanel(Panel::Scenes)));
+    state.settle();
+
+    let balls = state.runs().first.orbit().expect("balls");
+    let canvas = balls.image().expect("a picture");
+    let debugger = state.runs().first.debugger.as_ref().expect("events");
+    let pictures = &state.scenes().thumbnails;
+    let of = |index: usize| pictures.of(session(&state), &debugger.scenes[index], true);
+    assert_eq!(of(1).expect("a picture").rgba, canvas.rgba);
+    // The other scene shows the plane.
+    assert_ne!(of(0).expect("a picture").rgba, canvas.rgba);
 }
 
 #[test]
