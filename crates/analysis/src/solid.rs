@@ -4,8 +4,9 @@
 //! # How the judge by cubes decides
 //!
 //! A cube is *proven* if one sample is within the limit of all of its places: its farthest corner is near enough. Any other
-//! cube is cut in eight, and its octants look only at the samples that are within the limit of some place of it. A cube
-//! that none of them reaches, or whose middle is farther than the limit from all of them, has a gap. Begin with [`cubes`].
+//! cube is cut in eight, and its octants look only at the samples that are within the limit of some place of it, or of a cube
+//! that holds it, where these are few. A cube that none of them reaches, or whose middle is farther than the limit from all of
+//! them, has a gap. Begin with [`cubes`].
 //!
 //! Conflicts are looked for apart from that ([`pairs`]): a cube of side r may be proven by one sample and yet hold two, so
 //! that a search for conflicts only where cubes are cut misses some.
