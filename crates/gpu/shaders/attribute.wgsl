@@ -1,6 +1,7 @@
 // Writes for each eliminated sample the first kept one that covers it, as its index in the list plus one.
 // import: turn
 // import: lattice
+// import: tiled
 
 fn run(index: u32) {
     if index >= frame.cells {
@@ -8,7 +9,7 @@ fn run(index: u32) {
     }
 
     let at = column_row(index);
-    for (var k = starts[index]; k < starts[index + 1u]; k++) {
+    for (var k = starts[index]; k < end_of(index); k++) {
         by[k] = 0u;
         let p = unpack(places[k], at);
         if (places[k] & FATE_MASK) == FATE_LOST && holds(p) {
@@ -26,7 +27,7 @@ fn first_cover(p: vec2<i32>, at: vec2<i32>) -> u32 {
     for (var row = at.y - 1; row <= at.y + 1; row++) {
         for (var column = at.x - 1; column <= at.x + 1; column++) {
             let cell = cell_index(column, row);
-            for (var k = starts[cell]; k < starts[cell + 1u]; k++) {
+            for (var k = starts[cell]; k < end_of(cell); k++) {
                 let q = unpack(places[k], vec2<i32>(column, row));
                 if (places[k] & FATE_MASK) == FATE_KEPT && covers_offset(q - p) {
                     let other = turn_of(q, origins[k * frame.origin_words]);

@@ -36,7 +36,8 @@ fn run(index: u32) {
     for (var row = at.y - 1; row <= at.y + 1; row++) {
         for (var column = at.x - 1; column <= at.x + 1; column++) {
             var next = atomicLoad(&heads[cell_index(column, row)]);
-            while next != 0u {
+            // A list has each proposal at most once. The bound ends one that an injected fault has closed to a ring.
+            for (var left = count; next != 0u && left > 0u; left--) {
                 let other = next - 1u;
                 next = next_of(other);
                 let q = proposed_at(other);

@@ -31,7 +31,8 @@ fn clip_image(index: u32, at: vec2<i32>) {
         return;
     }
 
-    let period = vec2<u32>(pattern[image.shape], pattern[image.shape + 1u]);
+    // Not 0, with which the loops below would stand still, whatever an injected fault has written.
+    let period = max(vec2<u32>(pattern[image.shape], pattern[image.shape + 1u]), vec2<u32>(1u));
     let start = vec2<u32>(vec2<i32>(image.start_x, image.start_y)) + vec2<u32>(low - clip_min);
 
     let before = found;
@@ -65,7 +66,8 @@ fn clip_piece(shape: u32, start: vec2<u32>, size: vec2<u32>, to: vec2<i32>, inde
     let first = start >> vec2<u32>(CELL_BITS);
     let last = (start + size - 1u) >> vec2<u32>(CELL_BITS);
     for (var row = first.y; row <= last.y; row++) {
-        let end = pattern[starts_at + row * columns + last.x + 1u];
+        // No more samples than words: an injected fault may put the end anywhere.
+        let end = min(pattern[starts_at + row * columns + last.x + 1u], arrayLength(&pattern));
         for (var k = pattern[starts_at + row * columns + first.x]; k < end; k++) {
             let at = points_at + 3u * k;
             let offset = vec2<u32>(pattern[at], pattern[at + 1u]) - start;

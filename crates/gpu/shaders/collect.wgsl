@@ -10,13 +10,14 @@ fn run(index: u32) {
         return;
     }
 
+    // At most four samples fit into a cell of side r. The bounds end a list that an injected fault has closed to a ring.
     var next = heads[index];
-    while next != 0u {
+    for (var left = MAX_FOUND; next != 0u && left > 0u; left--) {
         let dart = darts[next - 1u];
         // Its place among the few of its cell, row by row.
         var to = starts[index];
         var other = heads[index];
-        while other != 0u {
+        for (var others = MAX_FOUND; other != 0u && others > 0u; others--) {
             to += u32(is_lower(darts[other - 1u], dart));
             other = darts[other - 1u].next;
         }

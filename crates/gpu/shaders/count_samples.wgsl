@@ -8,7 +8,8 @@ fn run(index: u32) {
     var count = 0u;
     if index < ground.cells {
         var next = heads[index];
-        while next != 0u {
+        // A list has each sample at most once. The bound ends one that an injected fault has closed to a ring.
+        while next != 0u && count < arrayLength(&darts) {
             count++;
             next = darts[next - 1u].next;
         }

@@ -1,6 +1,7 @@
 // Marks the detectors of iteration 1: survivors near a sample that was eliminated or dropped.
 // import: frame
 // import: wide
+// import: tiled
 
 fn run(index: u32) {
     if index >= frame.cells {
@@ -29,7 +30,7 @@ fn mark(index: u32, at: vec2<i32>, cell: u32, there: vec2<i32>) {
     let limit = wide_multiply(DETECTOR_REACH, DETECTOR_REACH);
     let count = grid[4u * index + 3u] & COUNT_MASK;
 
-    for (var k = starts[cell]; k < starts[cell + 1u]; k++) {
+    for (var k = starts[cell]; k < end_of(cell); k++) {
         if (places[k] & FATE_MASK) != FATE_LOST {
             continue;
         }

@@ -4,6 +4,7 @@
 // import: turn
 // import: rounds
 // import: lattice
+// import: tiled
 
 struct Before {
     kept: bool,
@@ -17,7 +18,7 @@ fn look_before(me: u32, p: vec2<i32>, turn: Turn, at: vec2<i32>) -> Before {
     for (var row = at.y - 1; row <= at.y + 1; row++) {
         for (var column = at.x - 1; column <= at.x + 1; column++) {
             let cell = cell_index(column, row);
-            let end = starts[cell + 1u];
+            let end = end_of(cell);
             for (var k = starts[cell]; k < end; k++) {
                 let word = atomicLoad(&places[k]);
                 let fate = word & FATE_MASK;
@@ -46,7 +47,7 @@ fn run(index: u32) {
     let at = column_row(cell);
     let edge = is_edge(at);
 
-    for (var k = starts[cell]; k < starts[cell + 1u]; k++) {
+    for (var k = starts[cell]; k < end_of(cell); k++) {
         let word = atomicLoad(&places[k]);
         if (word & FATE_MASK) != FATE_UNDECIDED {
             continue;

@@ -1,6 +1,7 @@
 // Lists the cells at which uniform insertion starts: those in the domain that the bounding box of a lost sample's disk
 // touches and that no single survivor covers. The invocation whose cell holds its lowest corner lists it.
 // import: cover_cell
+// import: tiled
 
 // Returns whether a lost sample's box touches the cell from `low` to `low + extent`.
 fn is_touched(low: vec2<i32>, extent: vec2<i32>) -> bool {
@@ -13,7 +14,7 @@ fn is_touched(low: vec2<i32>, extent: vec2<i32>) -> bool {
             if (grid_word(4u * cell + 3u) & FLAG_LOST) == 0u {
                 continue;
             }
-            for (var k = starts[cell]; k < starts[cell + 1u]; k++) {
+            for (var k = starts[cell]; k < end_of(cell); k++) {
                 let s = unpack(places[k], vec2<i32>(column, row));
                 if (places[k] & FATE_MASK) == FATE_LOST && all(s >= low - GAP_REACH) && all(s <= low + extent + GAP_REACH) {
                     return true;
@@ -54,7 +55,8 @@ fn run(index: u32) {
                 break;
             }
             list_cell(low);
-            right += min(GAP_SIDE, end.x - point.x);
+            // At least one: sides that an injected fault has changed may end at the point.
+            right += max(min(GAP_SIDE, end.x - point.x), 1u);
         }
 
         if row >= end.y {

@@ -8,7 +8,8 @@ fn piece_at(index: u32) -> u32 {
     var first = 0u;
     var end = ground.pieces;
     while end - first > 1u {
-        let middle = (first + end) / 2u;
+        // The sum of the two may have more than 32 bits.
+        let middle = first + (end - first) / 2u;
         if pieces[middle].first_mark <= index {
             first = middle;
         } else {
@@ -60,7 +61,9 @@ fn run(index: u32) {
     }
 
     let column = u32(cell.y) * ground.pattern_columns + u32(cell.x);
-    for (var sample = pattern[column]; sample < pattern[column + 1u]; sample++) {
+    // No more samples than words: an injected fault may put the end anywhere.
+    let end = min(pattern[column + 1u], arrayLength(&pattern));
+    for (var sample = pattern[column]; sample < end; sample++) {
         lay(number, piece, sample);
     }
 }

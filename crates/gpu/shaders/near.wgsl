@@ -30,7 +30,8 @@ fn any_in(low: vec2<i32>, high: vec2<i32>, moved: vec2<i32>) -> bool {
     for (var row = first.y; row <= last.y; row++) {
         for (var column = first.x; column <= last.x; column++) {
             var next = heads[row * ground.columns + column];
-            while next != 0u {
+            // A list has each dart at most once. The bound ends one that an injected fault has closed to a ring.
+            for (var left = arrayLength(&darts); next != 0u && left > 0u; left--) {
                 if visit(next - 1u, moved) {
                     return true;
                 }

@@ -1,5 +1,6 @@
 // Writes the source of each sample of the result: block and pattern index, or 0xffffffff and the iteration.
 // import: frame
+// import: tiled
 
 fn source_of(packed: u32, index: u32, at: vec2<i32>) -> vec2<u32> {
     let last = grid[4u * index + 3u];
@@ -11,7 +12,7 @@ fn source_of(packed: u32, index: u32, at: vec2<i32>) -> vec2<u32> {
         }
     }
 
-    for (var k = starts[index]; k < starts[index + 1u]; k++) {
+    for (var k = starts[index]; k < end_of(index); k++) {
         if places[k] == (packed | FATE_KEPT) {
             let origin = k * frame.origin_words;
             let image = min(origins[origin], arrayLength(&images) - 1u);
@@ -26,8 +27,9 @@ fn run(index: u32) {
         return;
     }
     let at = column_row(index);
-    let window_end = heads[index + 1u];
-    for (var to = heads[index]; to < min(window_end, frame.result_capacity); to++) {
+    // An injected fault may put both anywhere.
+    let end = min(min(heads[index + 1u], frame.result_capacity), arrayLength(&result));
+    for (var to = heads[index]; to < end; to++) {
         // The result holds points of the domain, whose cells are aligned with the frame's.
         let p = result[to];
         let packed = ((p.y & LOW) << CELL_BITS) | (p.x & LOW);

@@ -1,5 +1,6 @@
 // Puts the survivors into the grid, and flags cells where samples were lost and cells with unknown samples.
 // import: frame
+// import: tiled
 
 fn run(index: u32) {
     if index >= frame.cells {
@@ -12,7 +13,7 @@ fn run(index: u32) {
     var flags = 0u;
     var eliminated = 0u;
 
-    for (var k = starts[index]; k < starts[index + 1u]; k++) {
+    for (var k = starts[index]; k < end_of(index); k++) {
         let word = places[k];
         let fate = word & FATE_MASK;
         if fate == FATE_KEPT {

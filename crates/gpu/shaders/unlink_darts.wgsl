@@ -8,7 +8,8 @@ fn run(index: u32) {
     // The list is built anew, and so turned around.
     var next = heads[index];
     var kept = 0u;
-    while next != 0u {
+    // A list has each dart at most once. The bound ends one that an injected fault has closed to a ring.
+    for (var left = arrayLength(&darts); next != 0u && left > 0u; left--) {
         let dart = next - 1u;
         next = darts[dart].next;
         if (states[dart] & DART_PRESENT) != 0u {

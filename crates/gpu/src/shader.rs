@@ -22,8 +22,8 @@ pub const FILES: &[(&str, &str)] = files![
     "lattice", "lay", "link", "link_darts", "marks", "near", "open", "place", "poisson", "prefix",
     "prepare", "prepare_darts", "proposal", "propose", "random", "reopen", "rounds", "scan",
     "scan_add", "scan_sums", "settle", "sites", "sort_blocks", "sources", "split", "spread",
-    "survive", "tally", "throw", "throw_darts", "tile", "turn", "unlink", "unlink_darts", "unsure",
-    "warn", "wide", "workgroups"
+    "survive", "tally", "throw", "throw_darts", "tile", "tiled", "turn", "unlink", "unlink_darts",
+    "unsure", "warn", "wide", "workgroups"
 ];
 
 /// Returns the complete WGSL source of a pass: constants, structures, bindings, imported files, the file itself.

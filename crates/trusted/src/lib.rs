@@ -28,7 +28,9 @@
 //!   and the columns of a piece, which has a cell at least.
 //!
 //! None of this holds for buffers that are changed from outside. A run whose stages are inspected, and may be changed,
-//! has checked shaders (`Recording::Stages` in the engine).
+//! has checked shaders (`Recording::Stages` in the engine). The counter that a check adds to a loop ends it after 2^64 rounds,
+//! so that chains and ranges that are read from buffers are also bounded by the length of a buffer: one changed word
+//! neither closes a chain to an endless ring nor makes a range of 2^32.
 //!
 //! `tests/it/device/windows.rs` and `exact.rs` of the engine compare the results of trusted and of checked shaders with the CPU's,
 //! bit for bit. In a browser shaders are always checked, by the browser.

@@ -174,6 +174,27 @@ fn every_stage_of_an_inspected_run_is_equal_and_a_changed_word_is_noticed() {
     assert!(difference.starts_with("points at "), "{difference}");
 }
 
+/// Changed words close lists of cells to rings: the passes that follow them come to an end, and the run has a difference.
+#[test]
+fn lists_that_were_closed_to_rings_end() {
+    let linked = |stepper: &ExactStepper, passes: usize| {
+        let reports = stepper.reports();
+        let is_link = |at: usize| reports[at].name == "link darts";
+        is_link(passes - 1) && !(0..passes - 1).any(is_link)
+    };
+    let spoilt = inspect(&parameters(14.0, 8.0), |stepper, passes| {
+        if linked(stepper, passes) {
+            // The last of a dart's eight words is the number of the next dart, from 1 on: these follow themselves. Some of them
+            // stay to the end.
+            for dart in 0..20 {
+                stepper.set_word(Name::Darts, 8 * u64::from(dart) + 7, dart + 1);
+            }
+        }
+    });
+    assert_eq!(spoilt.last().map(|(stage, _)| *stage), Some(Stage::Finish));
+    assert!(spoilt.iter().any(|(_, difference)| difference.is_some()));
+}
+
 #[test]
 fn rows_of_an_inspected_run_lie_where_its_darts_do() {
     let parameters = parameters(14.0, 8.0);

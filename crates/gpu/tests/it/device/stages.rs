@@ -245,6 +245,30 @@ fn a_word_set_on_the_device_is_found_by_the_cpu_reference() {
     assert_eq!(cpu.compare(Stage::Tile, &mended), None);
 }
 
+/// The list of a cell's samples, the end of which is put where no list is long enough, is read up to the end of the buffer.
+#[test]
+fn a_cell_whose_samples_have_no_end_does_not_hold_the_device_up() {
+    let mut whole = small();
+    pollster::block_on(whole.finish()).unwrap();
+    let whole = pollster::block_on(whole.run()).unwrap();
+
+    let mut stepper = small();
+    while stepper.ended_stage() != Some(Stage::Tile) {
+        pollster::block_on(stepper.step_pass()).unwrap().unwrap();
+    }
+    // The middle of the frame, where cells have samples.
+    let starts = pollster::block_on(stepper.table(Name::Starts, u64::MAX)).unwrap();
+    let middle = starts.rows.len() as u64 / 2;
+    stepper.set_word(Name::Starts, middle, u32::MAX);
+
+    let ended = pollster::block_on(async {
+        stepper.finish().await?;
+        stepper.run().await
+    });
+    // The passes find too many samples in a cell, or the samples of the cell are missing.
+    assert!(ended.is_err() || ended.is_ok_and(|run| difference(&run, &whole).is_some()));
+}
+
 #[test]
 fn a_run_that_is_rewound_runs_the_same_passes_to_the_same_result() {
     let mut stepper = small();
