@@ -75,9 +75,11 @@ fn names(row: &EngineRate) -> (&'static str, String) {
         Engine::Parallel { threads } => ("parallel", parallel_name(leaf, threads)),
         Engine::Exact => ("exact", format!("exact tiling, leaf {leaf} r")),
         // Of these the CPU's bench has a row of the reference sampler alone.
-        Engine::Reference | Engine::Combined { .. } | Engine::Gpu { .. } => {
-            ("reference", "reference".to_owned())
-        }
+        Engine::Reference
+        | Engine::Combined { .. }
+        | Engine::Gpu { .. }
+        | Engine::ExactParallel { .. }
+        | Engine::ExactGpu { .. } => ("reference", "reference".to_owned()),
     }
 }
 

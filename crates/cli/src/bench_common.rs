@@ -68,7 +68,8 @@ A rate counts the samples of whole sets, made in memory on the lattice and in ca
 to make the pattern is not part of it. Ratios are taken within a round, and the median over the rounds is
 printed: to the reference sampler, and in the column of KDRT to the parallel engine on one thread. From
 nothing is the time of a set with its pattern and tables. With --engine gpu ratios are to the CPU on all
-threads.
+threads, those of exact tiling to exact tiling there; a GPU makes it in one go, and it is left out where that
+does not fit.
 
 With --live each row is a motion of the cursor, with and without the analysis: a run played in 30 seconds at
 60 frames a second, within the steps that a frame has for it; steps from one change to the next; and jumps.

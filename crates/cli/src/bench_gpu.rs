@@ -6,7 +6,7 @@ use std::sync::Arc;
 use anyhow::{Context, Result, ensure};
 use serde_json::{Value, json};
 use tilescope_gpu::Gpu;
-use tilescope_reproduce::rates::{Engine, EngineRate, GpuRates, GpuRun, PassTimes};
+use tilescope_reproduce::rates::{Engine, EngineRate, ExactGpuRates, GpuRates, GpuRun, PassTimes};
 
 use crate::bench_common::{BenchArguments, parallel_name, with_bar, yes};
 use crate::{output, verdict_code};
@@ -25,26 +25,37 @@ pub fn run(arguments: &BenchArguments) -> Result<u8> {
     output::report(arguments.json, json, || to_text(&rates, &gpu, arguments))?;
     // The rate of an engine that makes other points, or a set with faults, means nothing.
     let fine = |row: &EngineRate| row.equal() && row.valid();
-    Ok(verdict_code(rates.rows.iter().all(fine)))
+    Ok(verdict_code(all_rows(&rates).all(fine)))
+}
+
+/// Returns the rows of KDRT, then those of exact tiling.
+fn all_rows(rates: &GpuRates) -> impl Iterator<Item = &EngineRate> {
+    rates.rows.iter().chain(rates.exact.rows())
 }
 
 /// Returns the rates as a table, and the table of passes.
 fn to_text(rates: &GpuRates, gpu: &Gpu, arguments: &BenchArguments) -> String {
     let mut out =
-        "method                             samples Msamples/s    ratio  equal  valid\n".to_owned();
+        "method                                     samples Msamples/s    ratio  equal  valid\n"
+            .to_owned();
 
-    for row in &rates.rows {
+    for row in all_rows(rates) {
         // Only sets that are not tiled have no leaf, and this bench makes none.
         let leaf = row.leaf.unwrap_or_default();
         let (name, equal) = match row.engine {
-            // This bench has rows of two engines. Only the GPU's set is compared, with that of the threads.
+            // Only the GPU's set is compared, with that of the threads.
             Engine::Parallel { threads } => (parallel_name(leaf, threads), ""),
+            Engine::ExactParallel { threads } => {
+                (format!("exact, {}", parallel_name(leaf, threads)), "")
+            }
+            Engine::ExactGpu { .. } => (format!("exact, gpu, leaf {leaf} r"), yes(row.equal())),
+            // Of the others this bench has rows of the GPU alone.
             _ => (format!("gpu, leaf {leaf} r"), yes(row.equal())),
         };
         // Of three quartiles the middle one is the median.
         let _ = writeln!(
             out,
-            "{name:<32} {:>9.0} {:>10.3} {:>7.2}x {equal:>6} {:>6}",
+            "{name:<40} {:>9.0} {:>10.3} {:>7.2}x {equal:>6} {:>6}",
             row.count,
             row.rate.quartiles[1] / 1e6,
             row.ratio.quartiles[1],
@@ -59,6 +70,15 @@ fn to_text(rates: &GpuRates, gpu: &Gpu, arguments: &BenchArguments) -> String {
         out,
         "\nmedian of {rounds} rounds on {adapter}; the first run of all, with the passes compiled: {first:.1} ms\n"
     );
+    if gpu.report().is_software {
+        let _ = writeln!(
+            out,
+            "{adapter} computes on the CPU: these are the rates of software, not of a GPU\n"
+        );
+    }
+    if let ExactGpuRates::TooLarge(why) = &rates.exact {
+        let _ = writeln!(out, "exact tiling was not timed: {why}\n");
+    }
     out + passes_text(&rates.run, rates.copy_rate).as_str()
 }
 
@@ -111,11 +131,12 @@ fn to_json(rates: &GpuRates, gpu: &Gpu, arguments: &BenchArguments) -> Value {
 
     // Rows come in pairs, one for each leaf: that of all threads, then that of the GPU. A row without its partner,
     // which does not occur, would be null.
-    let row = |pair: &[EngineRate]| {
+    let row = |method: &str, pair: &[EngineRate]| {
         let [on_threads, on_gpu] = pair else {
             return Value::Null;
         };
         json!({
+            "method": method,
             "leaf": on_gpu.leaf,
             "counts": on_gpu.times.iter().map(|one| one.report.count).collect::<Vec<_>>(),
             "parallel_seconds": seconds(on_threads),
@@ -135,14 +156,23 @@ fn to_json(rates: &GpuRates, gpu: &Gpu, arguments: &BenchArguments) -> Value {
         })
     };
 
+    let kdrt = rates.rows.chunks(2).map(|pair| row("kdrt", pair));
+    let exact = rates.exact.rows().chunks(2).map(|pair| row("exact", pair));
+    let not_timed = match &rates.exact {
+        ExactGpuRates::Measured(_) => None,
+        ExactGpuRates::TooLarge(why) => Some(why),
+    };
+
     let run = &rates.run;
     json!({
         "engine": "gpu",
         "adapter": gpu.report().name,
+        "software": gpu.report().is_software,
         "checked_shaders": arguments.adapter.checked_shaders,
         "threads": rayon::current_num_threads(),
         "first_seconds": rates.first_seconds,
-        "rows": rates.rows.chunks(2).map(row).collect::<Vec<_>>(),
+        "rows": kdrt.chain(exact).collect::<Vec<_>>(),
+        "exact_not_timed": not_timed,
         "passes": run.passes.iter().map(pass).collect::<Vec<_>>(),
         "timed_samples": run.samples,
         "held_bytes": run.held_bytes,

@@ -8,10 +8,10 @@ use rayon::{ThreadPool, ThreadPoolBuilder};
 use serde::{Deserialize, Serialize};
 use tilescope_core::combine::{CombineOptions, Piece, combine, grid};
 use tilescope_core::{
-    Boundary, Domain, Parameters, Pattern, PatternHistory, Point, Rect, Sequential, exact_points,
-    reference_sample,
+    Boundary, Domain, Parameters, Pattern, PatternArrivals, PatternHistory, Point, Rect,
+    Sequential, exact_points, reference_sample,
 };
-use tilescope_gpu::{self as gpu, ASKED_FOR, Backend, Bands, Choice, Gpu};
+use tilescope_gpu::{self as gpu, ASKED_FOR, Backend, Bands, Choice, Gpu, exact_on_gpu};
 
 use crate::control::Control;
 use crate::error::{ReproduceError, Result};
@@ -44,6 +44,16 @@ pub enum Engine {
         /// The name of the GPU.
         adapter: String,
     },
+    /// Exact tiling, on all threads, with the pattern and tables that are open.
+    ExactParallel {
+        /// Threads that it runs on.
+        threads: usize,
+    },
+    /// Exact tiling on a GPU, with the pattern that is open. Its sets have sources, and those of the other engines have none.
+    ExactGpu {
+        /// The name of the GPU.
+        adapter: String,
+    },
 }
 
 impl Engine {
@@ -51,6 +61,12 @@ impl Engine {
     pub(crate) fn parallel() -> Self {
         let threads = rayon::current_num_threads();
         Self::Parallel { threads }
+    }
+
+    /// Returns exact tiling on all threads.
+    pub(crate) fn exact_parallel() -> Self {
+        let threads = rayon::current_num_threads();
+        Self::ExactParallel { threads }
     }
 
     /// Returns whether it tiles, and does not make sets from scratch.
@@ -68,6 +84,8 @@ impl Engine {
             Self::Parallel { .. } => "KDRT, parallel".to_owned(),
             Self::Exact => "exact tiling".to_owned(),
             Self::Gpu { adapter } => format!("KDRT, {adapter}"),
+            Self::ExactParallel { .. } => "exact tiling, parallel".to_owned(),
+            Self::ExactGpu { adapter } => format!("exact tiling, {adapter}"),
         }
     }
 
@@ -75,8 +93,10 @@ impl Engine {
     #[must_use]
     pub const fn threads(&self) -> Option<usize> {
         match self {
-            Self::Combined { threads } | Self::Parallel { threads } => Some(*threads),
-            Self::Gpu { .. } => None,
+            Self::Combined { threads }
+            | Self::Parallel { threads }
+            | Self::ExactParallel { threads } => Some(*threads),
+            Self::Gpu { .. } | Self::ExactGpu { .. } => None,
             Self::Reference | Self::Sequential | Self::Exact => Some(1),
         }
     }
@@ -87,6 +107,7 @@ pub struct Engines {
     pools: Vec<ThreadPool>,
     gpus: Vec<Arc<Gpu>>,
     history: Option<PatternHistory>,
+    arrivals: Option<PatternArrivals>,
 }
 
 impl Engines {
@@ -107,7 +128,14 @@ impl Engines {
             pools,
             gpus,
             history: None,
+            arrivals: None,
         })
+    }
+
+    /// Returns the engines with what exact tiling on a GPU needs.
+    pub fn with_arrivals(self, arrivals: PatternArrivals) -> Self {
+        let arrivals = Some(arrivals);
+        Self { arrivals, ..self }
     }
 
     /// Returns the engines with what exact tiling needs.
@@ -158,10 +186,15 @@ impl Engines {
                 let make = || banded(gpu::Engine::Parallel);
                 pool.map_or_else(make, |pool| pool.install(make))?
             }
+            Engine::ExactParallel { .. } => exact_points(parameters, self.history()?, observer)?,
+            Engine::ExactGpu { adapter } => {
+                let none = || failed("there is no pattern for exact tiling on a GPU");
+                let arrivals = self.arrivals.as_ref().ok_or_else(none)?;
+                let gpu = self.gpu(adapter)?;
+                block_on(exact_on_gpu(&gpu, parameters, arrivals, observer))?.points()
+            }
             Engine::Exact => {
-                let none = || failed("there are no tables for exact tiling");
-                // The tables were made before, so that they do not count in the time of a set.
-                let history = self.history.as_ref().ok_or_else(none)?;
+                let history = self.history()?;
                 // With an observer of its own `make` can stand in both places below.
                 let make = || exact_points(parameters, history, &mut |_| control.flow());
                 // Where the global pool has one thread itself, `open` has started no pool of one.
@@ -175,6 +208,12 @@ impl Engines {
         };
 
         Ok(points)
+    }
+
+    /// Returns the tables of exact tiling, which were made before, so that they do not count in the time of a set.
+    fn history(&self) -> Result<&PatternHistory> {
+        let none = || failed("there are no tables for exact tiling");
+        self.history.as_ref().ok_or_else(none)
     }
 
     /// Returns an open GPU by its name.
@@ -256,11 +295,21 @@ mod tests {
                 adapter: "none of that name".to_owned(),
             };
             assert!(make(nowhere).is_err() && make(Engine::Exact).is_err());
+            assert!(make(Engine::exact_parallel()).is_err());
+            let no_gpu = Engine::ExactGpu {
+                adapter: "none of that name".to_owned(),
+            };
+            assert!(make(no_gpu).is_err());
 
             let history = PatternHistory::of_spec(&parameters.pattern, &mut Unobserved)?;
             let engines = engines.with_history(history);
             let exact = engines.make(&Engine::Exact, &parameters, &pattern, control)?;
             assert_ne!(exact, all);
+            let on_all = Engine::exact_parallel();
+            assert_eq!(
+                engines.make(&on_all, &parameters, &pattern, control)?,
+                exact
+            );
             Ok(())
         });
     }

@@ -21,7 +21,7 @@ use crate::sets::Set;
 pub use crate::engines::Engine;
 pub use bench::{Bench, CpuRates, WindowTimes};
 pub(crate) use gpu::run_timed;
-pub use gpu::{GpuRates, GpuRun, PassTimes};
+pub use gpu::{ExactGpuRates, GpuRates, GpuRun, PassTimes};
 
 /// The leaf size in radii where one is enough.
 pub(crate) const ONE_LEAF: f64 = 40.0;
@@ -227,9 +227,12 @@ fn row(rounds: &[&[EngineTime]], key: &Key<'_>, baseline: Key<'_>) -> Option<Eng
     let is_compared = match key.0 {
         Engine::Parallel { threads } => *threads > 1,
         Engine::Exact => true,
-        Engine::Reference | Engine::Combined { .. } | Engine::Sequential | Engine::Gpu { .. } => {
-            false
-        }
+        Engine::Reference
+        | Engine::Combined { .. }
+        | Engine::Sequential
+        | Engine::Gpu { .. }
+        | Engine::ExactParallel { .. }
+        | Engine::ExactGpu { .. } => false,
     };
 
     let one_thread = (&Engine::Parallel { threads: 1 }, key.1);

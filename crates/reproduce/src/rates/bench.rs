@@ -55,7 +55,9 @@ impl CpuRates {
             Engine::Sequential | Engine::Parallel { .. } | Engine::Gpu { .. } => {
                 self.pattern_seconds
             }
-            Engine::Exact => self.history_seconds,
+            Engine::Exact | Engine::ExactParallel { .. } | Engine::ExactGpu { .. } => {
+                self.history_seconds
+            }
         };
         before + set
     }

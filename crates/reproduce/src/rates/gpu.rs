@@ -4,13 +4,13 @@ use std::sync::Arc;
 
 use pollster::block_on;
 use serde::{Deserialize, Serialize};
-use tilescope_core::{Parameters, Pattern, Stage};
-use tilescope_gpu::{Gpu, GpuSweep, Options, PassReport};
+use tilescope_core::{Parameters, Pattern, PatternArrivals, PatternHistory, PatternSpec, Stage};
+use tilescope_gpu::{Gpu, GpuError, GpuSweep, Options, PassReport};
 
 use super::{Bench, EngineRate, EngineTime, rows, timed};
 use crate::control::{Control, Watch};
 use crate::engines::{Engine, Engines};
-use crate::error::Result;
+use crate::error::{ReproduceError, Result};
 
 /// Bytes copied at a time to measure the speed of the device's memory, and how often: long enough that the start does
 /// not matter.
@@ -49,12 +49,34 @@ pub struct GpuRates {
     /// The parallel engine on all threads and the GPU, by turns, for each leaf size; the parallel engine is the
     /// baseline.
     pub rows: Vec<EngineRate>,
+    /// Exact tiling on all threads and on the GPU, likewise; that on all threads is the baseline.
+    pub exact: ExactGpuRates,
     /// Seconds of the first run, which compiles the passes.
     pub first_seconds: f64,
     /// A run with timed passes.
     pub run: GpuRun,
     /// Bytes a second that the device copies, read and written.
     pub copy_rate: f64,
+}
+
+/// Rates of exact tiling on a GPU.
+#[derive(Clone, Debug)]
+pub enum ExactGpuRates {
+    /// The rows of each leaf size.
+    Measured(Vec<EngineRate>),
+    /// The GPU makes an exact tiling in one go, and one of so many samples does not fit it: why, in words.
+    TooLarge(String),
+}
+
+impl ExactGpuRates {
+    /// Returns the rows; none of a tiling that does not fit.
+    #[must_use]
+    pub fn rows(&self) -> &[EngineRate] {
+        match self {
+            Self::Measured(rows) => rows,
+            Self::TooLarge(_) => &[],
+        }
+    }
 }
 
 impl Bench {
@@ -67,8 +89,8 @@ impl Bench {
 
         // The parallel engine runs on all threads, for which no pool has to be opened.
         let open = Engines::open(&[], vec![Arc::clone(gpu)])?;
-        let adapter = gpu.report().name.clone();
-        let engines = [Engine::parallel(), Engine::Gpu { adapter }];
+        let adapter = || gpu.report().name.clone();
+        let engines = [Engine::parallel(), Engine::Gpu { adapter: adapter() }];
 
         // The first run compiles the passes. Its time is reported by itself, and its set is not needed. Where no leaf
         // is asked for, it has the default one.
@@ -77,11 +99,41 @@ impl Bench {
         let (set, first_seconds) = timed(|| open.make(&engines[1], &first, &pattern, &control));
         drop(set?);
 
+        // Exact tiling has a pattern of its own. Its first run, which compiles its passes, finds out whether it fits.
+        let exact = [
+            Engine::exact_parallel(),
+            Engine::ExactGpu { adapter: adapter() },
+        ];
+        let of_exact = PatternSpec::for_exact(self.samples as f64, self.seed);
+        let arrivals = PatternArrivals::of_spec(&of_exact, &mut control.observer())?;
+        let mut open = open.with_arrivals(arrivals);
+        let too_large = match open.make(&exact[1], &first, &pattern, &control) {
+            Ok(_) => None,
+            Err(error) => Some(too_large(error)?),
+        };
+        if too_large.is_none() {
+            // The CPU's engine needs tables, too, that take longer to make.
+            let history = PatternHistory::of_spec(&of_exact, &mut control.observer())?;
+            open = open.with_history(history);
+        }
+
         // No set is made from scratch: the baseline is the parallel engine, which has leaves as the GPU has.
         let once: &[&[Engine]] = &[];
-        let by_leaf: &[&[Engine]] = &[&engines];
+        let both: &[&[Engine]] = &[&engines, &exact];
+        // What does not fit is not tried again.
+        let by_leaf = &both[..if too_large.is_none() { 2 } else { 1 }];
         let times = self.rounds(&open, once, by_leaf, &base, &pattern, watch)?;
-        let rounds: Vec<&[EngineTime]> = times.iter().map(Vec::as_slice).collect();
+        // Each of the two methods has a baseline of its own.
+        let of_method = |engines: &[Engine; 2]| {
+            let rounds: Vec<Vec<EngineTime>> = (times.iter())
+                .map(|round| {
+                    let own = round.iter().filter(|one| engines.contains(&one.engine));
+                    own.cloned().collect()
+                })
+                .collect();
+            let rounds: Vec<&[EngineTime]> = rounds.iter().map(Vec::as_slice).collect();
+            rows(&rounds, Some(&engines[0]))
+        };
 
         let run = run_timed(gpu, &first, &pattern, &control, |report| {
             // Passes of all iterations are added up.
@@ -98,12 +150,32 @@ impl Bench {
         copied?;
 
         Ok(GpuRates {
-            rows: rows(&rounds, Some(&engines[0])),
+            rows: of_method(&engines),
+            exact: match too_large {
+                None => ExactGpuRates::Measured(of_method(&exact)),
+                Some(why) => ExactGpuRates::TooLarge(why),
+            },
             first_seconds,
             run,
             // Every byte is read and written.
             copy_rate: 2.0 * COPIED as f64 * f64::from(COPIES) / seconds,
         })
+    }
+}
+
+/// Returns why an exact tiling does not fit a GPU, in words. Fails with any other error.
+fn too_large(error: ReproduceError) -> Result<String> {
+    let is_of_size = match &error {
+        ReproduceError::Failed(cause) => matches!(
+            cause.downcast_ref(),
+            Some(GpuError::ExactTooLarge { .. } | GpuError::OutOfMemory)
+        ),
+        _ => false,
+    };
+    if is_of_size {
+        Ok(error.to_string())
+    } else {
+        Err(error)
     }
 }
 

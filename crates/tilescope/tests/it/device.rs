@@ -292,12 +292,19 @@ fn the_bench_compares_with_the_threads_and_tells_the_passes() {
     ];
     let bench = json(&folder, &[base.as_slice(), &GPU].concat());
     let rows = bench["rows"].as_array().unwrap();
-    assert_eq!(rows.len(), 1);
-    assert_eq!(
-        (&rows[0]["equal"], &rows[0]["valid"]),
-        (&Value::Bool(true), &Value::Bool(true))
-    );
-    assert!(rows[0]["gpu_samples_per_second"].as_f64().unwrap() > 0.0);
+    let methods: Vec<_> = rows.iter().map(|row| row["method"].as_str()).collect();
+    assert_eq!(methods, [Some("kdrt"), Some("exact")]);
+    for row in rows {
+        assert_eq!(
+            (&row["equal"], &row["valid"]),
+            (&Value::Bool(true), &Value::Bool(true))
+        );
+        assert!(row["gpu_samples_per_second"].as_f64().unwrap() > 0.0);
+    }
+    // The two methods make different sets.
+    assert_ne!(rows[0]["counts"], rows[1]["counts"]);
+    assert_eq!(bench["exact_not_timed"], Value::Null);
+    assert_eq!(bench["software"], Value::Bool(true));
     let passes = bench["passes"].as_array().unwrap();
     assert!(passes.iter().any(|pass| pass["stage"] == "eliminate"));
     assert!(
@@ -307,7 +314,10 @@ fn the_bench_compares_with_the_threads_and_tells_the_passes() {
     );
     let mut text = tilescope(&folder);
     text.args(base).args(GPU);
-    text.assert()
-        .success()
-        .stdout(contains("median of 1 rounds on llvmpipe").and(contains("share")));
+    text.assert().success().stdout(
+        contains("median of 1 rounds on llvmpipe")
+            .and(contains("share"))
+            .and(contains("exact, gpu, leaf 30 r"))
+            .and(contains("these are the rates of software, not of a GPU")),
+    );
 }
