@@ -1,7 +1,7 @@
 //! The search for conflicts and for the smallest distance: samples in bins that are at least as wide as the distance that
 //! is looked for, each compared with those in the bins around its own.
 
-use std::ops::RangeInclusive;
+mod around;
 
 use rayon::prelude::*;
 
@@ -13,6 +13,7 @@ use crate::worst::Worst;
 use super::SolidQuestion;
 use super::error::SolidError;
 use super::region::SolidRegion;
+use around::Around;
 
 /// Bins are wider than the radius by a thousandth: in most sets the nearest pair is then found with the conflicts.
 const NEARLY: f64 = 1.001;
@@ -279,11 +280,12 @@ impl<'a> Bins<'a> {
     /// Returns the pairs of some samples with those in the bins around them, each pair once.
     fn of_chunk(&self, chunk: &[Binned], radius: f64, witnesses: usize) -> PairsFound {
         let mut found = PairsFound::new(witnesses);
+        let mut around = Around::of(self);
         for own in chunk.chunk_by(|a, b| a.key == b.key) {
             // Samples of a bin have the same bins around them.
-            let around = self.around(own[0].key);
+            around.find(own[0].key);
             for one in own {
-                for other in around.iter().copied().flatten() {
+                for other in around.rows.iter().copied().flatten() {
                     // Of a pair each sample finds the other, and the first one counts.
                     if one.index >= other.index {
                         continue;
@@ -312,11 +314,12 @@ impl<'a> Bins<'a> {
     /// Returns the pairs of some samples with those in the bins around them by their distance, each pair once.
     fn by_distance(&self, chunk: &[Binned], most: f64, bins: usize) -> PairsByDistance {
         let mut found = PairsByDistance::new(bins);
+        let mut around = Around::of(self);
         let size = self.region.size();
         for own in chunk.chunk_by(|a, b| a.key == b.key) {
-            let around = self.around(own[0].key);
+            around.find(own[0].key);
             for one in own {
-                for other in around.iter().copied().flatten() {
+                for other in around.rows.iter().copied().flatten() {
                     let distance = self.region.distance(one.place, other.place);
                     // Of a pair each sample finds the other, and the first one counts.
                     if one.index >= other.index || distance >= most {
@@ -338,46 +341,6 @@ impl<'a> Bins<'a> {
             }
         }
         found
-    }
-
-    /// Returns the samples in a bin and in those around it, row by row, each once.
-    fn around(&self, bin: u128) -> Vec<&[Binned]> {
-        let number = |axis: u32| (bin >> (32 * axis)) as u64 & u64::from(u32::MAX);
-        let [columns, rows, planes] = [0, 1, 2].map(|axis| self.spans(number(axis), axis));
-        let mut around = Vec::with_capacity(9);
-        for z in planes.iter().cloned().flatten() {
-            for y in rows.iter().cloned().flatten() {
-                for x in &columns {
-                    let (low, high) = (key(*x.start(), y, z), key(*x.end(), y, z));
-                    let first = self.binned.partition_point(|sample| sample.key < low);
-                    let row = &self.binned[first..];
-                    // The end is searched one by one, as the row is nearly always short.
-                    let beyond = row.iter().position(|sample| sample.key > high);
-                    around.push(&row[..beyond.unwrap_or(row.len())]);
-                }
-            }
-        }
-        around
-    }
-
-    /// Returns the numbers on an axis of a bin and of those beside it, in ranges.
-    fn spans(&self, number: u64, axis: u32) -> Vec<RangeInclusive<u64>> {
-        let count = self.counts[axis as usize];
-        let last = count - 1;
-        // Around a torus of three bins each is beside each. In a bounded region, to look at all of so few does no harm.
-        if count <= 3 {
-            return vec![0..=last];
-        }
-
-        let inside = number.saturating_sub(1)..=last.min(number + 1);
-        let mut spans = vec![inside];
-        if self.region.is_periodic() && number == 0 {
-            spans.push(last..=last);
-        }
-        if self.region.is_periodic() && number == last {
-            spans.push(0..=0);
-        }
-        spans
     }
 }
 
