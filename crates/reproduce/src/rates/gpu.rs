@@ -239,6 +239,27 @@ mod tests {
     use super::*;
 
     #[test]
+    fn a_tiling_that_does_not_fit_is_a_note_and_any_other_failure_an_error() {
+        let large = GpuError::ExactTooLarge {
+            width: 9_000,
+            height: 9_000,
+            needed: 1 << 33,
+            unit: "bytes",
+            limit: "maxStorageBufferBindingSize",
+            allowed: 1 << 31,
+        };
+        let note = too_large(large.into()).unwrap();
+        assert!(note.contains("8589934592 bytes") && note.contains("maxStorageBufferBindingSize"));
+        assert!(too_large(GpuError::OutOfMemory.into()).is_ok());
+
+        let lost = GpuError::DeviceLost {
+            reason: "reset".to_owned(),
+        };
+        assert!(too_large(lost.into()).is_err());
+        assert!(too_large(ReproduceError::Cancelled).is_err());
+    }
+
+    #[test]
     fn passes_of_a_name_are_added_up_and_one_that_was_not_measured_leaves_no_sum() {
         let report = |seconds| PassReport {
             stage: Stage::Tile,
