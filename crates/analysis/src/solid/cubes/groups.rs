@@ -67,6 +67,7 @@ pub(super) fn list<S: Simd>(
 ) {
     let mut filling = SampleGroup::EMPTY;
     let mut filled = 0;
+
     for group in groups {
         let mut reaching = group.reaching(simd, cube, limit_squared);
         // The bits are taken from the lowest on.
@@ -77,12 +78,15 @@ pub(super) fn list<S: Simd>(
                 filling.0[axis][filled] = group.0[axis][lane];
             }
             filled += 1;
+
             if filled == LANES {
                 out.push(filling);
                 (filling, filled) = (SampleGroup::EMPTY, 0);
             }
         }
     }
+
+    // The lanes behind the last sample stay at infinity.
     if filled > 0 {
         out.push(filling);
     }
