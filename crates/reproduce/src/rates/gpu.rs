@@ -124,16 +124,7 @@ impl Bench {
         let by_leaf = &both[..if too_large.is_none() { 2 } else { 1 }];
         let times = self.rounds(&open, once, by_leaf, &base, &pattern, watch)?;
         // Each of the two methods has a baseline of its own.
-        let of_method = |engines: &[Engine; 2]| {
-            let rounds: Vec<Vec<EngineTime>> = (times.iter())
-                .map(|round| {
-                    let own = round.iter().filter(|one| engines.contains(&one.engine));
-                    own.cloned().collect()
-                })
-                .collect();
-            let rounds: Vec<&[EngineTime]> = rounds.iter().map(Vec::as_slice).collect();
-            rows(&rounds, Some(&engines[0]))
-        };
+        let rows_of = |engines| rows_of(&times, engines);
 
         let run = run_timed(gpu, &first, &pattern, &control, |report| {
             // Passes of all iterations are added up.
@@ -144,23 +135,37 @@ impl Bench {
             [stage, report.name.to_owned()]
         })?;
 
-        // The first copy warms the device up and is not timed.
-        block_on(gpu.copy(COPIED, 1))?;
-        let (copied, seconds) = timed(|| block_on(gpu.copy(COPIED, COPIES)));
-        copied?;
-
         Ok(GpuRates {
-            rows: of_method(&engines),
+            rows: rows_of(&engines),
             exact: match too_large {
-                None => ExactGpuRates::Measured(of_method(&exact)),
+                None => ExactGpuRates::Measured(rows_of(&exact)),
                 Some(why) => ExactGpuRates::TooLarge(why),
             },
             first_seconds,
             run,
-            // Every byte is read and written.
-            copy_rate: 2.0 * COPIED as f64 * f64::from(COPIES) / seconds,
+            copy_rate: copy_rate(gpu)?,
         })
     }
+}
+
+/// Returns the rows of a method's two engines, the first of which is the baseline.
+fn rows_of(times: &[Vec<EngineTime>], engines: &[Engine; 2]) -> Vec<EngineRate> {
+    let of_round = |round: &Vec<EngineTime>| -> Vec<EngineTime> {
+        let own = round.iter().filter(|one| engines.contains(&one.engine));
+        own.cloned().collect()
+    };
+    let rounds: Vec<Vec<EngineTime>> = times.iter().map(of_round).collect();
+    let rounds: Vec<&[EngineTime]> = rounds.iter().map(Vec::as_slice).collect();
+    rows(&rounds, Some(&engines[0]))
+}
+
+/// Returns how many bytes a second the device copies, read and written.
+fn copy_rate(gpu: &Gpu) -> Result<f64> {
+    // The first copy warms the device up and is not timed.
+    block_on(gpu.copy(COPIED, 1))?;
+    let (copied, seconds) = timed(|| block_on(gpu.copy(COPIED, COPIES)));
+    copied?;
+    Ok(2.0 * COPIED as f64 * f64::from(COPIES) / seconds)
 }
 
 /// Returns why an exact tiling does not fit a GPU, in words. Fails with any other error.
