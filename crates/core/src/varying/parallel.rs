@@ -3,8 +3,8 @@
 //!
 //! A *family* is a base cell with its active parts and the samples near it, and a *parcel* all families of a large square. Between
 //! two throws the samples stay as they are. So a thread takes a parcel, cuts the active parts, throws their darts, and keeps
-//! those that no listed sample is near. Then [`Crowd`] decides which of the darts of all parcels become samples, and these are
-//! handed to the parcels around them.
+//! those that no listed sample is near. Then [`Crowd`] decides which of the darts of all parcels become samples, and with the next
+//! throw each parcel takes those that may be near its places.
 //!
 //! Which cells are active is only a matter of speed: a dart near an earlier sample changes nothing, wherever it is thrown. Here
 //! comparisons are a little less sharp than there, so that a few more cells are active.
@@ -15,29 +15,33 @@
 mod draws;
 mod parcel;
 
+use std::ops::Range;
+
 use fearless_simd::dispatch;
+use glam::IVec2;
 use rayon::prelude::*;
 
-use super::crowd::{Crowd, OpenDart};
+use super::crowd::{Crowd, NewSample, OpenDart};
 use super::field::RadiusField;
 use super::octaves::octave_of;
 use super::shape::Shape;
 use crate::error::SampleError;
 use crate::instructions::InstructionSet;
 use crate::lattice::{Domain, Point};
+use crate::pool::Pool;
 use crate::progress::{Meter, Observer};
 use crate::random::Key;
 use crate::stage::Stage;
 use crate::stages::darts::{throw_key, throws};
 use crate::stages::disks::{Cell, tiling_cells};
-use parcel::{NewSample, Parcel, ParcelBuffers};
+use parcel::{Parcel, ParcelBuffers};
 
-/// A parcel is this many of the narrowest base cells wide, as a power of two: with few, more samples are handed to several
+/// A parcel is this many of the narrowest base cells wide, as a power of two: with few, more samples are listed by several
 /// parcels, and with many, some threads wait for the last one.
 const PARCEL_BITS: u32 = 4;
 
-/// Parcels for each thread between two reports to the observer.
-const PARCELS_A_THREAD: usize = 16;
+/// Parcels for each thread between two reports to the observer: all threads wait for the last one then, so that there are many.
+const PARCELS_A_THREAD: usize = 64;
 
 /// A throw of all active parts.
 #[derive(Clone, Copy)]
@@ -65,7 +69,7 @@ pub(super) fn sample(
     let surroundings = Surroundings { field, shape };
     let crowd = Crowd::new(field);
     let mut parcels = Parcels::new(surroundings);
-    let (mut points, mut darts) = (Vec::new(), Vec::new());
+    let mut points = Vec::new();
 
     let (mut level, mut number) = (0, 0);
     for iteration in 1.. {
@@ -79,15 +83,10 @@ pub(super) fn sample(
         };
         parcels.throw(throw, surroundings, iteration, observer)?;
 
-        darts.clear();
-        for parcel in &parcels.all {
-            darts.extend_from_slice(&parcel.darts);
-        }
-        for index in crowd.kept(&darts) {
-            let dart = &darts[index as usize];
-            points.push(dart.at);
-            parcels.hand_out(field.domain(), dart);
-        }
+        let darts: Vec<&[OpenDart]> = parcels.all.iter().map(|parcel| &*parcel.darts).collect();
+        let kept = crowd.kept(&darts);
+        points.extend(in_order(&kept));
+        parcels.fresh = kept;
 
         number += 1;
         if number == throws(level) {
@@ -97,12 +96,22 @@ pub(super) fn sample(
     Ok(points)
 }
 
+/// Returns the places of the samples of a throw in the order of their arrival.
+fn in_order(fresh: &[Vec<NewSample>]) -> impl Iterator<Item = Point> {
+    let mut samples = fresh.concat();
+    samples.par_sort_unstable_by_key(NewSample::arrival);
+    samples.into_iter().map(|sample| sample.at)
+}
+
 /// All parcels of a domain, row by row.
 struct Parcels {
     /// The binary logarithm of a parcel's side.
     bits: u32,
     columns: usize,
     all: Vec<Parcel>,
+    /// The samples of the last throw, by the parcels in which they lie.
+    fresh: Vec<Vec<NewSample>>,
+    buffers: Pool<ParcelBuffers>,
 }
 
 impl Parcels {
@@ -121,6 +130,8 @@ impl Parcels {
             bits,
             columns: ((rect.width() - 1) >> bits) as usize + 1,
             all: squares.par_iter().map(parcel).collect(),
+            fresh: vec![Vec::new(); squares.len()],
+            buffers: Pool::default(),
         }
     }
 
@@ -136,70 +147,72 @@ impl Parcels {
         iteration: u32,
         observer: &mut dyn Observer,
     ) -> Result<(), SampleError> {
-        let mut active: Vec<&mut Parcel> = self.all.iter_mut().collect();
+        let Self {
+            bits,
+            columns,
+            all,
+            fresh,
+            buffers,
+        } = self;
+        let mut active: Vec<&mut Parcel> = all.iter_mut().collect();
         active.retain(|parcel| !parcel.is_finished());
         let parts = |parcels: &[&mut Parcel]| -> u64 {
             let counts = parcels.iter().map(|parcel| parcel.active_parts() as u64);
             counts.sum()
         };
+        let domain = surroundings.field.domain();
+        let [_least, largest] = surroundings.field.extremes();
+        let (bits, columns) = (*bits, *columns);
 
         let mut meter = Meter::begin(observer, Stage::Iterate(iteration), parts(&active))?;
         let instructions = InstructionSet::best().level();
         // The observer is called on this thread alone.
         for batch in active.chunks_mut(rayon::current_num_threads() * PARCELS_A_THREAD) {
             let pieces = parts(batch);
-            batch
-                .par_iter_mut()
-                .for_each_init(ParcelBuffers::default, |buffers, parcel| {
-                    dispatch!(instructions, simd => parcel.advance(simd, throw, surroundings, buffers));
-                });
+            // Other threads may take single parcels over, so that none of them waits long for the last.
+            batch.par_iter_mut().with_max_len(1).for_each(|parcel| {
+                let [along_x, along_y] = parcel.reached(largest);
+                for (rows, up) in beside(domain, along_y, bits, 1) {
+                    for (held, right) in beside(domain, along_x, bits, 0) {
+                        for row in rows.clone() {
+                            for samples in &fresh[row * columns..][held.clone()] {
+                                parcel.list(samples, IVec2::new(right, up));
+                            }
+                        }
+                    }
+                }
+
+                let mut own = buffers.take();
+                dispatch!(instructions, simd => parcel.advance(simd, throw, surroundings, &mut own));
+                buffers.give(own);
+            });
             meter.count(pieces)?;
         }
         meter.end()
     }
-
-    /// Hands a new sample to all parcels in which it may be near a place.
-    fn hand_out(&mut self, domain: &Domain, dart: &OpenDart) {
-        // A sample is near places up to the harmonic mean of their two radii, which is less than twice its own radius.
-        let reach = 2 * i64::from(dart.radius);
-        let rect = domain.rect();
-        let [width, height] = [rect.width(), rect.height()].map(i64::from);
-        let is_periodic = domain.is_periodic();
-
-        for (y, [first_row, last_row]) in images(dart.at.y, reach, height, self.bits, is_periodic) {
-            for (x, [first, last]) in images(dart.at.x, reach, width, self.bits, is_periodic) {
-                for row in first_row..=last_row {
-                    for parcel in &mut self.all[row * self.columns..][first..=last] {
-                        parcel.receive(NewSample {
-                            x,
-                            y,
-                            radius: dart.radius,
-                        });
-                    }
-                }
-            }
-        }
-    }
 }
 
-/// Returns a coordinate, and those of its images beyond the ends of a periodic axis that reach back into it. The axis
-/// is cut into parts that are two to the power `bits` long: with each coordinate come the numbers of the first and the
-/// last part that hold a place at most `reach` from it.
-fn images(
-    at: i32,
-    reach: i64,
-    side: i64,
+/// Returns which parcels along an axis hold places from `first` to `last` on it, with what leads from these to those: 0, or a side
+/// of a periodic domain. Parcels are two to the power `bits` wide.
+fn beside(
+    domain: &Domain,
+    [first, last]: [i64; 2],
     bits: u32,
-    is_periodic: bool,
-) -> impl Iterator<Item = (i64, [usize; 2])> {
-    let at = i64::from(at);
-    let below = (is_periodic && at + reach >= side).then_some(at - side);
-    let above = (is_periodic && at - reach < 0).then_some(at + side);
-    [Some(at), below, above]
+    axis: usize,
+) -> impl Iterator<Item = (Range<usize>, i32)> + use<> {
+    let rect = domain.rect();
+    let side = [rect.width(), rect.height()][axis];
+    let count = if domain.is_periodic() { 3 } else { 1 };
+    [0, side, -side]
         .into_iter()
-        .flatten()
-        .map(move |image| {
-            let ends = [(image - reach).max(0), (image + reach).min(side - 1)];
-            (image, ends.map(|place| (place >> bits) as usize))
+        .take(count)
+        .filter_map(move |shift| {
+            let low = (first - i64::from(shift)).max(0);
+            let high = (last - i64::from(shift)).min(i64::from(side) - 1);
+            // The shifted axis may end before the places.
+            (low <= high).then(|| {
+                let parcels = (low >> bits) as usize..(high >> bits) as usize + 1;
+                (parcels, shift)
+            })
         })
 }

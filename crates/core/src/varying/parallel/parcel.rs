@@ -8,7 +8,7 @@ use super::{LevelThrow, Surroundings};
 use crate::lattice::Point;
 use crate::random::Stream;
 use crate::stages::disks::Cell;
-use crate::varying::crowd::OpenDart;
+use crate::varying::crowd::{NewSample, OpenDart};
 use crate::varying::field::{RadiusField, RadiusRange};
 use crate::varying::near::{NearList, NearSamples, QuarterTest};
 use crate::varying::octaves::Sight;
@@ -43,14 +43,6 @@ pub(super) struct ActivePart {
     pub class: Class,
 }
 
-/// A sample of the last throw, or an image of it, where it acts.
-#[derive(Clone, Copy)]
-pub(super) struct NewSample {
-    pub x: i64,
-    pub y: i64,
-    pub radius: i32,
-}
-
 /// The buffers of a thread, whose content does not matter between two parcels.
 #[derive(Default)]
 pub(super) struct ParcelBuffers {
@@ -68,7 +60,6 @@ pub(super) struct Parcel {
     /// The largest radius in the parcel.
     greatest: i32,
     near: NearSamples,
-    new_samples: Vec<NewSample>,
     /// The active parts of all families, one family's after another's.
     parts: Vec<ActivePart>,
     /// The darts of the last throw that no sample before it is near.
@@ -106,7 +97,6 @@ impl Parcel {
             bits,
             greatest: radii.max().unwrap_or(0),
             near: NearSamples::for_lists(families.len()),
-            new_samples: Vec::new(),
             parts,
             darts: Vec::new(),
             families,
@@ -122,15 +112,21 @@ impl Parcel {
         self.parts.len()
     }
 
-    /// Takes a sample that may be near one of its places, for the next throw.
-    pub fn receive(&mut self, sample: NewSample) {
-        if !self.is_finished() {
-            self.new_samples.push(sample);
-        }
+    /// Returns, for each axis, the first and the last place where a sample may be near one of its places. No sample is larger than
+    /// `largest`.
+    pub fn reached(&self, largest: i32) -> [[i64; 2]; 2] {
+        let reach = i64::from(most_reach(largest, self.greatest));
+        let min = self.square.min;
+        [min.x, min.y].map(|first| {
+            let first = i64::from(first);
+            [
+                first - reach,
+                first + i64::from(self.square.side) - 1 + reach,
+            ]
+        })
     }
 
-    /// Lists the new samples, cuts the active parts at the first throw of a level, and throws darts into them. The parts of level 0 are
-    /// whole base cells.
+    /// Cuts the active parts at the first throw of a level, and throws darts into them. The parts of level 0 are whole base cells.
     #[inline(always)]
     pub fn advance<S: Simd>(
         &mut self,
@@ -139,7 +135,6 @@ impl Parcel {
         surroundings: Surroundings<'_>,
         buffers: &mut ParcelBuffers,
     ) {
-        self.list_new_samples();
         if throw.level > 0 && throw.number == 0 {
             self.cut(simd, throw.level, surroundings, &mut buffers.parts);
         }
@@ -154,14 +149,14 @@ impl Parcel {
         }
     }
 
-    /// Adds each new sample to the lists of the active families in which it can be near a place.
-    fn list_new_samples(&mut self) {
+    /// Adds new samples, moved by `shift`, to the lists of the active families in which they can be near a place.
+    pub fn list(&mut self, samples: &[NewSample], shift: IVec2) {
         let last = self.square.side - 1;
-        for sample in self.new_samples.drain(..) {
-            let NewSample { x, y, radius } = sample;
-            // An image beyond the parcel is at most twice the largest radius away from it, so that its offset fits.
-            let min = self.square.min;
-            let at = IVec2::new((x - i64::from(min.x)) as i32, (y - i64::from(min.y)) as i32);
+        let min = self.square.min;
+        // Sides are nearly as long as 32 bits allow, so that steps may wrap; the offset of a sample in a parcel nearby is short.
+        let from = IVec2::new(min.x, min.y).wrapping_sub(shift);
+        for &NewSample { at, radius, .. } in samples {
+            let at = IVec2::new(at.x, at.y).wrapping_sub(from);
             let reach = most_reach(radius, self.greatest);
             let low = (at - reach).max(IVec2::ZERO);
             let high = (at + reach).min(IVec2::splat(last));
@@ -271,12 +266,8 @@ impl Parcel {
                 if throw.level < u32::from(base_bits) && is_thinned(radius, base_bits, coin) {
                     continue;
                 }
-                self.darts.push(OpenDart {
-                    rank: dart.rank,
-                    at: dart.at,
-                    radius,
-                    sight: family.sight,
-                });
+                self.darts
+                    .push(OpenDart::new(dart.rank, dart.at, radius, family.sight));
             }
         }
     }
