@@ -336,6 +336,10 @@ impl RadiusField {
     /// wider than the pitch; otherwise those of all nodes around it. Which cells throw darts depends on this: it is
     /// part of the definition of the set.
     pub(super) fn range(&self, cell: Cell) -> RadiusRange {
+        // Base cells ask so often that one radius everywhere, which needs no search, is looked for first.
+        if let Some(range) = self.of_one_radius() {
+            return range;
+        }
         if let Some(corners) = self.corners(cell) {
             return RadiusRange::of(corners);
         }
@@ -348,8 +352,22 @@ impl RadiusField {
         self.cells_range(first, [0, 1].map(|axis| columns(min[axis] + last, axis)))
     }
 
+    /// Returns the range of all radii if they are the same everywhere.
+    #[inline]
+    fn of_one_radius(&self) -> Option<RadiusRange> {
+        // A field of one cell has no blocks.
+        let whole = match self.levels.last() {
+            Some(level) => level.ranges[0],
+            None => self.around(0, 0),
+        };
+        (whole.least == whole.greatest).then_some(whole)
+    }
+
     /// Returns radii between which all radii lie that are at most `reach` from a cell on both axes.
     pub(super) fn range_around(&self, cell: Cell, reach: i64) -> RadiusRange {
+        if let Some(range) = self.of_one_radius() {
+            return range;
+        }
         let spans = [cell.min.x, cell.min.y].map(|min| {
             let (min, side) = (i64::from(min), i64::from(cell.side));
             [min - reach, min + side - 1 + reach].map(|value| value >> self.bits)

@@ -27,6 +27,9 @@ const NO_GROUP: u32 = u32::MAX;
 /// The lists of all base cells of a parcel, in groups of eight samples.
 pub(super) struct NearSamples {
     groups: Vec<SampleGroup>,
+    /// The radii of each group's samples; nothing where all places have one radius.
+    radii: Vec<[f32; LANES]>,
+    has_one_radius: bool,
     /// The first of the groups that no list has any more.
     free: u32,
 }
@@ -43,7 +46,6 @@ pub(super) struct NearList {
 struct SampleGroup {
     x: [f32; LANES],
     y: [f32; LANES],
-    radii: [f32; LANES],
     next: u32,
 }
 
@@ -70,27 +72,20 @@ impl SampleGroup {
     const EMPTY: Self = Self {
         x: [FAR; LANES],
         y: [FAR; LANES],
-        radii: [1.0; LANES],
         next: NO_GROUP,
     };
 }
 
-impl Default for NearSamples {
-    fn default() -> Self {
-        Self {
-            groups: Vec::new(),
-            free: NO_GROUP,
-        }
-    }
-}
-
 impl NearSamples {
-    /// Returns room for some lists, all of them empty.
-    pub fn for_lists(lists: usize) -> Self {
+    /// Returns room for some lists, all of them empty. If `has_one_radius`, that of all samples and places is the same.
+    pub fn for_lists(lists: usize, has_one_radius: bool) -> Self {
         // A fifth of the lists has more than eight samples where the radius hardly varies.
+        let groups = lists + lists / 4;
         Self {
-            groups: Vec::with_capacity(lists + lists / 4),
-            ..Self::default()
+            groups: Vec::with_capacity(groups),
+            radii: Vec::with_capacity(if has_one_radius { 0 } else { groups }),
+            has_one_radius,
+            free: NO_GROUP,
         }
     }
 
@@ -104,10 +99,13 @@ impl NearSamples {
             };
             list.first = self.add_group(group);
         }
-        let group = &mut self.groups[list.first as usize];
+        let number = list.first as usize;
+        let group = &mut self.groups[number];
         group.x[lane] = offset.x as f32;
         group.y[lane] = offset.y as f32;
-        group.radii[lane] = radius as f32;
+        if !self.has_one_radius {
+            self.radii[number][lane] = radius as f32;
+        }
         list.count += 1;
     }
 
@@ -115,6 +113,10 @@ impl NearSamples {
     fn add_group(&mut self, group: SampleGroup) -> u32 {
         if self.free == NO_GROUP {
             self.groups.push(group);
+            if !self.has_one_radius {
+                // A free lane has a radius, too: it is so far away that none is near it.
+                self.radii.push([1.0; LANES]);
+            }
             return self.groups.len() as u32 - 1;
         }
         let number = self.free;
@@ -136,12 +138,18 @@ impl NearSamples {
         *list = NearList::EMPTY;
     }
 
-    /// Returns the groups of a list.
+    /// Returns the groups of a list, each with the radii of its samples unless all places have one.
     #[inline(always)]
-    fn groups(&self, list: NearList) -> impl Iterator<Item = &SampleGroup> {
+    fn groups(
+        &self,
+        list: NearList,
+    ) -> impl Iterator<Item = (&SampleGroup, Option<&[f32; LANES]>)> {
         // The number of no group is beyond all groups.
-        let group = |number: u32| self.groups.get(number as usize);
-        std::iter::successors(group(list.first), move |before| group(before.next))
+        let group = move |number: u32| {
+            let group = self.groups.get(number as usize)?;
+            Some((group, self.radii.get(number as usize)))
+        };
+        std::iter::successors(group(list.first), move |(before, _)| group(before.next))
     }
 
     /// Returns which quarters of a cell lie, as a whole, near one sample of a list: a bit each, row by row. A quarter that only just
@@ -152,10 +160,9 @@ impl NearSamples {
         let [x, y] = [test.corner.x as f32, test.corner.y as f32];
         let mut covered = 0;
 
-        for group in self.groups(list) {
+        for (group, radii) in self.groups(list) {
             let across = f32x8::simd_from(simd, group.x);
             let up = f32x8::simd_from(simd, group.y);
-            let radius = f32x8::simd_from(simd, group.radii);
             let (end, next) = (half - 1.0, half);
             let columns = [
                 farther(across, x, x + end),
@@ -169,11 +176,17 @@ impl NearSamples {
             for quarter in 0..4 {
                 let squared = columns[quarter % 2] + rows[quarter / 2];
                 let least = test.least[quarter] as f32;
-                // Both sides of d <= 2ab / (a + b) times a + b, and squared: no division is needed. The harmonic mean without
-                // rounding is not above the reach.
-                let sum = radius + least;
-                let product = radius * (least * (2.0 - 2.0 * ROUNDED));
-                let is_covered = (squared * (sum * sum)).simd_le(product * product);
+                let is_covered = if let Some(&radii) = radii {
+                    // Both sides of d <= 2ab / (a + b) times a + b, and squared: no division is needed. The harmonic mean
+                    // without rounding is not above the reach.
+                    let radius = f32x8::simd_from(simd, radii);
+                    let sum = radius + least;
+                    let product = radius * (least * (2.0 - 2.0 * ROUNDED));
+                    (squared * (sum * sum)).simd_le(product * product)
+                } else {
+                    // The reach of two equal radii is that radius.
+                    squared.simd_le(least * least * (1.0 - 2.0 * ROUNDED))
+                };
                 covered |= u32::from(is_covered.any_true()) << quarter;
             }
             if covered == 0b1111 {
@@ -190,21 +203,34 @@ impl NearSamples {
         let own = radius as f32;
 
         let mut is_doubtful = false;
-        for group in self.groups(list) {
+        for (group, radii) in self.groups(list) {
             let dx = f32x8::simd_from(simd, group.x) - x;
             let dy = f32x8::simd_from(simd, group.y) - y;
-            let other = f32x8::simd_from(simd, group.radii);
-            let sum = other + own;
-            let product = other * (2.0 * own);
+            let squared = dx * dx + dy * dy;
 
-            // As above; the reach is rounded up, by less than 1.
-            let squared = (dx * dx + dy * dy) * (sum * sum);
-            let surely = product * (1.0 - ROUNDED);
-            if squared.simd_le(surely * surely).any_true() {
+            let (is_near, may_be) = if let Some(&radii) = radii {
+                let other = f32x8::simd_from(simd, radii);
+                let sum = other + own;
+                let product = other * (2.0 * own);
+                // As above; the reach is rounded up, by less than 1.
+                let squared = squared * (sum * sum);
+                let surely = product * (1.0 - ROUNDED);
+                let perhaps = (product + sum) * (1.0 + ROUNDED);
+                (
+                    squared.simd_le(surely * surely),
+                    squared.simd_le(perhaps * perhaps),
+                )
+            } else {
+                let limit = own * own;
+                (
+                    squared.simd_le(limit * (1.0 - ROUNDED)),
+                    squared.simd_le(limit * (1.0 + ROUNDED)),
+                )
+            };
+            if is_near.any_true() {
                 return true;
             }
-            let perhaps = (product + sum) * (1.0 + ROUNDED);
-            is_doubtful |= squared.simd_le(perhaps * perhaps).any_true();
+            is_doubtful |= may_be.any_true();
         }
         // Rounding decides nothing: a sample that is nearly as far as its reach is compared in integers, which is rare.
         is_doubtful && self.covers_exactly(list, place, radius)
@@ -212,13 +238,14 @@ impl NearSamples {
 
     #[inline(never)]
     fn covers_exactly(&self, list: NearList, place: IVec2, radius: i32) -> bool {
-        self.groups(list).any(|group| {
+        self.groups(list).any(|(group, radii)| {
             (0..LANES).any(|lane| {
                 // A free lane has no sample, and the square of its offset would not fit 64 bits: it is left out below.
                 let [dx, dy] = [group.x[lane] as i64, group.y[lane] as i64];
                 let [dx, dy] = [dx - i64::from(place.x), dy - i64::from(place.y)];
                 let is_sample = group.x[lane] < FAR;
-                is_sample && is_near(dx * dx + dy * dy, group.radii[lane] as i32, radius)
+                let other = radii.map_or(radius, |radii| radii[lane] as i32);
+                is_sample && is_near(dx * dx + dy * dy, other, radius)
             })
         })
     }
@@ -249,8 +276,13 @@ mod tests {
             .iter()
             .flat_map(|&a| radii.iter().map(move |&b| (a, b)));
 
-        for (a, b) in pairs {
-            let mut near = NearSamples::for_lists(1);
+        // Samples of one radius are compared without it.
+        let radii_kept = |(a, b)| [(a, b, false), (a, b, true)];
+        let cases = pairs
+            .flat_map(radii_kept)
+            .filter(|&(a, b, has_one)| !has_one || a == b);
+        for (a, b, has_one_radius) in cases {
+            let mut near = NearSamples::for_lists(1, has_one_radius);
             let mut list = NearList::EMPTY;
             near.push(&mut list, IVec2::new(-5, 7), a);
 

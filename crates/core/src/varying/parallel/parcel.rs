@@ -17,7 +17,7 @@ use crate::varying::rule::{is_thinned, most_reach};
 use crate::varying::shape::Class;
 
 /// The number of no family.
-const NO_FAMILY: u32 = u32::MAX;
+const NO_FAMILY: u16 = u16::MAX;
 
 /// A base cell, with its radii and the samples near it.
 struct Family {
@@ -37,8 +37,8 @@ struct Family {
 #[derive(Clone, Copy)]
 pub(super) struct ActivePart {
     pub min: Point,
-    /// The number of its family in the parcel.
-    pub family: u32,
+    /// The number of its family in the parcel, which has at most 64 x 64.
+    pub family: u16,
     /// Which of its places belong to the shape.
     pub class: Class,
 }
@@ -48,22 +48,23 @@ pub(super) struct ActivePart {
 pub(super) struct ParcelBuffers {
     parts: Vec<ActivePart>,
     drawn: DrawnDarts,
+    darts: Vec<OpenDart>,
 }
 
 /// All families of a square.
 pub(super) struct Parcel {
     square: Cell,
-    families: Vec<Family>,
+    families: Box<[Family]>,
     /// The family of each square of two to the power `bits` units, row by row: as wide as the narrowest base cell.
-    family_at: Vec<u32>,
+    family_at: Vec<u16>,
     bits: u32,
     /// The largest radius in the parcel.
     greatest: i32,
     near: NearSamples,
     /// The active parts of all families, one family's after another's.
-    parts: Vec<ActivePart>,
+    parts: Box<[ActivePart]>,
     /// The darts of the last throw that no sample before it is near.
-    pub darts: Vec<OpenDart>,
+    pub darts: Box<[OpenDart]>,
 }
 
 impl Parcel {
@@ -74,7 +75,7 @@ impl Parcel {
         add_base_cells(field, shape, vec![square], &mut |base, range| {
             parts.push(ActivePart {
                 min: base.min,
-                family: families.len() as u32,
+                family: families.len() as u16,
                 class: base.class,
             });
             families.push(Family {
@@ -91,15 +92,16 @@ impl Parcel {
         let widths = families.iter().map(|family| u32::from(family.bits));
         let bits = widths.min().unwrap_or_else(|| square.side.ilog2());
         let radii = families.iter().map(|family| family.range.greatest);
+        let [least, largest] = field.extremes();
         Self {
             square,
             family_at: map_of(&families, square, bits),
             bits,
             greatest: radii.max().unwrap_or(0),
-            near: NearSamples::for_lists(families.len()),
-            parts,
-            darts: Vec::new(),
-            families,
+            near: NearSamples::for_lists(families.len(), least == largest),
+            parts: parts.into(),
+            darts: Box::default(),
+            families: families.into(),
         }
     }
 
@@ -138,13 +140,12 @@ impl Parcel {
         if throw.level > 0 && throw.number == 0 {
             self.cut(simd, throw.level, surroundings, &mut buffers.parts);
         }
-        self.darts.clear();
-        self.throw(simd, throw, surroundings, &mut buffers.drawn);
+        self.throw(simd, throw, surroundings, buffers);
 
         // A finished parcel is not visited again.
         if self.is_finished() {
-            self.families = Vec::new();
-            self.near = NearSamples::default();
+            self.families = Box::default();
+            self.near = NearSamples::for_lists(0, true);
             self.family_at = Vec::new();
         }
     }
@@ -197,34 +198,35 @@ impl Parcel {
     }
 
     /// Cuts the parts of the level before this one: their quarters are active that are not covered by a single sample, and may hold places
-    /// of the shape. `before` is a buffer.
+    /// of the shape. `open` is a buffer.
     #[inline(always)]
     fn cut<S: Simd>(
         &mut self,
         simd: S,
         level: u32,
         surroundings: Surroundings<'_>,
-        before: &mut Vec<ActivePart>,
+        open: &mut Vec<ActivePart>,
     ) {
-        before.clone_from(&self.parts);
-        self.parts.clear();
-        for parts in before.chunk_by(|a, b| a.family == b.family) {
+        open.clear();
+        for parts in self.parts.chunk_by(|a, b| a.family == b.family) {
             let number = parts[0].family;
             let family = &mut self.families[number as usize];
-            let first = self.parts.len();
+            let before = open.len();
 
             // A part of one point has thrown a dart at it, and is not cut.
             if level <= u32::from(family.bits) {
                 let half = 1 << (u32::from(family.bits) - level);
                 for part in parts {
-                    family.cut(simd, part, half, surroundings, &self.near, &mut self.parts);
+                    family.cut(simd, part, half, surroundings, &self.near, open);
                 }
             }
-            if self.parts.len() == first {
+            if open.len() == before {
                 family.is_active = false;
                 self.near.release(&mut family.near);
             }
         }
+        // Exactly as much memory as is needed, as all parcels have parts at the same time.
+        self.parts = open.as_slice().into();
     }
 
     /// Throws darts into all active parts, and keeps those in the shape that the coin leaves and that no sample is near.
@@ -234,8 +236,9 @@ impl Parcel {
         simd: S,
         throw: LevelThrow,
         surroundings: Surroundings<'_>,
-        drawn: &mut DrawnDarts,
+        buffers: &mut ParcelBuffers,
     ) {
+        let ParcelBuffers { drawn, darts, .. } = buffers;
         let Surroundings { field, shape } = surroundings;
         let rect = field.domain().rect();
         let bits =
@@ -266,10 +269,11 @@ impl Parcel {
                 if throw.level < u32::from(base_bits) && is_thinned(radius, base_bits, coin) {
                     continue;
                 }
-                self.darts
-                    .push(OpenDart::new(dart.rank, dart.at, radius, family.sight));
+                darts.push(OpenDart::new(dart.rank, dart.at, radius, family.sight));
             }
         }
+        // As many parcels have darts as have parts, and most of all after the first throw.
+        self.darts = darts.drain(..).collect();
     }
 }
 
@@ -336,7 +340,7 @@ impl Family {
 }
 
 /// Returns the number of the family in each part of a square that is two to the power `bits` wide, row by row.
-fn map_of(families: &[Family], square: Cell, bits: u32) -> Vec<u32> {
+fn map_of(families: &[Family], square: Cell, bits: u32) -> Vec<u16> {
     // A parcel without families is finished from the start, and nothing is looked up in its map.
     if families.is_empty() {
         return Vec::new();
