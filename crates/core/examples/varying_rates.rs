@@ -3,7 +3,7 @@
 //!     cargo run --release -p tilescope-core --example varying_rates -- [FIELD] [SIDE] [ROUNDS]
 //!
 //! FIELD is `all`, or one of `constant`, `waves` (a contrast of 1:16), `steps` and `noise` for that alone, of which a profiler
-//! counts instructions. SIDE is the domain's side in units of the smallest radius (default 1024), ROUNDS how often all sets are
+//! counts instructions; `reference` is the reference sampler alone. SIDE is the domain's side in units of the smallest radius (default 1024), ROUNDS how often all sets are
 //! made (default 3): the shortest times count.
 
 use std::error::Error;
@@ -27,6 +27,11 @@ fn main() -> Outcome<()> {
     let (side, rounds) = (number(1024)?, number(3)?);
 
     let domain = Domain::from_size([f64::from(side); 2], 1.0, Boundary::Periodic)?;
+    if name == "reference" {
+        let samples = reference_sample(domain, 1, &mut Unobserved)?;
+        println!("{name}: {} samples", black_box(samples).len());
+        return Ok(());
+    }
     if name != "all" {
         let field = field(&name, domain)?;
         let samples = made(&field)?;

@@ -74,6 +74,13 @@ struct OctaveDarts {
     heads: Vec<AtomicU64>,
 }
 
+/// Returns heads of chains without darts.
+fn empty_heads(count: usize) -> Vec<AtomicU64> {
+    // All threads make them, as the memory is used for the first time.
+    let heads = (0..count).into_par_iter().map(|_| AtomicU64::new(0));
+    heads.collect()
+}
+
 /// Returns a number other than 0 for a dart of a parcel, which [`linked`] turns back.
 const fn link(parcel: usize, number: usize) -> u64 {
     // The darts of a parcel are far fewer than 2^32, which would not fit memory.
@@ -95,7 +102,7 @@ impl Crowd {
         let octave = |bits: u8| {
             let grid = CellGrid::new(domain.rect(), domain.is_periodic(), bits.into());
             OctaveDarts {
-                heads: (0..grid.count()).map(|_| AtomicU64::new(0)).collect(),
+                heads: empty_heads(grid.count()),
                 grid,
             }
         };

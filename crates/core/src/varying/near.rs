@@ -138,29 +138,46 @@ impl NearSamples {
         *list = NearList::EMPTY;
     }
 
-    /// Returns the groups of a list, each with the radii of its samples unless all places have one.
+    /// Returns the groups of a list, each with the radii of its samples unless all places have `ONE_RADIUS`.
     #[inline(always)]
-    fn groups(
+    fn groups<const ONE_RADIUS: bool>(
         &self,
         list: NearList,
     ) -> impl Iterator<Item = (&SampleGroup, Option<&[f32; LANES]>)> {
-        // The number of no group is beyond all groups.
-        let group = move |number: u32| {
+        let mut number = list.first;
+        std::iter::from_fn(move || {
+            // The number of no group is beyond all groups.
             let group = self.groups.get(number as usize)?;
-            Some((group, self.radii.get(number as usize)))
-        };
-        std::iter::successors(group(list.first), move |(before, _)| group(before.next))
+            let radii = (!ONE_RADIUS).then(|| &self.radii[number as usize]);
+            number = group.next;
+            Some((group, radii))
+        })
     }
 
     /// Returns which quarters of a cell lie, as a whole, near one sample of a list: a bit each, row by row. A quarter that only just
     /// does may be missing.
     #[inline(always)]
     pub fn covered_quarters<S: Simd>(&self, simd: S, list: NearList, test: &QuarterTest) -> u32 {
+        // Decided once, and not for each group.
+        if self.has_one_radius {
+            self.quarters_near::<S, true>(simd, list, test)
+        } else {
+            self.quarters_near::<S, false>(simd, list, test)
+        }
+    }
+
+    #[inline(always)]
+    fn quarters_near<S: Simd, const ONE_RADIUS: bool>(
+        &self,
+        simd: S,
+        list: NearList,
+        test: &QuarterTest,
+    ) -> u32 {
         let half = test.half as f32;
         let [x, y] = [test.corner.x as f32, test.corner.y as f32];
         let mut covered = 0;
 
-        for (group, radii) in self.groups(list) {
+        for (group, radii) in self.groups::<ONE_RADIUS>(list) {
             let across = f32x8::simd_from(simd, group.x);
             let up = f32x8::simd_from(simd, group.y);
             let (end, next) = (half - 1.0, half);
@@ -199,11 +216,26 @@ impl NearSamples {
     /// Returns whether a sample of a list is near a place of this radius, exactly.
     #[inline(always)]
     pub fn covers<S: Simd>(&self, simd: S, list: NearList, place: IVec2, radius: i32) -> bool {
+        if self.has_one_radius {
+            self.any_near::<S, true>(simd, list, place, radius)
+        } else {
+            self.any_near::<S, false>(simd, list, place, radius)
+        }
+    }
+
+    #[inline(always)]
+    fn any_near<S: Simd, const ONE_RADIUS: bool>(
+        &self,
+        simd: S,
+        list: NearList,
+        place: IVec2,
+        radius: i32,
+    ) -> bool {
         let [x, y] = [place.x as f32, place.y as f32];
         let own = radius as f32;
 
         let mut is_doubtful = false;
-        for (group, radii) in self.groups(list) {
+        for (group, radii) in self.groups::<ONE_RADIUS>(list) {
             let dx = f32x8::simd_from(simd, group.x) - x;
             let dy = f32x8::simd_from(simd, group.y) - y;
             let squared = dx * dx + dy * dy;
@@ -233,12 +265,17 @@ impl NearSamples {
             is_doubtful |= may_be.any_true();
         }
         // Rounding decides nothing: a sample that is nearly as far as its reach is compared in integers, which is rare.
-        is_doubtful && self.covers_exactly(list, place, radius)
+        is_doubtful && self.any_near_exactly::<ONE_RADIUS>(list, place, radius)
     }
 
     #[inline(never)]
-    fn covers_exactly(&self, list: NearList, place: IVec2, radius: i32) -> bool {
-        self.groups(list).any(|(group, radii)| {
+    fn any_near_exactly<const ONE_RADIUS: bool>(
+        &self,
+        list: NearList,
+        place: IVec2,
+        radius: i32,
+    ) -> bool {
+        self.groups::<ONE_RADIUS>(list).any(|(group, radii)| {
             (0..LANES).any(|lane| {
                 // A free lane has no sample, and the square of its offset would not fit 64 bits: it is left out below.
                 let [dx, dy] = [group.x[lane] as i64, group.y[lane] as i64];

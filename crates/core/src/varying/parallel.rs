@@ -40,8 +40,8 @@ use parcel::{Parcel, ParcelBuffers};
 /// parcels, and with many, some threads wait for the last one.
 const PARCEL_BITS: u32 = 4;
 
-/// Parcels for each thread between two reports to the observer: all threads wait for the last one then, so that there are many.
-const PARCELS_A_THREAD: usize = 64;
+/// Active parts for each thread between two reports to the observer, some 20 ms: all threads wait for the last one then.
+const PARTS_A_THREAD: u64 = 1 << 14;
 
 /// A throw of all active parts.
 #[derive(Clone, Copy)]
@@ -86,7 +86,7 @@ pub(super) fn sample(
         let darts: Vec<&[OpenDart]> = parcels.all.iter().map(|parcel| &*parcel.darts).collect();
         let kept = crowd.kept(&darts);
         points.extend(in_order(&kept));
-        parcels.fresh = kept;
+        parcels.fresh.of_parcels = kept;
 
         number += 1;
         if number == throws(level) {
@@ -105,12 +105,8 @@ fn in_order(fresh: &[Vec<NewSample>]) -> impl Iterator<Item = Point> {
 
 /// All parcels of a domain, row by row.
 struct Parcels {
-    /// The binary logarithm of a parcel's side.
-    bits: u32,
-    columns: usize,
     all: Vec<Parcel>,
-    /// The samples of the last throw, by the parcels in which they lie.
-    fresh: Vec<Vec<NewSample>>,
+    fresh: FreshSamples,
     buffers: Pool<ParcelBuffers>,
 }
 
@@ -127,10 +123,14 @@ impl Parcels {
         let squares: Vec<Cell> = tiling_cells(&rect, 1 << bits).collect();
         let parcel = |&square: &Cell| Parcel::new(square, surroundings);
         Self {
-            bits,
-            columns: ((rect.width() - 1) >> bits) as usize + 1,
             all: squares.par_iter().map(parcel).collect(),
-            fresh: vec![Vec::new(); squares.len()],
+            fresh: FreshSamples {
+                domain: *field.domain(),
+                bits,
+                columns: ((rect.width() - 1) >> bits) as usize + 1,
+                largest: field.extremes()[1],
+                of_parcels: vec![Vec::new(); squares.len()],
+            },
             buffers: Pool::default(),
         }
     }
@@ -148,47 +148,73 @@ impl Parcels {
         observer: &mut dyn Observer,
     ) -> Result<(), SampleError> {
         let Self {
-            bits,
-            columns,
             all,
             fresh,
             buffers,
         } = self;
         let mut active: Vec<&mut Parcel> = all.iter_mut().collect();
         active.retain(|parcel| !parcel.is_finished());
-        let parts = |parcels: &[&mut Parcel]| -> u64 {
-            let counts = parcels.iter().map(|parcel| parcel.active_parts() as u64);
-            counts.sum()
-        };
-        let domain = surroundings.field.domain();
-        let [_least, largest] = surroundings.field.extremes();
-        let (bits, columns) = (*bits, *columns);
+        let total = active.iter().map(|parcel| parcel.active_parts()).sum();
 
-        let mut meter = Meter::begin(observer, Stage::Iterate(iteration), parts(&active))?;
+        let mut meter = Meter::begin(observer, Stage::Iterate(iteration), total)?;
         let instructions = InstructionSet::best().level();
-        // The observer is called on this thread alone.
-        for batch in active.chunks_mut(rayon::current_num_threads() * PARCELS_A_THREAD) {
-            let pieces = parts(batch);
+        let mut rest = &mut *active;
+        while !rest.is_empty() {
+            let most = PARTS_A_THREAD * rayon::current_num_threads() as u64;
+            let (count, parts) = first_batch(rest, most);
+            let (batch, later) = rest.split_at_mut(count);
+            rest = later;
+
             // Other threads may take single parcels over, so that none of them waits long for the last.
             batch.par_iter_mut().with_max_len(1).for_each(|parcel| {
-                let [along_x, along_y] = parcel.reached(largest);
-                for (rows, up) in beside(domain, along_y, bits, 1) {
-                    for (held, right) in beside(domain, along_x, bits, 0) {
-                        for row in rows.clone() {
-                            for samples in &fresh[row * columns..][held.clone()] {
-                                parcel.list(samples, IVec2::new(right, up));
-                            }
-                        }
-                    }
-                }
-
+                fresh.list_in(parcel);
                 let mut own = buffers.take();
                 dispatch!(instructions, simd => parcel.advance(simd, throw, surroundings, &mut own));
                 buffers.give(own);
             });
-            meter.count(pieces)?;
+            // The observer is called on this thread alone.
+            meter.count(parts)?;
         }
         meter.end()
+    }
+}
+
+/// Returns how many of some parcels, which are not none, have `most` active parts or a few more, and how many these have.
+fn first_batch(parcels: &[&mut Parcel], most: u64) -> (usize, u64) {
+    let (mut count, mut parts) = (0, 0);
+    while count < parcels.len() && parts < most {
+        parts += parcels[count].active_parts();
+        count += 1;
+    }
+    (count, parts)
+}
+
+/// The samples of the last throw.
+struct FreshSamples {
+    domain: Domain,
+    /// The binary logarithm of a parcel's side.
+    bits: u32,
+    /// Parcels of a row.
+    columns: usize,
+    /// The largest radius of all places.
+    largest: i32,
+    /// By the parcels in which they lie, row by row.
+    of_parcels: Vec<Vec<NewSample>>,
+}
+
+impl FreshSamples {
+    /// Adds them to the lists of a parcel, as far as they may be near one of its places.
+    fn list_in(&self, parcel: &mut Parcel) {
+        let [along_x, along_y] = parcel.reached(self.largest);
+        for (rows, up) in beside(&self.domain, along_y, self.bits, 1) {
+            for (held, right) in beside(&self.domain, along_x, self.bits, 0) {
+                for row in rows.clone() {
+                    for samples in &self.of_parcels[row * self.columns..][held.clone()] {
+                        parcel.list(samples, IVec2::new(right, up));
+                    }
+                }
+            }
+        }
     }
 }
 

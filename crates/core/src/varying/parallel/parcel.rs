@@ -110,8 +110,8 @@ impl Parcel {
         self.parts.is_empty()
     }
 
-    pub const fn active_parts(&self) -> usize {
-        self.parts.len()
+    pub const fn active_parts(&self) -> u64 {
+        self.parts.len() as u64
     }
 
     /// Returns, for each axis, the first and the last place where a sample may be near one of its places. No sample is larger than
