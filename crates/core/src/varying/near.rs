@@ -30,6 +30,8 @@ pub(super) struct NearSamples {
     /// The radii of each group's samples; nothing where all places have one radius.
     radii: Vec<[f32; LANES]>,
     has_one_radius: bool,
+    /// The group after each one, in its list or among the free ones.
+    next: Vec<u32>,
     /// The first of the groups that no list has any more.
     free: u32,
 }
@@ -38,15 +40,19 @@ pub(super) struct NearSamples {
 #[derive(Clone, Copy)]
 pub(super) struct NearList {
     first: u32,
-    count: u32,
+    /// Groups of the chain. Most lists have one, whose next is not looked up.
+    groups: u16,
+    /// Samples of the first group.
+    filled: u8,
+    is_closed: bool,
 }
 
-/// Up to eight samples, as offsets from a base cell's lowest place.
+/// Up to eight samples, as offsets from a base cell's lowest place: one line of the cache.
 #[derive(Clone, Copy)]
+#[repr(align(64))]
 struct SampleGroup {
     x: [f32; LANES],
     y: [f32; LANES],
-    next: u32,
 }
 
 /// The quarters of a cell that are tested, by offsets from the base cell's lowest place.
@@ -63,7 +69,16 @@ pub(super) struct QuarterTest {
 impl NearList {
     pub const EMPTY: Self = Self {
         first: NO_GROUP,
-        count: 0,
+        groups: 0,
+        // A first sample begins a group.
+        filled: LANES as u8,
+        is_closed: false,
+    };
+
+    /// The list of a base cell without active parts, which takes no samples.
+    const CLOSED: Self = Self {
+        is_closed: true,
+        ..Self::EMPTY
     };
 }
 
@@ -72,7 +87,6 @@ impl SampleGroup {
     const EMPTY: Self = Self {
         x: [FAR; LANES],
         y: [FAR; LANES],
-        next: NO_GROUP,
     };
 }
 
@@ -85,34 +99,38 @@ impl NearSamples {
             groups: Vec::with_capacity(groups),
             radii: Vec::with_capacity(if has_one_radius { 0 } else { groups }),
             has_one_radius,
+            next: Vec::with_capacity(groups),
             free: NO_GROUP,
         }
     }
 
-    /// Appends a sample to a list.
+    /// Appends a sample to a list, unless it is closed.
+    #[inline]
     pub fn push(&mut self, list: &mut NearList, offset: IVec2, radius: i32) {
-        let lane = list.count as usize % LANES;
-        if lane == 0 {
-            let group = SampleGroup {
-                next: list.first,
-                ..SampleGroup::EMPTY
-            };
-            list.first = self.add_group(group);
+        if list.is_closed {
+            return;
         }
-        let number = list.first as usize;
+        if usize::from(list.filled) == LANES {
+            list.first = self.add_group(list.first);
+            list.groups += 1;
+            list.filled = 0;
+        }
+
+        let (number, lane) = (list.first as usize, usize::from(list.filled));
         let group = &mut self.groups[number];
         group.x[lane] = offset.x as f32;
         group.y[lane] = offset.y as f32;
         if !self.has_one_radius {
             self.radii[number][lane] = radius as f32;
         }
-        list.count += 1;
+        list.filled += 1;
     }
 
-    /// Adds a group, in the place of a free one if there is any, and returns its number.
-    fn add_group(&mut self, group: SampleGroup) -> u32 {
+    /// Adds a group without samples before `next`, in the place of a free one if there is any, and returns its number.
+    fn add_group(&mut self, next: u32) -> u32 {
         if self.free == NO_GROUP {
-            self.groups.push(group);
+            self.groups.push(SampleGroup::EMPTY);
+            self.next.push(next);
             if !self.has_one_radius {
                 // A free lane has a radius, too: it is so far away that none is near it.
                 self.radii.push([1.0; LANES]);
@@ -120,22 +138,24 @@ impl NearSamples {
             return self.groups.len() as u32 - 1;
         }
         let number = self.free;
-        let place = &mut self.groups[number as usize];
-        self.free = place.next;
-        *place = group;
+        let after = &mut self.next[number as usize];
+        self.free = *after;
+        *after = next;
+        self.groups[number as usize] = SampleGroup::EMPTY;
         number
     }
 
-    /// Empties a list, whose groups others may use.
-    pub fn release(&mut self, list: &mut NearList) {
+    /// Closes a list, whose groups others may use.
+    pub fn close(&mut self, list: &mut NearList) {
         let mut number = list.first;
-        while let Some(group) = self.groups.get_mut(number as usize) {
-            let next = group.next;
-            group.next = self.free;
+        for _ in 0..list.groups {
+            let next = &mut self.next[number as usize];
+            let after = *next;
+            *next = self.free;
             self.free = number;
-            number = next;
+            number = after;
         }
-        *list = NearList::EMPTY;
+        *list = NearList::CLOSED;
     }
 
     /// Returns the groups of a list, each with the radii of its samples unless all places have `ONE_RADIUS`.
@@ -144,12 +164,14 @@ impl NearSamples {
         &self,
         list: NearList,
     ) -> impl Iterator<Item = (&SampleGroup, Option<&[f32; LANES]>)> {
-        let mut number = list.first;
+        let (mut number, mut left) = (list.first, list.groups);
         std::iter::from_fn(move || {
-            // The number of no group is beyond all groups.
-            let group = self.groups.get(number as usize)?;
+            left = left.checked_sub(1)?;
+            let group = &self.groups[number as usize];
             let radii = (!ONE_RADIUS).then(|| &self.radii[number as usize]);
-            number = group.next;
+            if left > 0 {
+                number = self.next[number as usize];
+            }
             Some((group, radii))
         })
     }

@@ -40,8 +40,8 @@ use parcel::{Parcel, ParcelBuffers};
 /// parcels, and with many, some threads wait for the last one.
 const PARCEL_BITS: u32 = 4;
 
-/// Active parts for each thread between two reports to the observer, some 20 ms: all threads wait for the last one then.
-const PARTS_A_THREAD: u64 = 1 << 14;
+/// Active parts for each thread between two reports to the observer, some 10 ms: all threads wait for the last parcel then.
+const PARTS_A_THREAD: u64 = 1 << 16;
 
 /// A throw of all active parts.
 #[derive(Clone, Copy)]

@@ -14,6 +14,8 @@ use crate::stages::disks::Cell;
 pub(super) struct PartDart {
     /// The place of its part among those for which darts were drawn.
     pub part: u8,
+    /// The binary logarithm of the part's side.
+    bits: u8,
     /// Its number in its part.
     pub index: u32,
     pub cell_key: Key,
@@ -50,9 +52,11 @@ impl DrawnDarts {
 
             for ((part, words), number) in held.iter().zip(words).zip(first..) {
                 let cell_key = Key::from_words(words);
-                for index in 0..dart_count(cell_key, 1 << bits(part)) {
+                let bits = bits(part);
+                for index in 0..dart_count(cell_key, 1 << bits) {
                     self.darts.push(PartDart {
                         part: number,
+                        bits: bits as u8,
                         index,
                         cell_key,
                         rank: 0,
@@ -72,7 +76,7 @@ impl DrawnDarts {
             let words = draw_by_eight(simd, keys, counters);
 
             for (dart, [halves, rank]) in held.iter_mut().zip(words) {
-                let bits = bits(&parts[usize::from(dart.part)]);
+                let bits = u32::from(dart.bits);
                 // A coordinate has 16 random bits, of which a cell takes the highest; wider cells draw more, one by one.
                 if bits <= 16 {
                     let (right, up) = (

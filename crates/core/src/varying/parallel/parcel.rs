@@ -19,7 +19,7 @@ use crate::varying::shape::Class;
 /// The number of no family.
 const NO_FAMILY: u16 = u16::MAX;
 
-/// A base cell, with its radii and the samples near it.
+/// A base cell with its radii.
 struct Family {
     min: Point,
     /// The binary logarithm of the base cell's side.
@@ -27,10 +27,6 @@ struct Family {
     sight: Sight,
     /// The least and the greatest radius in the base cell.
     range: RadiusRange,
-    /// The samples that can be near its places.
-    near: NearList,
-    /// Whether any part of it is active.
-    is_active: bool,
 }
 
 /// An active part of a base cell. Its side follows from the level.
@@ -41,6 +37,14 @@ pub(super) struct ActivePart {
     pub family: u16,
     /// Which of its places belong to the shape.
     pub class: Class,
+}
+
+/// A new sample as a parcel sees it, or an image of it.
+#[derive(Clone, Copy)]
+struct ListedSample {
+    /// From the parcel's lowest place.
+    at: IVec2,
+    radius: i32,
 }
 
 /// The buffers of a thread, whose content does not matter between two parcels.
@@ -55,9 +59,16 @@ pub(super) struct ParcelBuffers {
 pub(super) struct Parcel {
     square: Cell,
     families: Box<[Family]>,
+    /// Of each family the samples that can be near its places; closed if no part of it is active. They are apart from the families,
+    /// as many samples are listed in many of them.
+    lists: Box<[NearList]>,
     /// The family of each square of two to the power `bits` units, row by row: as wide as the narrowest base cell.
     family_at: Vec<u16>,
     bits: u32,
+    /// Whether all families are equally wide and have the same largest radius.
+    is_even: bool,
+    /// Whether all of its places are in the domain.
+    is_whole: bool,
     /// The largest radius in the parcel.
     greatest: i32,
     near: NearSamples,
@@ -83,8 +94,6 @@ impl Parcel {
                 bits: base.bits,
                 sight: base.sight,
                 range,
-                near: NearList::EMPTY,
-                is_active: true,
             });
         });
 
@@ -92,15 +101,21 @@ impl Parcel {
         let widths = families.iter().map(|family| u32::from(family.bits));
         let bits = widths.min().unwrap_or_else(|| square.side.ilog2());
         let radii = families.iter().map(|family| family.range.greatest);
+        let greatest = radii.max().unwrap_or(0);
+        let is_usual =
+            |family: &Family| u32::from(family.bits) == bits && family.range.greatest == greatest;
         let [least, largest] = field.extremes();
         Self {
             square,
             family_at: map_of(&families, square, bits),
             bits,
-            greatest: radii.max().unwrap_or(0),
+            is_even: families.iter().all(is_usual),
+            is_whole: (field.domain().rect().max - square.min).min_element() >= square.side,
+            greatest,
             near: NearSamples::for_lists(families.len(), least == largest),
             parts: parts.into(),
             darts: Box::default(),
+            lists: vec![NearList::EMPTY; families.len()].into(),
             families: families.into(),
         }
     }
@@ -145,6 +160,7 @@ impl Parcel {
         // A finished parcel is not visited again.
         if self.is_finished() {
             self.families = Box::default();
+            self.lists = Box::default();
             self.near = NearSamples::for_lists(0, true);
             self.family_at = Vec::new();
         }
@@ -165,33 +181,69 @@ impl Parcel {
                 continue;
             }
 
-            let (low, high) = (low >> self.bits as i32, high >> self.bits as i32);
-            let columns = self.square.side >> self.bits;
-            for row in low.y..=high.y {
-                let mut column = low.x;
-                while column <= high.x {
-                    let number = self.family_at[(row * columns + column) as usize];
-                    let Some(family) = self.families.get_mut(number as usize) else {
-                        column += 1;
-                        continue;
-                    };
-                    let corner = family.min - min;
-                    let side = 1 << family.bits;
-                    // The next family of the row.
-                    column = (corner.x + side) >> self.bits;
-                    // A family is met in each of its rows, and counts in the first one.
-                    let first_row = (corner.y >> self.bits).max(low.y);
-                    if !family.is_active || first_row != row {
-                        continue;
-                    }
+            let near = ListedSample { at, radius };
+            if self.is_even {
+                self.list_evenly(near, low, high);
+            } else {
+                self.list_by_families(near, low, high);
+            }
+        }
+    }
 
-                    // How far the sample is beyond the sides; nothing on an axis on which it is between them.
-                    let offset = at - corner;
-                    let beyond = (-offset).max(offset - (side - 1)).max(IVec2::ZERO);
-                    let reach = i64::from(most_reach(radius, family.range.greatest));
-                    if beyond.as_i64vec2().length_squared() <= reach * reach {
-                        self.near.push(&mut family.near, offset, radius);
-                    }
+    /// Lists a sample where all families are equally wide and have the same largest radius. No place of the parcel near the sample
+    /// is below `low` or above `high`.
+    fn list_evenly(&mut self, sample: ListedSample, low: IVec2, high: IVec2) {
+        let ListedSample { at, radius } = sample;
+        let (low, high) = (low >> self.bits as i32, high >> self.bits as i32);
+        let (columns, side) = (self.square.side >> self.bits, 1 << self.bits);
+        let reach = i64::from(most_reach(radius, self.greatest));
+
+        for row in low.y..=high.y {
+            let up = at.y - (row << self.bits);
+            // What is left of the squared reach to the left and to the right.
+            let left = reach * reach - squared_beyond(up, side);
+            for column in low.x..=high.x {
+                let right = at.x - (column << self.bits);
+                if squared_beyond(right, side) > left {
+                    continue;
+                }
+                let number = self.family_at[(row * columns + column) as usize];
+                // The number of no family is beyond all lists.
+                if let Some(list) = self.lists.get_mut(usize::from(number)) {
+                    self.near.push(list, IVec2::new(right, up), radius);
+                }
+            }
+        }
+    }
+
+    /// Lists a sample where families differ. Otherwise as [`Self::list_evenly`].
+    fn list_by_families(&mut self, sample: ListedSample, low: IVec2, high: IVec2) {
+        let ListedSample { at, radius } = sample;
+        let (low, high) = (low >> self.bits as i32, high >> self.bits as i32);
+        let columns = self.square.side >> self.bits;
+
+        for row in low.y..=high.y {
+            let mut column = low.x;
+            while column <= high.x {
+                let number = usize::from(self.family_at[(row * columns + column) as usize]);
+                let Some(family) = self.families.get(number) else {
+                    column += 1;
+                    continue;
+                };
+                let corner = family.min - self.square.min;
+                let side = 1 << family.bits;
+                // The next family of the row.
+                column = (corner.x + side) >> self.bits;
+                // A family is met in each of its rows, and counts in the first one.
+                if (corner.y >> self.bits).max(low.y) != row {
+                    continue;
+                }
+
+                let offset = at - corner;
+                let squared = squared_beyond(offset.x, side) + squared_beyond(offset.y, side);
+                let reach = i64::from(most_reach(radius, family.range.greatest));
+                if squared <= reach * reach {
+                    self.near.push(&mut self.lists[number], offset, radius);
                 }
             }
         }
@@ -209,20 +261,21 @@ impl Parcel {
     ) {
         open.clear();
         for parts in self.parts.chunk_by(|a, b| a.family == b.family) {
-            let number = parts[0].family;
-            let family = &mut self.families[number as usize];
+            let number = usize::from(parts[0].family);
+            let (family, list) = (&self.families[number], &mut self.lists[number]);
             let before = open.len();
 
             // A part of one point has thrown a dart at it, and is not cut.
             if level <= u32::from(family.bits) {
                 let half = 1 << (u32::from(family.bits) - level);
                 for part in parts {
-                    family.cut(simd, part, half, surroundings, &self.near, open);
+                    family.cut(part, half, surroundings, open, |test| {
+                        self.near.covered_quarters(simd, *list, test)
+                    });
                 }
             }
             if open.len() == before {
-                family.is_active = false;
-                self.near.release(&mut family.near);
+                self.near.close(list);
             }
         }
         // Exactly as much memory as is needed, as all parcels have parts at the same time.
@@ -241,23 +294,27 @@ impl Parcel {
         let ParcelBuffers { drawn, darts, .. } = buffers;
         let Surroundings { field, shape } = surroundings;
         let rect = field.domain().rect();
-        let bits =
-            |part: &ActivePart| u32::from(self.families[part.family as usize].bits) - throw.level;
-
         for parts in self.parts.chunks(DrawnDarts::PARTS) {
-            drawn.draw(simd, throw.key, parts, bits);
+            drawn.draw(
+                simd,
+                throw.key,
+                parts,
+                #[inline(always)]
+                |part| u32::from(self.families[usize::from(part.family)].bits) - throw.level,
+            );
             for dart in &drawn.darts {
                 let part = &parts[usize::from(dart.part)];
-                let family = &self.families[part.family as usize];
                 // A base cell may reach beyond the domain.
-                if !rect.contains(dart.at) {
+                if !self.is_whole && !rect.contains(dart.at) {
                     continue;
                 }
 
                 // Most darts are covered, which is found sooner than whether they are in the shape or left out by the coin.
+                let number = usize::from(part.family);
+                let family = &self.families[number];
                 let radius = family.radius_at(dart.at, field);
                 let offset = dart.at - family.min;
-                if self.near.covers(simd, family.near, offset, radius) {
+                if self.near.covers(simd, self.lists[number], offset, radius) {
                     continue;
                 }
                 if part.class == Class::Mixed && !shape.inside(dart.at) {
@@ -289,15 +346,15 @@ impl Family {
     }
 
     /// Appends the quarters of a part, `half` units wide, that are not covered by a single sample and may hold places of the shape.
+    /// `covered` returns those that are, a bit each.
     #[inline(always)]
-    fn cut<S: Simd>(
+    fn cut(
         &self,
-        simd: S,
         part: &ActivePart,
         half: i32,
         surroundings: Surroundings<'_>,
-        near: &NearSamples,
-        out: &mut Vec<ActivePart>,
+        open: &mut Vec<ActivePart>,
+        covered: impl FnOnce(&QuarterTest) -> u32,
     ) {
         let Surroundings { field, shape } = surroundings;
         let cell = Cell {
@@ -315,7 +372,7 @@ impl Family {
             half,
             least,
         };
-        let covered = near.covered_quarters(simd, self.near, &test);
+        let covered = covered(&test);
 
         let rect = field.domain().rect();
         for (index, quarter) in cell.quarters().into_iter().enumerate() {
@@ -329,7 +386,7 @@ impl Family {
                 Class::Mixed | Class::Outside => shape.class(quarter),
             };
             if class != Class::Outside {
-                out.push(ActivePart {
+                open.push(ActivePart {
                     min: quarter.min,
                     class,
                     ..*part
@@ -357,4 +414,11 @@ fn map_of(families: &[Family], square: Cell, bits: u32) -> Vec<u16> {
         }
     }
     map
+}
+
+/// Returns the square of how far a place is beyond the ends of an axis of `side` places, or 0 between them.
+#[inline]
+fn squared_beyond(at: i32, side: i32) -> i64 {
+    let beyond = i64::from((-at).max(at - (side - 1)).max(0));
+    beyond * beyond
 }
