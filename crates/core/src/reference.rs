@@ -3,6 +3,7 @@
 
 use crate::error::SampleError;
 use crate::lattice::{Domain, Point};
+use crate::parameters::{Insertion, Parameters};
 use crate::progress::Observer;
 use crate::random::Key;
 use crate::record::{Recorder, RunEvent, Unrecorded};
@@ -76,6 +77,23 @@ pub(crate) fn throw<G: DartGround, T: Recorder>(
     });
     samples.extend(inserted);
     Ok(())
+}
+
+/// Reports the end of a run of darts that has this number of samples, and returns its parameters: they say uniform insertion, whose
+/// iterations are throws of darts, too.
+pub(crate) fn ended<T: Recorder>(
+    parameters: Parameters,
+    samples: usize,
+    recorder: &mut T,
+) -> Parameters {
+    recorder.record(RunEvent::Begin(Stage::Finish));
+    recorder.record(RunEvent::Finish {
+        count: samples as u32,
+    });
+    Parameters {
+        insertion: Insertion::Uniform,
+        ..parameters
+    }
 }
 
 #[cfg(test)]

@@ -3,12 +3,11 @@
 use std::sync::Arc;
 
 use crate::error::SampleError;
-use crate::parameters::{Insertion, Parameters};
+use crate::parameters::Parameters;
 use crate::progress::Observer;
-use crate::record::{Recorder, RunEvent};
-use crate::reference::throw;
+use crate::record::Recorder;
+use crate::reference::{ended, throw};
 use crate::run::{Iteration, Run};
-use crate::stage::Stage;
 use crate::varying::Locality;
 
 /// Makes the set of [`crate::varying_sample`] as a run, and reports events to `recorder`. The run's result and its ids
@@ -38,15 +37,10 @@ pub fn varying_recorded<T: Recorder>(
         });
     }
 
-    recorder.record(RunEvent::Begin(Stage::Finish));
-    recorder.record(RunEvent::Finish {
-        count: points.len() as u32,
-    });
-
     let parameters = Parameters {
         radius: locality.field.domain().radius(),
-        insertion: Insertion::Uniform,
         ..*parameters
     };
+    let parameters = ended(parameters, points.len(), recorder);
     Ok(Run::of_darts(parameters, locality, points, iterations))
 }

@@ -2,12 +2,12 @@
 
 use crate::error::SampleError;
 use crate::lattice::{Domain, Point};
-use crate::parameters::{Insertion, Parameters};
+use crate::parameters::Parameters;
 use crate::progress::Observer;
 use crate::random::Key;
 use crate::record::{Recorder, RunEvent};
+use crate::reference::ended;
 use crate::run::{Iteration, Run};
-use crate::stage::Stage;
 use crate::stages::disks::Cell;
 
 use super::domain::SolidDomain;
@@ -77,14 +77,7 @@ pub fn solid_recorded<T: Recorder>(
         });
     }
 
-    recorder.record(RunEvent::Begin(Stage::Finish));
-    recorder.record(RunEvent::Finish {
-        count: points.len() as u32,
-    });
-    let parameters = Parameters {
-        insertion: Insertion::Uniform,
-        ..*parameters
-    };
+    let parameters = ended(*parameters, points.len(), recorder);
     Ok(SolidRun {
         projected: Run::of_throws(parameters, planar, points, iterations),
         heights,
