@@ -19,12 +19,14 @@
 //! ```
 
 mod border;
+mod chains;
 mod circumcentre;
 pub mod combine;
 mod count;
 mod engine;
 mod error;
 mod exact;
+mod fate;
 mod grid;
 mod instructions;
 pub mod json;

@@ -5,7 +5,7 @@
 //! the earlier darts near it, and asks those. Each question is about an earlier dart, so that it ends. Chains of questions are
 //! short, since ranks are random: a chain of length k has one order of k! that counts, and a dart has few others near it.
 
-use std::sync::atomic::{AtomicU8, AtomicU64, Ordering};
+use std::sync::atomic::{AtomicU64, Ordering};
 
 use glam::IVec2;
 use rayon::prelude::*;
@@ -13,6 +13,7 @@ use rayon::prelude::*;
 use super::field::RadiusField;
 use super::octaves::{Sight, octave_of};
 use super::rule::{is_near, reach};
+use crate::fate::Fate;
 use crate::lattice::Point;
 use crate::stages::cells::CellGrid;
 
@@ -40,13 +41,8 @@ pub(super) struct OpenDart {
     sight: Sight,
     /// The dart that was put into the same cell before it, as [`link`] gives it, or 0.
     next: AtomicU64,
-    /// One of the constants below. All threads find the same, so that it does not matter which one writes it, or how often.
-    fate: AtomicU8,
+    fate: Fate,
 }
-
-const UNDECIDED: u8 = 0;
-const KEPT: u8 = 1;
-const REFUSED: u8 = 2;
 
 impl OpenDart {
     /// Returns a dart about which nothing is decided. `sight` is that of its base cell.
@@ -55,7 +51,7 @@ impl OpenDart {
             sample: NewSample { rank, at, radius },
             sight,
             next: AtomicU64::new(0),
-            fate: AtomicU8::new(UNDECIDED),
+            fate: Fate::undecided(),
         }
     }
 }
@@ -152,15 +148,7 @@ impl Crowd {
     /// Returns whether a dart, given by the numbers of its parcel and of itself, becomes a sample.
     fn is_kept(&self, parcels: &[&[OpenDart]], own: (usize, usize)) -> bool {
         let dart = &parcels[own.0][own.1];
-        match dart.fate.load(Ordering::Relaxed) {
-            UNDECIDED => {
-                let is_kept = !self.is_refused(parcels, own);
-                let fate = if is_kept { KEPT } else { REFUSED };
-                dart.fate.store(fate, Ordering::Relaxed);
-                is_kept
-            }
-            fate => fate == KEPT,
-        }
+        dart.fate.is_kept(|| !self.is_refused(parcels, own))
     }
 
     /// Returns whether a dart is near an earlier one that becomes a sample.

@@ -11,9 +11,7 @@ use fearless_simd::{Simd, f32x8};
 use glam::IVec2;
 
 use super::rule::is_near;
-
-/// How many samples are compared at a time.
-const LANES: usize = 8;
+use crate::chains::{Chain, Chains, GROUP_LANES, Lane};
 
 /// The relative error of a comparison: some ten roundings of 2^-24 each, and a margin of four times as much.
 const ROUNDED: f32 = 1.0 / (1 << 18) as f32;
@@ -21,38 +19,20 @@ const ROUNDED: f32 = 1.0 / (1 << 18) as f32;
 /// An offset that no sample has: the square of it is far above that of any reach, and not yet infinite.
 const FAR: f32 = 1e15;
 
-/// The number of no group.
-const NO_GROUP: u32 = u32::MAX;
-
-/// The lists of all base cells of a parcel, in groups of eight samples.
+/// The lists of all base cells of a parcel.
 pub(super) struct NearSamples {
-    groups: Vec<SampleGroup>,
+    chains: Chains<SampleGroup>,
     /// The radii of each group's samples; nothing where all places have one radius.
-    radii: Vec<[f32; LANES]>,
+    radii: Vec<[f32; GROUP_LANES]>,
     has_one_radius: bool,
-    /// The group after each one, in its list or among the free ones.
-    next: Vec<u32>,
-    /// The first of the groups that no list has any more.
-    free: u32,
-}
-
-/// The samples near a base cell, as a chain of groups, of which only the first may have free lanes.
-#[derive(Clone, Copy)]
-pub(super) struct NearList {
-    first: u32,
-    /// Groups of the chain. Most lists have one, whose next is not looked up.
-    groups: u16,
-    /// Samples of the first group.
-    filled: u8,
-    is_closed: bool,
 }
 
 /// Up to eight samples, as offsets from a base cell's lowest place: one line of the cache.
 #[derive(Clone, Copy)]
 #[repr(align(64))]
 struct SampleGroup {
-    x: [f32; LANES],
-    y: [f32; LANES],
+    x: [f32; GROUP_LANES],
+    y: [f32; GROUP_LANES],
 }
 
 /// The quarters of a cell that are tested, by offsets from the base cell's lowest place.
@@ -66,27 +46,11 @@ pub(super) struct QuarterTest {
     pub least: [i32; 4],
 }
 
-impl NearList {
-    pub const EMPTY: Self = Self {
-        first: NO_GROUP,
-        groups: 0,
-        // A first sample begins a group.
-        filled: LANES as u8,
-        is_closed: false,
-    };
-
-    /// The list of a base cell without active parts, which takes no samples.
-    const CLOSED: Self = Self {
-        is_closed: true,
-        ..Self::EMPTY
-    };
-}
-
 impl SampleGroup {
     /// No samples: a lane holds nothing that could be near, until it is written over.
     const EMPTY: Self = Self {
-        x: [FAR; LANES],
-        y: [FAR; LANES],
+        x: [FAR; GROUP_LANES],
+        y: [FAR; GROUP_LANES],
     };
 }
 
@@ -96,90 +60,52 @@ impl NearSamples {
         // A fifth of the lists has more than eight samples where the radius hardly varies.
         let groups = lists + lists / 4;
         Self {
-            groups: Vec::with_capacity(groups),
+            chains: Chains::with_capacity(groups),
             radii: Vec::with_capacity(if has_one_radius { 0 } else { groups }),
             has_one_radius,
-            next: Vec::with_capacity(groups),
-            free: NO_GROUP,
         }
     }
 
     /// Appends a sample to a list, unless it is closed.
     #[inline]
-    pub fn push(&mut self, list: &mut NearList, offset: IVec2, radius: i32) {
-        if list.is_closed {
+    pub fn push(&mut self, list: &mut Chain, offset: IVec2, radius: i32) {
+        if list.is_closed() {
             return;
         }
-        if usize::from(list.filled) == LANES {
-            list.first = self.add_group(list.first);
-            list.groups += 1;
-            list.filled = 0;
-        }
+        let Lane { group, number } = self.chains.add(list, &SampleGroup::EMPTY);
+        let samples = self.chains.group_mut(group);
+        samples.x[number] = offset.x as f32;
+        samples.y[number] = offset.y as f32;
 
-        let (number, lane) = (list.first as usize, usize::from(list.filled));
-        let group = &mut self.groups[number];
-        group.x[lane] = offset.x as f32;
-        group.y[lane] = offset.y as f32;
         if !self.has_one_radius {
-            self.radii[number][lane] = radius as f32;
-        }
-        list.filled += 1;
-    }
-
-    /// Adds a group without samples before `next`, in the place of a free one if there is any, and returns its number.
-    fn add_group(&mut self, next: u32) -> u32 {
-        if self.free == NO_GROUP {
-            self.groups.push(SampleGroup::EMPTY);
-            self.next.push(next);
-            if !self.has_one_radius {
+            if group == self.radii.len() {
                 // A free lane has a radius, too: it is so far away that none is near it.
-                self.radii.push([1.0; LANES]);
+                self.radii.push([1.0; GROUP_LANES]);
             }
-            return self.groups.len() as u32 - 1;
+            self.radii[group][number] = radius as f32;
         }
-        let number = self.free;
-        let after = &mut self.next[number as usize];
-        self.free = *after;
-        *after = next;
-        self.groups[number as usize] = SampleGroup::EMPTY;
-        number
     }
 
-    /// Closes a list, whose groups others may use.
-    pub fn close(&mut self, list: &mut NearList) {
-        let mut number = list.first;
-        for _ in 0..list.groups {
-            let next = &mut self.next[number as usize];
-            let after = *next;
-            *next = self.free;
-            self.free = number;
-            number = after;
-        }
-        *list = NearList::CLOSED;
+    /// Closes a list, whose memory others may use.
+    pub fn close(&mut self, list: &mut Chain) {
+        self.chains.close(list);
     }
 
     /// Returns the groups of a list, each with the radii of its samples unless all places have `ONE_RADIUS`.
     #[inline(always)]
     fn groups<const ONE_RADIUS: bool>(
         &self,
-        list: NearList,
-    ) -> impl Iterator<Item = (&SampleGroup, Option<&[f32; LANES]>)> {
-        let (mut number, mut left) = (list.first, list.groups);
-        std::iter::from_fn(move || {
-            left = left.checked_sub(1)?;
-            let group = &self.groups[number as usize];
-            let radii = (!ONE_RADIUS).then(|| &self.radii[number as usize]);
-            if left > 0 {
-                number = self.next[number as usize];
-            }
-            Some((group, radii))
-        })
+        list: Chain,
+    ) -> impl Iterator<Item = (&SampleGroup, Option<&[f32; GROUP_LANES]>)> {
+        let radii = |number: usize| (!ONE_RADIUS).then(|| &self.radii[number]);
+        let groups = self.chains.of(list);
+        groups.map(move |(number, group)| (group, radii(number)))
     }
 
     /// Returns which quarters of a cell lie, as a whole, near one sample of a list: a bit each, row by row. A quarter that only just
     /// does may be missing.
     #[inline(always)]
-    pub fn covered_quarters<S: Simd>(&self, simd: S, list: NearList, test: &QuarterTest) -> u32 {
+    pub fn covered_quarters<S: Simd>(&self, simd: S, list: Chain, test: &QuarterTest) -> u32 {
         // Decided once, and not for each group.
         if self.has_one_radius {
             self.quarters_near::<S, true>(simd, list, test)
@@ -192,7 +118,7 @@ impl NearSamples {
     fn quarters_near<S: Simd, const ONE_RADIUS: bool>(
         &self,
         simd: S,
-        list: NearList,
+        list: Chain,
         test: &QuarterTest,
     ) -> u32 {
         let half = test.half as f32;
@@ -237,7 +163,7 @@ impl NearSamples {
 
     /// Returns whether a sample of a list is near a place of this radius, exactly.
     #[inline(always)]
-    pub fn covers<S: Simd>(&self, simd: S, list: NearList, place: IVec2, radius: i32) -> bool {
+    pub fn covers<S: Simd>(&self, simd: S, list: Chain, place: IVec2, radius: i32) -> bool {
         if self.has_one_radius {
             self.any_near::<S, true>(simd, list, place, radius)
         } else {
@@ -249,7 +175,7 @@ impl NearSamples {
     fn any_near<S: Simd, const ONE_RADIUS: bool>(
         &self,
         simd: S,
-        list: NearList,
+        list: Chain,
         place: IVec2,
         radius: i32,
     ) -> bool {
@@ -293,12 +219,12 @@ impl NearSamples {
     #[inline(never)]
     fn any_near_exactly<const ONE_RADIUS: bool>(
         &self,
-        list: NearList,
+        list: Chain,
         place: IVec2,
         radius: i32,
     ) -> bool {
         self.groups::<ONE_RADIUS>(list).any(|(group, radii)| {
-            (0..LANES).any(|lane| {
+            (0..GROUP_LANES).any(|lane| {
                 // A free lane has no sample, and the square of its offset would not fit 64 bits: it is left out below.
                 let [dx, dy] = [group.x[lane] as i64, group.y[lane] as i64];
                 let [dx, dy] = [dx - i64::from(place.x), dy - i64::from(place.y)];
@@ -342,7 +268,7 @@ mod tests {
             .filter(|&(a, b, has_one)| !has_one || a == b);
         for (a, b, has_one_radius) in cases {
             let mut near = NearSamples::for_lists(1, has_one_radius);
-            let mut list = NearList::EMPTY;
+            let mut list = Chain::EMPTY;
             near.push(&mut list, IVec2::new(-5, 7), a);
 
             let farthest = reach(a, b);

@@ -6,13 +6,13 @@
 //! of k! that count, and a dart has few others near it.
 
 use std::ops::RangeInclusive;
-use std::sync::atomic::{AtomicU8, Ordering};
 
 use glam::IVec3;
 use rayon::prelude::*;
 
 use super::parcel::CellParcel;
 use super::parcels::{Beside, CELLS, ParcelGrid, cell_number};
+use crate::fate::Fate;
 use crate::lattice::R;
 use crate::solid::Place;
 use crate::solid::frame::covers_offset;
@@ -35,19 +35,14 @@ impl NewBall {
 /// A dart that no sample of an earlier throw covers.
 pub(super) struct Contender {
     pub ball: NewBall,
-    /// One of the constants below. All threads find the same, so that it does not matter which one writes it, or how often.
-    fate: AtomicU8,
+    fate: Fate,
 }
-
-const UNDECIDED: u8 = 0;
-const KEPT: u8 = 1;
-const COVERED: u8 = 2;
 
 impl Contender {
     pub const fn new(rank: u32, place: Place) -> Self {
         Self {
             ball: NewBall { rank, place },
-            fate: AtomicU8::new(UNDECIDED),
+            fate: Fate::undecided(),
         }
     }
 }
@@ -77,15 +72,7 @@ impl Contest<'_> {
     /// Returns whether a contender becomes a sample.
     fn is_kept(&self, parcel: usize, number: usize) -> bool {
         let contender = &self.parcels[parcel].contenders[number];
-        match contender.fate.load(Ordering::Relaxed) {
-            UNDECIDED => {
-                let is_kept = !self.is_covered(parcel, number);
-                let fate = if is_kept { KEPT } else { COVERED };
-                contender.fate.store(fate, Ordering::Relaxed);
-                is_kept
-            }
-            fate => fate == KEPT,
-        }
+        contender.fate.is_kept(|| !self.is_covered(parcel, number))
     }
 
     /// Returns whether an earlier contender that becomes a sample covers one.

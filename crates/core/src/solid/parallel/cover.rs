@@ -7,13 +7,8 @@ use fearless_simd::prelude::*;
 use fearless_simd::{Simd, f32x8, i32x8, u32x8};
 use glam::IVec3;
 
+use crate::chains::{Chain, Chains, GROUP_LANES, Lane};
 use crate::lattice::{R, R_SQUARED};
-
-/// How many samples are compared at a time.
-const LANES: usize = 8;
-
-/// The number of no group.
-const NO_GROUP: u32 = u32::MAX;
 
 /// How many bits a coordinate has: samples are listed by their offset from a place R below the cell's lowest one on each axis,
 /// which is not negative and below 3 R.
@@ -33,28 +28,17 @@ const FAR: u32 = 37_000;
 /// in 2^24, and so are their sums; the margin is several times as much.
 const SURELY: f32 = R_SQUARED as f32 * (1.0 - 1.0 / (1 << 20) as f32);
 
-/// The lists of all cells of a parcel, in groups of eight samples.
-pub(super) struct BallLists {
-    groups: Vec<BallGroup>,
-    /// The first of the groups that no list has any more.
-    free: u32,
-}
+/// The lists of all cells of a parcel.
+pub(super) struct BallLists(Chains<BallGroup>);
 
-/// The samples that can cover a place of a cell, as a chain of groups, of which only the first may have free lanes.
+/// Up to eight samples: one line of the cache.
 #[derive(Clone, Copy)]
-pub(super) struct BallList {
-    first: u32,
-    count: u32,
-}
-
-/// Up to eight samples.
-#[derive(Clone, Copy)]
+#[repr(align(64))]
 struct BallGroup {
     /// x, and the lower bits of z.
-    across: [u32; LANES],
+    across: [u32; GROUP_LANES],
     /// y, and the higher bits of z.
-    up: [u32; LANES],
-    next: u32,
+    up: [u32; GROUP_LANES],
 }
 
 /// The halves of a cube along an axis, each from its lowest to its highest place of the domain, by offsets as samples have.
@@ -65,19 +49,11 @@ pub(super) struct Halves {
     reaches: [f32; 2],
 }
 
-impl BallList {
-    pub const EMPTY: Self = Self {
-        first: NO_GROUP,
-        count: 0,
-    };
-}
-
 impl BallGroup {
     /// No samples: all coordinates are far above those of a sample that covers anything.
     const EMPTY: Self = Self {
-        across: [i32::MAX as u32; LANES],
-        up: [i32::MAX as u32; LANES],
-        next: NO_GROUP,
+        across: [i32::MAX as u32; GROUP_LANES],
+        up: [i32::MAX as u32; GROUP_LANES],
     };
 
     /// Returns the coordinates of the samples.
@@ -90,86 +66,31 @@ impl BallGroup {
     }
 }
 
-impl Default for BallLists {
-    fn default() -> Self {
-        Self {
-            groups: Vec::new(),
-            free: NO_GROUP,
-        }
-    }
-}
-
 impl BallLists {
     /// Returns room for some lists, all of them empty.
     pub fn for_lists(lists: usize) -> Self {
         // A maximal set has 15 samples to a list, of which a quarter has more than 16.
-        Self {
-            groups: Vec::with_capacity(lists * 9 / 4),
-            ..Self::default()
-        }
+        Self(Chains::with_capacity(lists * 9 / 4))
     }
 
     /// Appends a sample to a list.
-    pub fn push(&mut self, list: &mut BallList, offset: IVec3) {
-        let lane = list.count as usize % LANES;
-        if lane == 0 {
-            list.first = self.add_group(BallGroup {
-                next: list.first,
-                ..BallGroup::EMPTY
-            });
-        }
+    pub fn push(&mut self, list: &mut Chain, offset: IVec3) {
         let [x, y, z] = [offset.x as u32, offset.y as u32, offset.z as u32];
-        let group = &mut self.groups[list.first as usize];
-        group.across[lane] = x | (z & LOW_MASK) << OFFSET_BITS;
-        group.up[lane] = y | (z >> LOW_BITS) << OFFSET_BITS;
-        list.count += 1;
+        let Lane { group, number } = self.0.add(list, &BallGroup::EMPTY);
+        let balls = self.0.group_mut(group);
+        balls.across[number] = x | (z & LOW_MASK) << OFFSET_BITS;
+        balls.up[number] = y | (z >> LOW_BITS) << OFFSET_BITS;
     }
 
-    /// Returns the number of a new group.
-    fn add_group(&mut self, group: BallGroup) -> u32 {
-        if self.free == NO_GROUP {
-            // Twice as much room as before, which a vector takes by itself, would be wasted: few groups are still to come.
-            if self.groups.len() == self.groups.capacity() {
-                self.groups.reserve_exact(self.groups.len() / 8 + 8);
-            }
-            self.groups.push(group);
-            return self.groups.len() as u32 - 1;
-        }
-        let number = self.free;
-        let place = &mut self.groups[number as usize];
-        self.free = place.next;
-        *place = group;
-        number
-    }
-
-    /// Empties a list, whose groups others may use.
-    pub fn release(&mut self, list: &mut BallList) {
-        let mut number = list.first;
-        while let Some(group) = self.groups.get_mut(number as usize) {
-            let next = group.next;
-            group.next = self.free;
-            self.free = number;
-            number = next;
-        }
-        *list = BallList::EMPTY;
-    }
-
-    /// Returns the groups of a list.
-    #[inline(always)]
-    fn groups(&self, list: BallList) -> impl Iterator<Item = &BallGroup> {
-        let mut number = list.first;
-        std::iter::from_fn(move || {
-            // The number of no group is beyond all groups.
-            let group = self.groups.get(number as usize)?;
-            number = group.next;
-            Some(group)
-        })
+    /// Closes a list, whose memory others may use.
+    pub fn close(&mut self, list: &mut Chain) {
+        self.0.close(list);
     }
 
     /// Returns whether a sample of a list covers a place, given by offsets as samples are. It is exact.
     #[inline(always)]
-    pub fn covers<S: Simd>(&self, simd: S, list: BallList, place: IVec3) -> bool {
-        for group in self.groups(list) {
+    pub fn covers<S: Simd>(&self, simd: S, list: Chain, place: IVec3) -> bool {
+        for (_, group) in self.0.of(list) {
             let [x, y, z] = group.unpacked(simd);
             let flat = squared(x, place.x as u32) + squared(y, place.y as u32);
             let squared = flat + squared(z, place.z as u32);
@@ -183,10 +104,10 @@ impl BallLists {
     /// Returns which octants of a cube one sample of a list covers as a whole, as bits. Of some whose farthest place is covered by
     /// little it does not say so.
     #[inline(always)]
-    pub fn covered_octants<S: Simd>(&self, simd: S, list: BallList, cube: &[Halves; 3]) -> u8 {
+    pub fn covered_octants<S: Simd>(&self, simd: S, list: Chain, cube: &[Halves; 3]) -> u8 {
         // The least squared distance to the farthest place of each octant.
         let mut least = [f32x8::splat(simd, f32::INFINITY); 8];
-        for group in self.groups(list) {
+        for (_, group) in self.0.of(list) {
             let [x, y, z] = group.unpacked(simd);
             let [x, y, z] = [
                 cube[0].farthest(as_float(x)),
@@ -277,8 +198,8 @@ mod tests {
     }
 
     /// Returns a list of samples, counted from a cell's lowest place.
-    fn listed(samples: &[IVec3]) -> (BallLists, BallList) {
-        let (mut lists, mut list) = (BallLists::for_lists(1), BallList::EMPTY);
+    fn listed(samples: &[IVec3]) -> (BallLists, Chain) {
+        let (mut lists, mut list) = (BallLists::for_lists(1), Chain::EMPTY);
         for &sample in samples {
             lists.push(&mut list, sample + R);
         }
@@ -379,21 +300,5 @@ mod tests {
             }
         }
         assert!(seen[0] > 100 && seen[1] > 100, "{seen:?}");
-    }
-
-    #[test]
-    fn groups_of_emptied_lists_are_used_again() {
-        let samples: Vec<IVec3> = (0..17).map(|index| place(index, -R..2 * R)).collect();
-        let (mut lists, mut list) = listed(&samples);
-        assert_eq!(lists.groups.len(), 3);
-        lists.release(&mut list);
-        let mut others = [BallList::EMPTY; 3];
-        for other in &mut others {
-            lists.push(other, samples[0] + R);
-        }
-        assert_eq!(lists.groups.len(), 3);
-        lists.push(&mut others[0], samples[1] + R);
-        let lengths = others.map(|list| lists.groups(list).count());
-        assert_eq!(lengths, [1, 1, 1]);
     }
 }

@@ -4,9 +4,10 @@ use fearless_simd::Simd;
 use glam::IVec3;
 
 use super::contest::{Contender, NewBall};
-use super::cover::{BallList, BallLists, Halves};
+use super::cover::{BallLists, Halves};
 use super::draws::DrawnCubeDarts;
 use super::parcels::{CELLS, cell_number};
+use crate::chains::Chain;
 use crate::lattice::{R, R_SQUARED};
 use crate::random::Stream;
 use crate::solid::Place;
@@ -15,15 +16,6 @@ use crate::solid::darts::{PlaneKeys, SolidThrow};
 
 /// How many cells a parcel has.
 const CELL_COUNT: usize = cell_number([0, 0, CELLS as usize]);
-
-/// A cell of side R.
-#[derive(Clone, Copy)]
-struct ParcelCell {
-    /// The samples that can cover its places.
-    near: BallList,
-    /// Whether it has active cubes.
-    is_active: bool,
-}
 
 /// An active cube of a cell. Its side follows from the level.
 #[derive(Clone, Copy)]
@@ -46,7 +38,8 @@ pub(super) struct CellParcel {
     min: IVec3,
     /// From `min` to the highest place of the domain in it.
     ends: IVec3,
-    cells: Vec<ParcelCell>,
+    /// For each cell the samples that can cover its places; closed if it has no active cubes.
+    near: Vec<Chain>,
     lists: BallLists,
     /// The active cubes of all cells, one cell's after another's.
     cubes: Box<[ActiveCube]>,
@@ -60,18 +53,14 @@ impl CellParcel {
     /// Returns the parcel that begins at `min`, before the first throw. `ends` leads from there to the highest place of the
     /// domain in it.
     pub fn new(min: Place, ends: Place) -> Self {
-        let empty = ParcelCell {
-            near: BallList::EMPTY,
-            is_active: false,
-        };
-        let mut cells = vec![empty; CELL_COUNT];
+        let mut near = vec![Chain::CLOSED; CELL_COUNT];
         let mut cubes = Vec::new();
         let [columns, rows, planes] = ends.map(|end| (end >> R.ilog2()) as usize);
         for z in 0..=planes {
             for y in 0..=rows {
                 for x in 0..=columns {
                     let cell = cell_number([x, y, z]);
-                    cells[cell].is_active = true;
+                    near[cell] = Chain::EMPTY;
                     cubes.push(ActiveCube {
                         cell: cell as u16,
                         at: [0; 3],
@@ -83,7 +72,7 @@ impl CellParcel {
         Self {
             min: min.into(),
             ends: ends.into(),
-            cells,
+            near,
             lists: BallLists::for_lists(cubes.len()),
             cubes: cubes.into(),
             contenders: Vec::new(),
@@ -118,11 +107,11 @@ impl CellParcel {
                     let flat = deep + squared_beyond(at.y, y);
                     let row = cell_number([0, y as usize, z as usize]);
                     for (x, squared) in (first.x..=last.x).zip(along_x) {
-                        let cell = &mut self.cells[row + x as usize];
+                        let near = &mut self.near[row + x as usize];
                         // A sample farther than R from the cell covers no place of it.
-                        if cell.is_active && flat + squared <= R_SQUARED as u32 {
+                        if !near.is_closed() && flat + squared <= R_SQUARED as u32 {
                             let corner = IVec3::new(x, y, z) * R;
-                            self.lists.push(&mut cell.near, at - corner + R);
+                            self.lists.push(near, at - corner + R);
                         }
                     }
                 }
@@ -146,8 +135,8 @@ impl CellParcel {
         }
         // A finished parcel is not visited again.
         if self.is_finished() {
-            self.cells = Vec::new();
-            self.lists = BallLists::default();
+            self.near = Vec::new();
+            self.lists = BallLists::for_lists(0);
         }
     }
 
@@ -158,18 +147,17 @@ impl CellParcel {
         open.clear();
         for cubes in self.cubes.chunk_by(|a, b| a.cell == b.cell) {
             let number = cubes[0].cell;
-            let cell = &mut self.cells[usize::from(number)];
+            let near = &mut self.near[usize::from(number)];
             let before = open.len();
             // The highest place of the domain, from the cell's lowest one. It may be in a cell beyond.
             let last = self.ends - cell_corner(number);
             for cube in cubes {
                 cube.push_open_octants(half, last, open, |halves| {
-                    self.lists.covered_octants(simd, cell.near, halves)
+                    self.lists.covered_octants(simd, *near, halves)
                 });
             }
             if open.len() == before {
-                cell.is_active = false;
-                self.lists.release(&mut cell.near);
+                self.lists.close(near);
             }
         }
         // Exactly as much memory as is needed, as all parcels have cubes at the same time.
@@ -194,7 +182,7 @@ impl CellParcel {
                     continue;
                 }
 
-                let near = self.cells[usize::from(cube.cell)].near;
+                let near = self.near[usize::from(cube.cell)];
                 if !self.lists.covers(simd, near, in_cell + R) {
                     // The rank is drawn only now, since nine of ten darts are covered and need none.
                     let [rank, _] = dart.key.draw(Stream::Rank, dart.index);

@@ -1,16 +1,18 @@
 //! The families of a large square, which one thread works on at a time.
 
+mod listing;
+
 use fearless_simd::Simd;
-use glam::IVec2;
 
 use super::draws::DrawnDarts;
 use super::{LevelThrow, Surroundings};
+use crate::chains::Chain;
 use crate::lattice::Point;
 use crate::random::Stream;
 use crate::stages::disks::Cell;
-use crate::varying::crowd::{NewSample, OpenDart};
+use crate::varying::crowd::OpenDart;
 use crate::varying::field::{RadiusField, RadiusRange};
-use crate::varying::near::{NearList, NearSamples, QuarterTest};
+use crate::varying::near::{NearSamples, QuarterTest};
 use crate::varying::octaves::Sight;
 use crate::varying::quadtree::add_base_cells;
 use crate::varying::rule::{is_thinned, most_reach};
@@ -39,14 +41,6 @@ pub(super) struct ActivePart {
     pub class: Class,
 }
 
-/// A new sample as a parcel sees it, or an image of it.
-#[derive(Clone, Copy)]
-struct ListedSample {
-    /// From the parcel's lowest place.
-    at: IVec2,
-    radius: i32,
-}
-
 /// The buffers of a thread, whose content does not matter between two parcels.
 #[derive(Default)]
 pub(super) struct ParcelBuffers {
@@ -61,12 +55,14 @@ pub(super) struct Parcel {
     families: Box<[Family]>,
     /// Of each family the samples that can be near its places; closed if no part of it is active. They are apart from the families,
     /// as many samples are listed in many of them.
-    lists: Box<[NearList]>,
+    lists: Box<[Chain]>,
     /// The family of each square of two to the power `bits` units, row by row: as wide as the narrowest base cell.
     family_at: Vec<u16>,
     bits: u32,
-    /// Whether all families are equally wide and have the same largest radius.
-    is_even: bool,
+    /// Whether all families are equally wide.
+    has_one_width: bool,
+    /// Whether all families have the same largest radius.
+    has_one_greatest: bool,
     /// Whether all of its places are in the domain.
     is_whole: bool,
     /// The largest radius in the parcel.
@@ -102,20 +98,21 @@ impl Parcel {
         let bits = widths.min().unwrap_or_else(|| square.side.ilog2());
         let radii = families.iter().map(|family| family.range.greatest);
         let greatest = radii.max().unwrap_or(0);
-        let is_usual =
-            |family: &Family| u32::from(family.bits) == bits && family.range.greatest == greatest;
+        let is_narrow = |family: &Family| u32::from(family.bits) == bits;
+        let is_greatest = |family: &Family| family.range.greatest == greatest;
         let [least, largest] = field.extremes();
         Self {
             square,
             family_at: map_of(&families, square, bits),
             bits,
-            is_even: families.iter().all(is_usual),
+            has_one_width: families.iter().all(is_narrow),
+            has_one_greatest: families.iter().all(is_greatest),
             is_whole: (field.domain().rect().max - square.min).min_element() >= square.side,
             greatest,
             near: NearSamples::for_lists(families.len(), least == largest),
             parts: parts.into(),
             darts: Box::default(),
-            lists: vec![NearList::EMPTY; families.len()].into(),
+            lists: vec![Chain::EMPTY; families.len()].into(),
             families: families.into(),
         }
     }
@@ -163,89 +160,6 @@ impl Parcel {
             self.lists = Box::default();
             self.near = NearSamples::for_lists(0, true);
             self.family_at = Vec::new();
-        }
-    }
-
-    /// Adds new samples, moved by `shift`, to the lists of the active families in which they can be near a place.
-    pub fn list(&mut self, samples: &[NewSample], shift: IVec2) {
-        let last = self.square.side - 1;
-        let min = self.square.min;
-        // Sides are nearly as long as 32 bits allow, so that steps may wrap; the offset of a sample in a parcel nearby is short.
-        let from = IVec2::new(min.x, min.y).wrapping_sub(shift);
-        for &NewSample { at, radius, .. } in samples {
-            let at = IVec2::new(at.x, at.y).wrapping_sub(from);
-            let reach = most_reach(radius, self.greatest);
-            let low = (at - reach).max(IVec2::ZERO);
-            let high = (at + reach).min(IVec2::splat(last));
-            if low.cmpgt(high).any() {
-                continue;
-            }
-
-            let near = ListedSample { at, radius };
-            if self.is_even {
-                self.list_evenly(near, low, high);
-            } else {
-                self.list_by_families(near, low, high);
-            }
-        }
-    }
-
-    /// Lists a sample where all families are equally wide and have the same largest radius. No place of the parcel near the sample
-    /// is below `low` or above `high`.
-    fn list_evenly(&mut self, sample: ListedSample, low: IVec2, high: IVec2) {
-        let ListedSample { at, radius } = sample;
-        let (low, high) = (low >> self.bits as i32, high >> self.bits as i32);
-        let (columns, side) = (self.square.side >> self.bits, 1 << self.bits);
-        let reach = i64::from(most_reach(radius, self.greatest));
-
-        for row in low.y..=high.y {
-            let up = at.y - (row << self.bits);
-            // What is left of the squared reach to the left and to the right.
-            let left = reach * reach - squared_beyond(up, side);
-            for column in low.x..=high.x {
-                let right = at.x - (column << self.bits);
-                if squared_beyond(right, side) > left {
-                    continue;
-                }
-                let number = self.family_at[(row * columns + column) as usize];
-                // The number of no family is beyond all lists.
-                if let Some(list) = self.lists.get_mut(usize::from(number)) {
-                    self.near.push(list, IVec2::new(right, up), radius);
-                }
-            }
-        }
-    }
-
-    /// Lists a sample where families differ. Otherwise as [`Self::list_evenly`].
-    fn list_by_families(&mut self, sample: ListedSample, low: IVec2, high: IVec2) {
-        let ListedSample { at, radius } = sample;
-        let (low, high) = (low >> self.bits as i32, high >> self.bits as i32);
-        let columns = self.square.side >> self.bits;
-
-        for row in low.y..=high.y {
-            let mut column = low.x;
-            while column <= high.x {
-                let number = usize::from(self.family_at[(row * columns + column) as usize]);
-                let Some(family) = self.families.get(number) else {
-                    column += 1;
-                    continue;
-                };
-                let corner = family.min - self.square.min;
-                let side = 1 << family.bits;
-                // The next family of the row.
-                column = (corner.x + side) >> self.bits;
-                // A family is met in each of its rows, and counts in the first one.
-                if (corner.y >> self.bits).max(low.y) != row {
-                    continue;
-                }
-
-                let offset = at - corner;
-                let squared = squared_beyond(offset.x, side) + squared_beyond(offset.y, side);
-                let reach = i64::from(most_reach(radius, family.range.greatest));
-                if squared <= reach * reach {
-                    self.near.push(&mut self.lists[number], offset, radius);
-                }
-            }
         }
     }
 
@@ -414,11 +328,4 @@ fn map_of(families: &[Family], square: Cell, bits: u32) -> Vec<u16> {
         }
     }
     map
-}
-
-/// Returns the square of how far a place is beyond the ends of an axis of `side` places, or 0 between them.
-#[inline]
-fn squared_beyond(at: i32, side: i32) -> i64 {
-    let beyond = i64::from((-at).max(at - (side - 1)).max(0));
-    beyond * beyond
 }
