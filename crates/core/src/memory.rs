@@ -48,7 +48,7 @@ impl Making {
             Self::Exact => 190.0,
             Self::Reference => 80.0,
             Self::Solid => 370.0,
-            // Measured of smaller sets, of 0.1 to 0.7 million samples: this at a contrast of 1:16, and 400 with one radius.
+            // Measured of sets of 0.1 to 2 million samples: this at a contrast of 1:16, and 280 with one radius.
             Self::Varying => 800.0,
         }
     }
