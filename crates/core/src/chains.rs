@@ -70,7 +70,7 @@ impl<G: Copy> Chains<G> {
 
     /// Returns a lane for one member more of a list, which must not be closed. If it is the first one of a group, the group is a
     /// copy of `empty`.
-    #[inline]
+    #[inline(always)]
     pub fn add(&mut self, chain: &mut Chain, empty: &G) -> Lane {
         if usize::from(chain.filled) == GROUP_LANES {
             chain.first = self.add_group(chain.first, empty);

@@ -67,7 +67,7 @@ impl NearSamples {
     }
 
     /// Appends a sample to a list, unless it is closed.
-    #[inline]
+    #[inline(always)]
     pub fn push(&mut self, list: &mut Chain, offset: IVec2, radius: i32) {
         if list.is_closed() {
             return;
