@@ -16,7 +16,7 @@ use crate::lattice::{Domain, Point, R, Rect, Window};
 /// A window, and what it had around itself.
 struct Surrounded {
     window: Rect,
-    /// The samples outside of the window but at most R from it on both axes, in canonical order.
+    /// The samples outside of the window but at most R from it on both axes, in the sequence of [`strips`].
     around: Vec<Point>,
 }
 
@@ -43,10 +43,16 @@ impl Agreement {
                     append_within(points, &part, &mut made);
                 }
             }
-            made.sort_unstable_by_key(|point| point.canonical());
-            made == held.around
+            // Where an end of a periodic domain crosses a strip, its parts follow each other in another sequence.
+            made == held.around || sorted(made) == sorted(held.around.clone())
         })
     }
+}
+
+/// Returns samples in canonical order.
+fn sorted(mut points: Vec<Point>) -> Vec<Point> {
+    points.sort_unstable_by_key(|point| point.canonical());
+    points
 }
 
 /// Returns the four strips of width R around a window, which do not overlap.

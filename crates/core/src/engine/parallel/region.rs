@@ -154,10 +154,12 @@ impl<const TAGS: bool> Region<TAGS> {
         }
     }
 
-    /// Returns the packed positions of a cell's samples.
-    pub(crate) fn held_in(&self, cell: usize) -> &[u32] {
-        let slots = &self.slots[cell];
-        &slots[..held(slots)]
+    /// Returns the packed positions of a cell's samples, in canonical order.
+    pub(crate) fn sorted_in(&self, cell: usize) -> impl Iterator<Item = u32> + use<TAGS> {
+        let mut slots = self.slots[cell];
+        let count = held(&slots);
+        slots[..count].sort_unstable();
+        slots.into_iter().take(count)
     }
 
     /// Returns whether a survivor covers (x, y), which lies in the frame: the predicate `covers_offset`, for nine cells

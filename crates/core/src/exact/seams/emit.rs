@@ -16,8 +16,7 @@ use crate::lattice::{Point, R, Rect64};
 
 impl SeamTiling<'_> {
     /// Puts the window's samples into `out`, in canonical order, with their counts, and with tags of their sources if they
-    /// are wanted. Puts the samples outside of the window but at most R from it on both axes into `around`, if they are wanted, in
-    /// canonical order.
+    /// are wanted. Puts the samples outside of the window but at most R from it on both axes into `around`, if they are wanted.
     pub(in crate::exact) fn emit(
         &mut self,
         clipper: &Clipper,
@@ -110,7 +109,8 @@ impl SeamTiling<'_> {
         iteration_of(self.inserted[(sample.number - FIRST_INSERTED) as usize].arrival)
     }
 
-    /// Appends the samples outside of the window but at most R from it on both axes, in canonical order.
+    /// Appends the samples outside of the window but at most R from it on both axes: strip by strip, each in canonical order if no
+    /// end of a periodic domain crosses it.
     fn around_window<const TAGS: bool>(&self, region: &Region<TAGS>, around: &mut Vec<Point>) {
         let frame = &self.ground.frame;
         let window = frame.window;
@@ -125,14 +125,14 @@ impl SeamTiling<'_> {
             };
             for row in strip.min.y / R..=(strip.max.y - 1) / R {
                 for column in strip.min.x / R..=(strip.max.x - 1) / R {
-                    let held = region.held_in(frame.cell(column, row));
-                    let places = held.iter().map(|&slot| unpack(slot, column, row));
+                    // Of a cell's places those in lower rows come first, as their slots do.
+                    let held = region.sorted_in(frame.cell(column, row));
+                    let places = held.map(|slot| unpack(slot, column, row));
                     let inside = places.filter(|place| strip.contains(*place));
                     around.extend(inside.map(|place| frame.point(place.x, place.y)));
                 }
             }
         }
-        around.sort_unstable_by_key(|point| point.canonical());
     }
 
     /// Counts what the window has.
