@@ -10,7 +10,7 @@ use crate::exact::arrivals::PatternArrivals;
 use crate::exact::bare::MARK_SIDE;
 use crate::exact::darts::{Arrival, PatternDarts, PlacedDart};
 use crate::exact::filter::SampleFilter;
-use crate::exact::packed::{COVERING_UNIT, CoveringSample, Refused, SecondBlocker};
+use crate::exact::packed::{COVERING_UNIT, CoveringSample, OffsetBounds, Refused, SecondBlocker};
 use crate::grid::SampleGrid;
 use crate::lattice::{Point, R, Rect, covers_offset};
 use crate::parameters::PatternSpec;
@@ -22,15 +22,6 @@ use crate::stages::disks::{farthest, tiling_cells};
 /// The refused darts of levels below this one are kept. More levels would make fewer cells active at seams, but two darts
 /// in five of level 2 lie in cells that one sample covers, and the table would be twice as large with it.
 pub(crate) const LATE_LEVEL: u32 = 2;
-
-/// A dart that waits behind its first blocker.
-#[derive(Clone, Copy, Debug)]
-pub(crate) struct WaitingDart {
-    pub(crate) arrival: Arrival,
-    /// Its offset from its first blocker.
-    pub(crate) offset: IVec2,
-    pub(crate) second: SecondBlocker,
-}
 
 /// A pattern with the arrivals of its samples, and with the darts of levels 0 and 1 that each of them refused first.
 ///
@@ -160,18 +151,35 @@ impl PatternHistory {
         symmetry: Symmetry,
         mut visit: impl FnMut(PlacedDart, SecondBlocker),
     ) {
-        for waiting in self.waiting(sample) {
-            let IVec2 { x, y } = symmetry.turn(waiting.offset);
-            let dart_place = Point::new(place.x + x, place.y + y);
-            if rect.contains(dart_place) {
+        // Most of these darts lie beside the rectangle. They are left out by their offsets in the pattern, before they are turned.
+        // Differences saturate: no dart is so far away.
+        let offset = |x: i32, y: i32| {
+            let offset = IVec2::new(x.saturating_sub(place.x), y.saturating_sub(place.y));
+            // The lowest integer has no negative, which a mirror image would need.
+            symmetry.turn_back(offset.max(IVec2::splat(-i32::MAX)))
+        };
+        let low = offset(rect.min.x, rect.min.y);
+        let high = offset(rect.max.x - 1, rect.max.y - 1);
+        let bounds = OffsetBounds::new(low.min(high), low.max(high));
+
+        for refused in self.refused_by(sample) {
+            if refused.lies_in(&bounds) {
+                let offset = refused.offset();
+                let IVec2 { x, y } = symmetry.turn(offset);
                 let dart = PlacedDart {
-                    arrival: waiting.arrival,
-                    source: self.source(sample, waiting.offset),
-                    place: dart_place,
+                    arrival: refused.arrival(),
+                    source: self.source(sample, offset),
+                    place: Point::new(place.x + x, place.y + y),
                 };
-                visit(dart, waiting.second);
+                visit(dart, refused.second());
             }
         }
+    }
+
+    /// Returns the refused darts of levels 0 and 1 whose first blocker is a sample of the pattern, in no order.
+    fn refused_by(&self, sample: u32) -> &[Refused] {
+        let [first, end] = [sample, sample + 1].map(|id| self.starts[id as usize] as usize);
+        &self.refused[first..end]
     }
 
     /// Returns the place in the pattern at an offset, of at most R, from one of its samples.
@@ -206,17 +214,6 @@ impl PatternHistory {
             covering: self.covering.clone(),
             mark_columns: self.mark_columns,
         }
-    }
-
-    /// Returns the darts of levels 0 and 1 whose first blocker is a sample of the pattern, in no order.
-    #[inline]
-    pub(crate) fn waiting(&self, sample: u32) -> impl Iterator<Item = WaitingDart> {
-        let [first, end] = [sample, sample + 1].map(|id| self.starts[id as usize] as usize);
-        self.refused[first..end].iter().map(|refused| WaitingDart {
-            arrival: refused.arrival(),
-            offset: refused.offset(),
-            second: refused.second(),
-        })
     }
 }
 
@@ -329,10 +326,10 @@ mod tests {
             let samples = history.pattern().samples();
             let (mut waiting, mut seconds) = (Vec::new(), 0);
             for (id, sample) in (0..).zip(samples) {
-                for dart in history.waiting(id) {
-                    let source = history.source(id, dart.offset);
-                    assert!(covers_offset(dart.offset) && domain.covers(*sample, source));
-                    assert!(history.arrival(id) < dart.arrival);
+                for dart in history.refused_by(id) {
+                    let source = history.source(id, dart.offset());
+                    assert!(covers_offset(dart.offset()) && domain.covers(*sample, source));
+                    assert!(history.arrival(id) < dart.arrival());
                     let covering = (0..)
                         .zip(samples)
                         .filter(|(_, p)| domain.covers(**p, source));
@@ -344,18 +341,19 @@ mod tests {
 
                     // The second one is about where it is said to be, and there is none only if it would lie R away.
                     let rest = covering.clone().filter(|(other, _)| *other != id);
-                    let earlier = rest.filter(|(other, _)| history.arrival(*other) < dart.arrival);
+                    let earlier =
+                        rest.filter(|(other, _)| history.arrival(*other) < dart.arrival());
                     let second = earlier.min_by_key(|(other, _)| history.arrival(*other));
                     let far = second
                         .is_none_or(|(_, at)| domain.difference(source, *at).max_element() == R);
-                    assert_eq!(!dart.second.is_some(), far);
-                    if let (true, Some((other, at))) = (dart.second.is_some(), second) {
-                        let away = domain.difference(source, *at) - dart.second.offset();
+                    assert_eq!(!dart.second().is_some(), far);
+                    if let (true, Some((other, at))) = (dart.second().is_some(), second) {
+                        let away = domain.difference(source, *at) - dart.second().offset();
                         assert!(away.abs().max_element() <= SecondBlocker::REACH);
-                        assert_eq!(dart.second.number(), other % 256);
+                        assert_eq!(dart.second().number(), other % 256);
                         seconds += 1;
                     }
-                    waiting.push((dart.arrival, source.row_major()));
+                    waiting.push((dart.arrival(), source.row_major()));
                 }
             }
 

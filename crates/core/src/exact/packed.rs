@@ -50,10 +50,39 @@ impl Refused {
         IVec2::new((x >> SECOND_LOW) as i32 - R, (y >> SECOND_LOW) as i32 - R)
     }
 
+    /// Returns whether its offset lies within bounds.
+    #[inline]
+    pub(super) const fn lies_in(self, bounds: &OffsetBounds) -> bool {
+        // Unsigned, an offset below the lowest one is far too long.
+        let [x, y] = [self.right, self.up];
+        (x >> SECOND_LOW).wrapping_sub(bounds.low[0]) < bounds.extent[0]
+            && (y >> SECOND_LOW).wrapping_sub(bounds.low[1]) < bounds.extent[1]
+    }
+
     #[inline]
     pub(super) const fn second(self) -> SecondBlocker {
         let high = self.right % (1 << SECOND_HIGH);
         SecondBlocker(high << SECOND_LOW | (self.up % (1 << SECOND_LOW)))
+    }
+}
+
+/// The offsets in a rectangle, as refused darts have them.
+pub(super) struct OffsetBounds {
+    low: [u32; 2],
+    extent: [u32; 2],
+}
+
+impl OffsetBounds {
+    /// Returns the offsets from `low` to `high`, both included, of those that are at most R on both axes.
+    pub(super) fn new(low: IVec2, high: IVec2) -> Self {
+        // Bounds beyond R would not fit the bits. There may be no offsets: then `end` is at most `low`.
+        let low = low.clamp(IVec2::splat(-R), IVec2::splat(R + 1));
+        let end = high.clamp(IVec2::splat(-R - 1), IVec2::splat(R)) + 1;
+        let extent = (end - low).max(IVec2::ZERO);
+        Self {
+            low: [low.x, low.y].map(|at| (at + R) as u32),
+            extent: [extent.x, extent.y].map(|at| at as u32),
+        }
     }
 }
 

@@ -190,10 +190,11 @@ impl SeamTiling<'_> {
             is_left_out: false,
         });
         self.inserted.push(*dart);
-        self.disks.add(place, when, id);
         if is_doubtful {
-            self.disks.doubt(simd, place);
+            self.disks.add_doubtful(place, when, id);
             self.doubt_inserted(id);
+        } else {
+            self.disks.add(place, when, id);
         }
     }
 }

@@ -62,15 +62,24 @@ impl DiskGroup {
 }
 
 /// The list of a cell: groups one after another, of which the last may have free lanes.
-#[derive(Clone, Copy, Default)]
+#[derive(Clone, Copy)]
 struct HeldList {
     /// The first group; 0, which stays empty, of a cell without samples.
     first: u32,
     last: u32,
-    /// How many lanes of the last group were filled.
+    /// How many lanes of the last group were filled. A list without a group has none free.
     filled: u32,
     /// Whether samples deep inside of blocks are in the list, too.
     is_whole: bool,
+}
+
+impl HeldList {
+    const EMPTY: Self = Self {
+        first: 0,
+        last: 0,
+        filled: LANES as u32,
+        is_whole: false,
+    };
 }
 
 /// The lists of all cells of a frame.
@@ -91,7 +100,7 @@ impl DiskLists {
         self.stride = cells(end.x);
         let count = self.stride * cells(end.y);
         self.cells.clear();
-        self.cells.resize(count as usize, HeldList::default());
+        self.cells.resize(count as usize, HeldList::EMPTY);
         self.groups.clear();
         self.nexts.clear();
         self.has_doubtful = false;
@@ -130,15 +139,22 @@ impl DiskLists {
         }
     }
 
+    /// Adds a doubtful sample to the list of every cell that its disk touches.
+    #[inline(always)]
+    pub(super) fn add_doubtful(&mut self, place: Point, when: u32, id: u32) {
+        self.has_doubtful = true;
+        self.add(place, when, id | DOUBTFUL);
+    }
+
     /// Adds a sample to the list of one cell.
     #[inline(always)]
     pub(super) fn add_to(&mut self, cell: usize, place: Point, when: u32, id: u32) {
-        let mut held = self.cells[cell];
-        if held.first == 0 || held.filled == LANES as u32 {
-            self.extend(&mut held);
+        if self.cells[cell].filled == LANES as u32 {
+            self.extend(cell);
         }
 
         // `% LANES` changes no lane, but spares the check of the index, here and wherever a lane is read.
+        let held = &mut self.cells[cell];
         let (group, lane) = (
             &mut self.groups[held.last as usize],
             held.filled as usize % LANES,
@@ -148,13 +164,13 @@ impl DiskLists {
         group.whens[lane] = when;
         group.ids[lane] = id;
         held.filled += 1;
-        self.cells[cell] = held;
     }
 
-    /// Gives a list one more group.
+    /// Gives the list of a cell one more group.
     #[inline(never)]
-    fn extend(&mut self, held: &mut HeldList) {
+    fn extend(&mut self, cell: usize) {
         let group = self.append();
+        let held = &mut self.cells[cell];
         if held.first == 0 {
             held.first = group;
         } else {

@@ -166,14 +166,17 @@ impl SeamTiling<'_> {
                 return;
             }
 
-            // It may be lost, or have become doubtful while other cells alone listed it.
-            let fates = self.fates.of(tile, pattern);
-            let mut own = fates.filter(|fate| fate.place == at);
-            let is_doubtful = match own.next() {
-                // A lost sample may have been doubtful before, and its last fate comes first.
-                Some(PatternFate { is_lost: true, .. }) => return,
-                fate => fate.is_some(),
-            };
+            // It may be lost, or have become doubtful while other cells alone listed it. Few are, and the filter has all of them.
+            let mut is_doubtful = false;
+            if self.tiles[tile as usize].missing.may_have(pattern) {
+                let fates = self.fates.of(tile, pattern);
+                let mut own = fates.filter(|fate| fate.place == at);
+                match own.next() {
+                    // A lost sample may have been doubtful before, and its last fate comes first.
+                    Some(PatternFate { is_lost: true, .. }) => return,
+                    fate => is_doubtful = fate.is_some(),
+                }
+            }
 
             // Each cell that lists the sample gives it an id of its own. None of these is handed out, since the sample
             // is copied with the interior.
