@@ -22,7 +22,14 @@ pub(crate) struct Ground {
     joined: Option<Point>,
     /// The known part of the plane, if not all of it is known: the frame, and everything on the sides where a domain ends.
     known: Option<Rect>,
+    /// Where late darts are thrown, if not everywhere although all is known.
+    thrown: Option<Rect>,
 }
+
+/// How far from the ends of a ground with nothing beyond it late darts are thrown. Nearer, many samples differ from the domain's in
+/// any case: without these darts the deepest that differed were as deep as with them, up to 4 r
+/// (`what_is_unknown_reaches_less_far_than_a_halo`).
+const ALONE_MARGIN: i32 = 2 * R;
 
 impl Ground {
     /// Returns the ground of a whole domain.
@@ -42,6 +49,7 @@ impl Ground {
             frame,
             joined,
             known: None,
+            thrown: None,
         }
     }
 
@@ -65,14 +73,18 @@ impl Ground {
             frame,
             joined: None,
             known: (!is_whole_domain).then_some(known),
+            thrown: None,
         }
     }
 
     /// Returns the same ground with nothing beyond it. Near its ends samples then differ from those of the domain.
     pub(crate) fn alone(domain: &Domain, window: &Rect, halo: i32) -> Self {
+        let around = Self::around(domain, window, halo);
+        let thrown = around.known.map(|known| inner(&known, ALONE_MARGIN));
         Self {
             known: None,
-            ..Self::around(domain, window, halo)
+            thrown,
+            ..around
         }
     }
 
@@ -106,13 +118,13 @@ impl Ground {
         }
     }
 
-    /// Returns the places whose late darts are known.
+    /// Returns the places at which late darts are thrown: those where they are known.
     pub(crate) fn core(&self) -> Rect {
         let Rect { min, max } = self.rect();
         let Some(Rect {
             min: low,
             max: high,
-        }) = self.late_known()
+        }) = self.late_known().or(self.thrown)
         else {
             return Rect { min, max };
         };
@@ -125,11 +137,7 @@ impl Ground {
     /// Returns the part of the plane in which late darts are known, if it is not all.
     #[inline]
     pub(crate) fn late_known(&self) -> Option<Rect> {
-        let Rect { min, max } = self.known?;
-        Some(Rect {
-            min: Point::new(min.x + LATE_MARGIN, min.y + LATE_MARGIN),
-            max: Point::new(max.x - LATE_MARGIN, max.y - LATE_MARGIN),
-        })
+        self.known.map(|known| inner(&known, LATE_MARGIN))
     }
 
     /// Returns whether something is unknown.
@@ -202,5 +210,13 @@ impl Ground {
             }
         }
         false
+    }
+}
+
+/// Returns a rectangle without a margin at its ends.
+fn inner(Rect { min, max }: &Rect, margin: i32) -> Rect {
+    Rect {
+        min: Point::new(min.x + margin, min.y + margin),
+        max: Point::new(max.x - margin, max.y - margin),
     }
 }
