@@ -186,7 +186,8 @@ impl ThumbnailTask {
         let session = &*self.session;
         let solid = session.solid.as_ref()?;
         let points = solid.positions(session.run());
-        let set = drawn_set(session, solid, &points);
+        let levels: Vec<u8> = solid.levels.of_samples().collect();
+        let set = drawn_set(session, solid, &points, &levels);
         let size = THUMBNAIL_SIZE.map(|side| (SHARPNESS * side).round() as u32);
         let picture = OrbitPicture::new(set, view, size, palette(self.shown.view.dark));
         let pixels = picture.draw(&|| monitor.go_on()).ok()?;
