@@ -57,17 +57,18 @@ pub fn plan(experiments: &[Experiment], settings: &Settings, out: Option<&Path>)
     let planned = |&experiment: &Experiment| {
         let stamp = stamp_of(experiment, settings, &made_by);
         let units = experiment.units(settings);
-        let mut kept = out
+        // The seconds that each kept unit took.
+        let mut kept_seconds = out
             .map(|out| Parts::kept(&folder(out, experiment), &stamp))
             .unwrap_or_default();
         // A run with the setting `many` leaves more batches of the experiment `density` than these settings may have.
-        kept.truncate(units);
+        kept_seconds.truncate(units);
 
         Planned {
             experiment,
             units,
-            kept: kept.len(),
-            seconds: kept.iter().sum(),
+            kept: kept_seconds.len(),
+            seconds: kept_seconds.iter().sum(),
         }
     };
 
@@ -154,7 +155,8 @@ fn build_and_machine(machine: &Machine) -> String {
 /// Returns the stamp that kept numbers must have to be used: program, machine and settings.
 fn stamp_of(experiment: Experiment, settings: &Settings, made_by: &str) -> String {
     let Settings { quick, seed, .. } = settings;
-    // A batch of density does not depend on how many there are: a run of many goes on behind a whole one.
+    // The experiment `density` makes the same batches with and without `many`, and only more of them with it. So a run
+    // with `many` uses those that a run without it has kept.
     let many = settings.many && experiment != Experiment::Density;
     format!("{experiment} quick {quick} seed {seed} many {many} {made_by}")
 }

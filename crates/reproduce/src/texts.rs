@@ -180,8 +180,8 @@ pub fn table<R>(id: &str, rows: impl IntoIterator<Item = R>, cells: impl Fn(R) -
             digits: column.digits,
         };
 
-        // All rows have the same columns, so that those of the first one are those of all. Without rows none are
-        // needed.
+        // All rows have the same keys, so that the first row shows which columns there are. A table without rows may
+        // lack any column.
         let optional = key != column.key || objects.is_empty();
         match objects.first().and_then(|object| object.get(key)) {
             // The column is repeated for each pair of the first row.

@@ -23,10 +23,11 @@ const RANKED: u64 = 1000;
 const UNLIKELY: f64 = 1e-3;
 /// Places whose true densities vary by no more than this have a very small bias.
 const EVEN: f64 = 0.01;
-/// Three standard errors of the density within 1 r of the borders of blocks, and the samples of all sets for which they are
-/// that: of 400 sets of 10,000, by leaves of 20 r.
+/// Three standard errors of the density within 1 r of the borders of blocks, relative to the reference sampler's
+/// density. They are those of sets with [`SAMPLES_OF_ERRORS`] samples in all, whose leaves have sides of 20 r.
 const THREE_ERRORS: f64 = 0.0035;
-const THEIR_SAMPLES: f64 = 4e6;
+/// The samples of the sets for which [`THREE_ERRORS`] holds: 400 sets of 10,000 samples.
+const SAMPLES_OF_ERRORS: f64 = 4e6;
 /// Curves that have one truth leave bands of 95 % in 5 % of their points; of some 150 points this share is beyond chance.
 const OUTSIDE: f64 = 0.08;
 
@@ -94,7 +95,7 @@ fn seams(
 ) -> Claim {
     let near = |of: &SamplerUniformity| of.bands()[0];
     // Errors of means shrink with the root of the number of samples.
-    let limit = THREE_ERRORS * (THEIR_SAMPLES / exact.blocks.samples as f64).sqrt();
+    let limit = THREE_ERRORS * (SAMPLES_OF_ERRORS / exact.blocks.samples as f64).sqrt();
     let is_seen = near(kdrt).relative.abs() > limit && near(reference).relative.abs() <= limit;
 
     let verdict = Verdict::if_known(is_seen, near(exact).relative.abs() <= limit);

@@ -131,9 +131,10 @@ impl Gap {
     fn new(region: GapRegion) -> Self {
         let deepest = region.deepest.0;
         let corners = region.fill.as_flattened().iter();
-        let reach = largest(corners.map(|corner| corner.distance(deepest)));
+        let farthest = largest(corners.map(|corner| corner.distance(deepest)));
 
-        // Sums so far, so that a draw finds a triangle with a chance of its area.
+        // The areas are added up, so that a uniform number below the total finds each triangle as often as its area
+        // asks for.
         let mut total = 0.0;
         let area = |[a, b, c]: &[DVec2; 3]| {
             total += 0.5 * (b - a).perp_dot(c - a).abs();
@@ -142,8 +143,9 @@ impl Gap {
 
         Self {
             areas: region.fill.iter().map(area).collect(),
-            // The farthest corner is in reach itself, whatever rounding does.
-            reach: reach * (1.0 + 1e-9),
+            // The distance of the farthest corner may be rounded otherwise when it is compared with the reach. The
+            // reach is a hair longer, so that this corner is within it in any case.
+            reach: farthest * (1.0 + 1e-9),
             region,
         }
     }

@@ -121,7 +121,8 @@ impl UniformityResults {
 impl SamplerUniformity {
     /// Returns the tests of the sets that were made in one way, by its index in [`NAMES`].
     fn of(seeds: &[SeedCounts], way: usize) -> Result<Self> {
-        // Each cell and each class of ranks should have the same share; a class of distances that of its area.
+        // Cells have equal shares of the samples if these are uniform, and so have classes of ranks. A class of
+        // distances has the share of the area that it covers.
         let even = |classes: usize| vec![1.0 / classes as f64; classes];
         let counts_of = |seed: &SeedCounts| seed.sets[way].clone();
 
@@ -267,7 +268,8 @@ impl PairedBias {
         // classes have. Each seed has blocks of its own, and so a share of its own.
         let near = |classes: &[u64]| classes[..BANDS[1]].iter().sum::<u64>() as f64;
         let share = |seed: &SeedCounts| seed.block_shares[..BANDS[1]].iter().sum::<f64>();
-        // The first sets are those of the reference sampler: a bias is measured by their mean.
+        // The first set of each seed is that of the reference sampler. The mean number of samples in these sets is what
+        // a set without a bias has.
         let count = |seed: &SeedCounts| seed.sets[0].count as f64;
         let mean = seeds.iter().map(count).sum::<f64>() / sets;
         let expected = mean * seeds.iter().map(share).sum::<f64>() / sets;
@@ -276,6 +278,7 @@ impl PairedBias {
             let [_, _, circumcentre, uniform, ..] =
                 seed.sets.each_ref().map(|set| near(&set.blocks));
             let excess = circumcentre - mean * share(seed);
+            // All pairs are divided by the same number, which cancels in the ratio of the means.
             ((circumcentre - uniform) / expected, excess / expected)
         };
         Self::from_pairs(&seeds.iter().map(pair).collect::<Vec<_>>())

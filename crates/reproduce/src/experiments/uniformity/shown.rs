@@ -78,8 +78,8 @@ fn density(
     };
 
     let mut chart = chart(id, subjects.iter().map(series).collect());
-    // The bias lies within a few r of a border. The class that ends at 7.5 r is the last with its middle in the chart;
-    // to the middle of the next one, beyond it, lines go on.
+    // The bias lies within a few r of a border, so that the chart ends at 7 r (chosen, not measured). The curves go on
+    // beyond it, to the middles of farther classes.
     chart.x.range = Some([0.0, 7.0]);
     chart
 }
@@ -144,7 +144,8 @@ pub fn mean_curves(against: &[AgainstReference]) -> Result<Picture> {
             let [name, _] = one.way.words();
             // The numbers of curves are those of `pictures`, so that each way looks the same in all charts.
             let (number, band) = match one.way {
-                // One band of chance, about zero, serves all curves, as they are of the same number of sets.
+                // `Again` has the band of chance, about zero. All curves are of the same number of sets, so that one
+                // band serves all. `Reference` is not drawn, since it has no difference from itself.
                 AveragedWay::Reference | AveragedWay::Again => (1, of.bands.clone()),
                 AveragedWay::Kdrt => (0, None),
                 AveragedWay::Exact => (4, None),

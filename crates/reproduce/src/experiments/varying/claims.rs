@@ -57,9 +57,11 @@ fn all_near<'a>(
     limit: f64,
 ) -> (Verdict, Value) {
     let verdict = Verdict::of_all(counts.clone().map(|one| near_published(one, limit)));
-    // A density is given with its standard error.
-    let off = counts.clone().map(|one| one.density()[0] - PUBLISHED);
-    // The one that is farthest off, with its sign.
+    let off = counts.clone().map(|one| {
+        let [density, _standard_error] = one.density();
+        density - PUBLISHED
+    });
+    // The largest difference from the published density, with its sign.
     let worst = off.fold(
         0.0,
         |worst: f64, off| if off.abs() > worst.abs() { off } else { worst },
@@ -94,19 +96,22 @@ fn plateaus(found: &VaryingResults) -> Claim {
     claim("varying/plateaus", verdict, &values)
 }
 
-/// Judges whether pairs on gentle ramps are as far apart, in local radii, as pairs of one radius.
+/// Judges whether pairs on ramps of slopes up to [`PAIR_SLOPE`] are as far apart, in local radii, as pairs of one
+/// radius.
 fn pairs(found: &VaryingResults) -> Claim {
     // The first ramp has a slope of 0: one radius.
     let level = &found.ramps[0].pairs;
-    let gentle = (found.ramps[1..].iter()).filter(|one| one.slope <= PAIR_SLOPE);
+    let judged = (found.ramps[1..].iter()).filter(|one| one.slope <= PAIR_SLOPE);
     // The errors of pairs are those of counts, not of a spread: their quantile is the normal one.
     let quantile = student_quantile(MISSED, f64::INFINITY);
-    let (mut verdicts, mut worst, mut at, mut widest) = (Vec::new(), 0.0_f64, 1.0, 0.0_f64);
-    for ramp in gentle {
-        for (bin, ([here, error_here], [one, error_of_one])) in
+    let (mut verdicts, mut widest) = (Vec::new(), 0.0_f64);
+    // The largest difference in a bin, and the distance of that bin. Distances of pairs begin at 1.
+    let (mut worst, mut at) = (0.0_f64, 1.0);
+    for ramp in judged {
+        for (bin, ([here, error_here], [on_level, error_on_level])) in
             ramp.pairs.iter().zip(level).enumerate()
         {
-            let (difference, error) = (here - one, error_here.hypot(*error_of_one));
+            let (difference, error) = (here - on_level, error_here.hypot(*error_on_level));
             let reach = quantile * error;
             verdicts.push(
                 Rule::near(0.0, PAIRS).verdict(Some([difference - reach, difference + reach])),

@@ -91,7 +91,9 @@ pub fn samples(ground: &Ground, seed: u64, control: &Control<'_>) -> Result<Vec<
 
 /// Returns how many samples a torus of `side` radii has whose radius is `octave` times the least one of a field, everywhere.
 ///
-/// An expression cannot ask for it: a field with one radius everywhere gets a lattice on which this radius has 2^15 units.
+/// The field is not made from an expression. There the lattice follows the least radius, so that an expression with one
+/// radius everywhere gives that radius 2^15 units, whatever it is. Here a radius of 1 has 2^15 units, and the field's
+/// radius has `octave` times as many.
 pub fn plateau(octave: f64, side: f64, seed: u64, control: &Control<'_>) -> Result<u64> {
     let domain = Domain::from_size([side * octave; 2], 1.0, Boundary::Periodic)?;
     let radius = (octave * f64::from(R)).round() as i32;

@@ -153,7 +153,7 @@ impl RuledField {
     fn samples(self, rule: RadiusRule, seed: u64) -> Vec<[f64; 2]> {
         let [columns, rows] = self.size().map(|side| (side * PLACES).round() as usize);
         let radii: Vec<f64> = (0..columns)
-            .map(|column| self.radius_at(x_of(column)))
+            .map(|column| self.radius_at(middle_of(column)))
             .collect();
         let greatest = radii.iter().copied().fold(0.0, f64::max);
         let mut is_near_one = vec![false; columns * rows];
@@ -164,15 +164,16 @@ impl RuledField {
                 continue;
             }
             let (row, column) = (place / columns, place % columns);
-            samples.push([x_of(column), x_of(row)]);
+            samples.push([middle_of(column), middle_of(row)]);
 
-            // No place near the sample can have another one. Rows repeat, columns do not.
+            // No place near this sample can become a sample. The first and the last row are neighbours, since the field
+            // repeats along y; the first and the last column are not.
             let reach = (rule.reach(radii[column], greatest) * PLACES) as usize;
             let beside = column.saturating_sub(reach)..(column + reach + 1).min(columns);
             for other in beside {
                 let near = rule.near(radii[column], radii[other]) * PLACES;
                 let across = column.abs_diff(other) as f64;
-                // Outside of the disk along x there is no place along y.
+                // A column whose x is farther away than the distance `near` has no place near the sample.
                 let Some(along) = positive_root(near * near - across * across) else {
                     continue;
                 };
@@ -201,9 +202,9 @@ impl RuledField {
     }
 }
 
-/// Returns the middle of a column or a row of places.
-fn x_of(column: usize) -> f64 {
-    (column as f64 + 0.5) / PLACES
+/// Returns the middle of a column or a row of places: its x or its y.
+fn middle_of(index: usize) -> f64 {
+    (index as f64 + 0.5) / PLACES
 }
 
 /// Returns the root of a number, unless it is negative.
@@ -211,11 +212,11 @@ fn positive_root(square: f64) -> Option<f64> {
     (square >= 0.0).then(|| square.sqrt())
 }
 
-/// Returns all places in the order in which they arrive. `radii` are those of the columns. Where the radius is R, as
-/// many places arrive in a time in an area of R^2 as elsewhere in the square of the radius there: so the mean time of a
-/// place grows with R^2.
+/// Returns all places in the order in which they arrive. `radii` are those of the columns. The mean time of a place is
+/// R^2, where R is its radius. So an area of R^2 has as many arrivals in a short time where R is small as where R is
+/// large.
 fn arrivals(radii: &[f64], rows: usize, seed: u64) -> Vec<usize> {
-    // The key differs from that of the seed, which the sampler uses.
+    // The sampler draws its darts with the key of the seed itself. This key differs, so that no draws are the same.
     let key = Key::from_seed(seed).derive(Stream::Dart, u32::MAX);
     let columns = radii.len();
     // The logarithm of a uniform number has the exponential distribution of a waiting time.

@@ -25,7 +25,6 @@ pub fn picture_of(found: &VaryingResults) -> Result<Picture> {
         .plateaus
         .iter()
         .map(|(octave, counts)| (*octave, counts));
-    // Densities above, what a set looks like below.
     let rows = vec![
         vec![
             Panel::Lines(densities("varying/by-slope", ramps.collect())),
@@ -129,17 +128,17 @@ pub fn tables(found: &VaryingResults) -> Vec<Table> {
 
 /// Returns the table of five rules, with the density on each field relative to that of one radius.
 fn rules(found: &VaryingResults) -> Table {
-    let names = RuledField::ALL.map(RuledField::name);
-    // A column for each field but that of one radius, by which the others are divided.
+    // The keys of the columns: one for each of `RuledField::ALL` but the first. The first field has one radius, and the
+    // densities on the others are divided by that on it.
     let fields = ["slope", "steep", "step", "cliff"];
-    debug_assert_eq!(names.len(), fields.len() + 1);
+    debug_assert_eq!(RuledField::ALL.len(), fields.len() + 1);
     table(
         "varying/rules",
         RadiusRule::ALL.iter().enumerate(),
-        |(rule, name)| {
-            let mut row = json!({ "rule": name.name() });
-            for (index, key) in fields.iter().enumerate() {
-                let [ratio, error] = found.relative(rule, index + 1);
+        |(rule_index, rule)| {
+            let mut row = json!({ "rule": rule.name() });
+            for (field_index, key) in (1..).zip(&fields) {
+                let [ratio, error] = found.relative(rule_index, field_index);
                 row[*key] = ratio.into();
                 row[format!("{key}_error")] = error.into();
             }
