@@ -74,8 +74,9 @@ pub fn make(
     let files = Files::of(around);
     let pieces = pieces(&placed, &files, monitor)?;
 
-    // A small combination keeps its stages, so that the window shows what gluing did. Only the samples of the result count here;
-    // `placed.expected` also has those of sets that are made as runs of their own size.
+    // A small combination keeps its stages, so that the window shows what gluing did. The stages have the samples of
+    // the result. `placed.expected` can be larger: where a piece is cut from a set with a size of its own, it also
+    // counts that set.
     let options = layout.options();
     let mut observer = Gluing(monitor);
     let in_result = placed.domain.area_radii() * tilescope_core::MAXIMAL_DENSITY;

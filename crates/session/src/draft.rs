@@ -158,7 +158,8 @@ impl Draft {
         };
 
         let before = self.parameters;
-        // A number that was read is taken, whatever its size: `refusals` names the limits.
+        // The value has the type of the parameter, so that setting it cannot fail. Limits are not checked here:
+        // `refusals` names them.
         if let Ok(value) = read {
             drop(parameter.set(&mut self.parameters, value));
         }

@@ -357,7 +357,8 @@ impl Geometry {
         Some(sum.to_degrees())
     }
 
-    /// Returns the sample whose exposed arc is nearest to a position, within `reach`.
+    /// Returns the sample whose exposed arc is nearest to a position. `None` if no arc is within `reach`, or if the
+    /// gaps of this moment are not known.
     #[must_use]
     pub fn exposed_at(&self, shown: &ShownMoment<'_>, position: DVec2, reach: f64) -> Option<u32> {
         let size = shown.session.size_radii();

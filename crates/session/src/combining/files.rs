@@ -60,7 +60,7 @@ impl<'a> Files<'a> {
         let set = match slot.get_or_init(|| read(around, &path, monitor)) {
             Ok(file) => set_of_file(file, given).map_err(|why| failed(&path, &why)),
             Err(Unread::Failed(why)) => Err(failed(&path, why)),
-            // A cancelled work names its stage. Files are read before the first one, which is named instead.
+            // The error of cancelled work names a stage. Reading files is no stage. The first one after it is named.
             Err(Unread::Stopped) => Err(CombinationError::Sample(SampleError::Cancelled {
                 stage: Stage::Pattern,
             })),
