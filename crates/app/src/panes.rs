@@ -259,11 +259,14 @@ impl PaneSide<'_> {
         }
 
         let brush = self.brush(context);
-        // Once a frame: what fingers did is kept for the next frame, so that a second look would take the lifting of two for a tap.
+        // This is called once a frame. It keeps the state of the fingers for the next call. A second call in one frame
+        // would take two fingers that are lifted for a tap.
         let touch = Touch::follow(ui, &response);
-        let by = (context, brush.is_some(), touch);
+        let is_painted = brush.is_some();
         let mut moves = Vec::new();
-        let pointer = input::handle(ui, &response, subject, by, &mut moves);
+        let pointer = input::handle(
+            ui, &response, subject, context, is_painted, touch, &mut moves,
+        );
         let moves = moves.into_iter();
         commands.extend(moves.map(|command| Command::View(self.which, command)));
         // The entries of the menu lead to panels, which an embedded window and the stage of a talk lack.

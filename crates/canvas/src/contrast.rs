@@ -11,9 +11,9 @@ const MAX_INK: f32 = 0.25;
 /// Line width of a mark, in screen points.
 const WIDTH: f32 = 1.5;
 
-/// Marks the samples that only one of the two runs has: by a whole square where only this run has one, by four corners where only the
-/// other run has one. Instead returns a remark if such samples are in view and are `crowded`, which means drawn as
-/// points, or too many to mark.
+/// Marks the samples that only one of the two runs has: by a whole square where only this run has one, by four corners
+/// where only the other run has one. If such samples are in view, and are too many to mark or `crowded`, which means
+/// drawn as points, none is marked, and a remark on that is returned. `None` in all other cases.
 pub fn paint(painter: &Painter, scene: &Scene<'_>, crowded: bool) -> Option<String> {
     let contrast = scene.subject.contrast?;
     // Before tiling neither run has samples.

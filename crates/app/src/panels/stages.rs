@@ -162,7 +162,8 @@ fn seams(ui: &mut Ui, session: &Session, combination: &Combination, palette: &Pa
     // The share of the domain that is near enough to a seam to be changed by gluing.
     let in_reach = format!("{:.1}%", 100.0 * combination.in_reach);
     for (name, value) in [
-        // Samples are eliminated from all that the sets had, but the inserted ones are a part of the result.
+        // The share of eliminated samples is one of all samples that the sets had. Inserted samples are in the result,
+        // so that their share is one of the result.
         (
             "Eliminated",
             count_and_share(summary.eliminated, summary.tiled),
@@ -263,7 +264,7 @@ fn row(
         painter.rect_filled(rect, 5.0, palette.text.gamma_multiply(0.06));
     }
 
-    // The head of the names is only read aloud: on the screen it would say no more than they do.
+    // The head of the first column is only read aloud. On the screen it would say no more than the names below it.
     let drawn = if is_clickable {
         texts
     } else {

@@ -95,8 +95,9 @@ fn room_beside(ctx: &Context, context: &TimeContext<'_>, width: f32) -> f32 {
     };
     let digits = session.summary.count.to_string().len();
 
-    // The numbers of stages and iterations are taken to have one digit. The largest radius is that of the first level of
-    // the most that there can be, eleven: each has that of the next one times the root of 2.
+    // The numbers of stages and iterations are taken to have one digit. There are at most eleven levels. The radius of
+    // each level is the root of 2 times that of the next level. The last level has r, so that no level has more than
+    // 32 r.
     let texts = match context.run.prefix() {
         Some(_) if context.run.shows_stipple() => vec![format!("{most} of {most} dots")],
         Some(_) => vec![

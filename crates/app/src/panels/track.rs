@@ -183,8 +183,8 @@ pub fn show(ui: &mut Ui, context: &TimeContext<'_>, commands: &mut Vec<Command>)
         HEIGHT
     };
 
-    // Some room stays free behind the track, and a narrow window cuts it off rather than make it shorter than 80
-    // points.
+    // Some room stays free behind the track. The track is never shorter than 80 points: a window that is too narrow
+    // cuts off its end.
     let size = vec2((ui.available_width() - 8.0).max(80.0), height);
     let (rect, response) = ui.allocate_exact_size(size, Sense::drag());
     let Some(session) = &context.run.session else {

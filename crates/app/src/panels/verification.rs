@@ -107,7 +107,7 @@ fn summary(context: &PanelContext<'_>, palette: &Palette) -> (String, Option<boo
                 (false, false) => "conflicts and gaps".to_owned(),
             };
 
-            // All dots are a prefix, too: more of them would still fit.
+            // A stipple is the first dots of a larger set by arrival. So even all of its dots are called a prefix.
             let of_dots = |all: usize| {
                 let word = if is_valid { "verified" } else { "not valid" };
                 match verdict.report.count {

@@ -32,7 +32,9 @@ pub fn handle(
     ui: &Ui,
     response: &Response,
     subject: &Subject<'_>,
-    (context, is_painted, touch): (&CanvasContext<'_>, bool, Touch),
+    context: &CanvasContext<'_>,
+    is_painted: bool,
+    touch: Touch,
     commands: &mut Vec<ViewCommand>,
 ) -> Option<Pos2> {
     // A cancelled touch moves and selects nothing.
@@ -44,7 +46,8 @@ pub fn handle(
         ui,
         response,
         &touch,
-        (context.is_embedded, is_painted),
+        context.is_embedded,
+        is_painted,
         commands,
     );
     let is_picked = !is_painted && pick(response, subject, &touch, commands);
@@ -110,7 +113,8 @@ fn move_view(
     ui: &Ui,
     response: &Response,
     touch: &Touch,
-    (is_embedded, is_painted): (bool, bool),
+    is_embedded: bool,
+    is_painted: bool,
     commands: &mut Vec<ViewCommand>,
 ) {
     let by_primary = response.dragged_by(PointerButton::Primary) && !is_painted;
@@ -283,7 +287,8 @@ pub(super) fn keep_arrows(ui: &Ui, response: &Response) {
     };
     ui.memory_mut(|memory| memory.set_focus_lock_filter(response.id, filter));
 
-    // egui heeds that only from the second frame with the focus on. In a slow window a key may come before.
+    // egui heeds this filter only from the second frame in which the widget has the focus. In a slow window a key may
+    // be pressed before that frame, so that the move of the focus is taken back.
     let is_arrow = ui.input(|input| {
         let arrows = [
             Key::ArrowLeft,

@@ -75,7 +75,8 @@ impl OrbitPane<'_> {
         // The ground of the picture, so that nothing flashes before the first one is there.
         painter.rect_filled(self.rect, 0.0, self.palette.domain);
         if let Some(image) = self.orbit.image() {
-            // Not by the place of the canvas: while a panel grows each frame would keep a texture of its own.
+            // The id does not depend on the place of the canvas. That place changes in each frame while a panel grows,
+            // and each frame would then keep a texture of its own.
             let is_second = matches!(self.which, Which::Second);
             let texture = texture(ui, Id::unique("balls").with(is_second), image);
             let whole = Rect::from_min_max(pos2(0.0, 0.0), pos2(1.0, 1.0));
@@ -107,10 +108,10 @@ impl OrbitPane<'_> {
         let is_dragged = response.dragged_by(PointerButton::Primary)
             || response.dragged_by(PointerButton::Middle);
         // In an embedded window one finger scrolls the page around it.
-        let is_pages = self.is_embedded && touch.hand == Hand::Finger;
+        let scrolls_page = self.is_embedded && touch.hand == Hand::Finger;
         let moved = match touch.pinch {
             Some(pinch) => pinch.moved,
-            None if is_dragged && !is_pages => response.drag_delta(),
+            None if is_dragged && !scrolls_page => response.drag_delta(),
             None => Vec2::ZERO,
         };
         if moved != Vec2::ZERO {

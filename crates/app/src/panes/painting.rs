@@ -14,7 +14,7 @@ use tilescope_workbench::state::State;
 const STEP: f64 = 0.2;
 /// How opaque the picture of a stroke is, of 255.
 const OPACITY: u8 = 70;
-/// A run is being made at the latest so many frames after its stroke.
+/// The making of a run begins at most so many frames after its stroke.
 const FRAMES: u64 = 3;
 
 /// The brush of a canvas.
@@ -101,7 +101,8 @@ impl CanvasBrush {
             drawn.made_at = Some((session.generation, frame));
         }
 
-        // The run of the stroke shows it, and a run that was refused never comes.
+        // A stroke is drawn until the session of its run is shown. If its run was refused, no session comes, and the
+        // stroke is drawn until a run would have begun.
         let is_over = drawn.made_at.is_some_and(|(generation, made)| {
             let waits = self.is_sampling || frame < made + FRAMES;
             generation != session.generation || !waits

@@ -68,9 +68,11 @@ pub fn second_title(context: &CanvasContext<'_>, side: &RunView) -> Title {
     title("B", own, other, subject.as_ref(), &side.verification)
 }
 
-/// Returns a title: the parameters in which the runs differ, pieces or levels of sets that have them (the seed of a run with
-/// none of all these), the engine if the other run's differs, the number of samples, the verdict, and the last event. What
-/// compares the two runs is left out until both are there; a run that is not there yet has no samples and no event.
+/// Returns a title. It has the parameters in which the runs differ, the number of pieces or of nested levels if the set
+/// has these, the engine if the runs differ in it, the number of samples, the verdict, and the last event. A run
+/// without pieces, levels and differing parameters has its seed instead of these. Until both runs are there, only the
+/// number of samples, the verdict and the event are named. A run that is not there yet has no number of samples and no
+/// event.
 fn title(
     letter: &'static str,
     own: Option<&Session>,

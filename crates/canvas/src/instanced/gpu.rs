@@ -50,6 +50,7 @@ pub enum InstanceKind {
 struct Residents(HashMap<u64, GpuBuffers>);
 
 struct GpuBuffers {
+    /// In the order of [`InstanceKind`].
     pipelines: [wgpu::RenderPipeline; 3],
     slots: wgpu::Buffer,
     parameters: wgpu::BindGroup,
