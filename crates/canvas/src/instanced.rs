@@ -148,9 +148,9 @@ impl InstancedCanvas {
         self.limits = limits;
     }
 
-    /// Uploads the samples of a session, all hidden; their ids are indices of `points`. `nested` are the ends of their
-    /// nested levels, or of beginnings of a stipple; it is empty for other sets. Does nothing if `generation` is already
-    /// loaded.
+    /// Uploads the samples of a session, all hidden; their ids are indices of `points`. `nested` are the ends of nested
+    /// levels; of a stipple, the ends of its beginnings that stand for levels; it is empty for other sets. Does nothing
+    /// if `generation` is already loaded.
     ///
     /// Fails when they are too many for the device; the canvas is then empty.
     pub fn set_points(

@@ -291,21 +291,17 @@ fn row_texts(
     } else {
         palette.muted
     };
-    let name_size = if is_clickable { 13.0 } else { 11.5 };
-    // Numbers have digits of one width, which stand below each other. The heads above them are words.
-    let number_font = |size| {
-        if is_clickable {
-            FontId::monospace(size)
-        } else {
-            FontId::proportional(11.5)
-        }
+    let fonts = if is_clickable {
+        // Numbers have digits of one width, which stand below each other.
+        [
+            FontId::proportional(13.0),
+            FontId::monospace(12.0),
+            FontId::monospace(12.5),
+        ]
+    } else {
+        // The heads are words, and smaller than what stands below them.
+        [11.5; 3].map(FontId::proportional)
     };
-
-    let fonts = [
-        FontId::proportional(name_size),
-        number_font(12.0),
-        number_font(12.5),
-    ];
     let colors = [color, palette.muted, color];
     let galleys = [0, 1, 2].map(|column| {
         let (text, font) = (texts[column].to_owned(), fonts[column].clone());

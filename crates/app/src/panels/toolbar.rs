@@ -61,7 +61,8 @@ pub fn show(ui: &mut Ui, state: &State, commands: &mut Vec<Command>) {
             };
             let count = grouped(session.summary.count);
             let radius = radius_text(session);
-            // The timeline counts the samples of the moment, and this text those of the whole run, which it calls the result.
+            // The timeline counts the samples of the moment. This text counts those of the whole run, so that it begins
+            // with "result".
             let text = format!("result: {count} samples   r {radius}   {made}");
             ui.label(RichText::new(ui.words(text)).color(palette.muted))
                 .known_as("run-shown");

@@ -132,8 +132,9 @@ impl ObjectList<'_> {
         let (down, up) = (press(Key::ArrowDown), press(Key::ArrowUp));
         let target = match selected {
             Some(at) => (at + down).saturating_sub(up),
-            // Without a selection presses are counted from `count`, which the remainder makes object 0. The first press
-            // down adds nothing, and so leads to object 0; the first press up leads to the last object.
+            // Without a selection, the first press down leads to object 0, and the first press up to the last object.
+            // So presses are counted from `count`, of which the remainder is 0, and the first press down is not
+            // counted.
             None => (down + count).saturating_sub(up + usize::from(down > 0)) % count.max(1),
         };
 

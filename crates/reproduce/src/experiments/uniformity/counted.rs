@@ -50,8 +50,9 @@ pub struct SeedCounts {
 }
 
 impl SeedCounts {
-    /// Makes and counts the sets of one seed. The reference set, which was made without blocks, is counted by the blocks of the
-    /// others.
+    /// Makes and counts the sets of one seed, by a grid with `cells` cells along each side of the domain, and by
+    /// distances from borders. The reference set, which is made without blocks, is counted by the blocks of the other
+    /// sets.
     pub fn of(
         parameters: &Parameters,
         cells: usize,
