@@ -291,6 +291,7 @@ fn row_texts(
     } else {
         palette.muted
     };
+
     let fonts = if is_clickable {
         // Numbers have digits of one width, which stand below each other.
         [
