@@ -65,7 +65,9 @@ fn region(path: &Path, set: &SetArguments, read: &ReadSet) -> Result<Option<Regi
 
     // Sets in a field are made in a bounded domain unless another one is asked for, since few fields are periodic.
     let is_periodic = false;
-    let region = set.region_over(Region::new([1.0, 1.0], is_periodic));
+    // A side that is not given is that of the unit square.
+    let unit_square = Region::new([1.0, 1.0], is_periodic);
+    let region = set.region_over(unit_square);
     set.refuse_degrees(read, region)?;
     let outside = |point: &[f64; 2]| !region.contains(*point);
     if let Some(index) = read.set.points.iter().position(outside) {

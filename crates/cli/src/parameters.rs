@@ -281,7 +281,8 @@ impl RunArguments {
         })
     }
 
-    /// Returns the run of a recipe. If its set stays `in_memory`, its size is limited.
+    /// Returns the run of a recipe. If its set stays `in_memory`, it may have at most as many samples as a set by the
+    /// sequential engine, whichever engine makes it.
     pub fn settle(
         &self,
         mut recipe: Recipe,

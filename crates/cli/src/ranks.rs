@@ -152,19 +152,19 @@ impl RankedFile {
         (PointSet::from_points(points), ranks)
     }
 
-    /// Returns the statements of a file with some of the samples, which has these levels and this radius. `kept` is a
-    /// parameter of the new file, its name and its value: by what the samples were chosen.
+    /// Returns the statements of a file with some of the samples, which has these levels and this radius. The new
+    /// file states a parameter by which the samples were chosen: its name is `chosen_by`, and its value is `value`.
     fn context(
         &self,
         radius: f64,
         levels: Vec<PrefixClaim>,
         ranks: Vec<f64>,
-        kept: (&str, serde_json::Value),
+        (chosen_by, value): (&str, serde_json::Value),
     ) -> ExportContext {
         let stated = &self.certificate;
         // The stated parameters make the larger set that these samples were chosen from, and stand under the name `of`.
         let of = json!(stated.parameters);
-        let parameters = [(kept.0.to_owned(), kept.1), ("of".to_owned(), of)];
+        let parameters = [(chosen_by.to_owned(), value), ("of".to_owned(), of)];
         ExportContext {
             program: stated.program.clone(),
             program_version: stated.program_version.clone(),
@@ -261,6 +261,8 @@ pub fn set_below(
     // ranks are those of a run of these levels alone, which go up to 1.
     let finest = view.finest_threshold(below);
     let ranks = ranks.into_iter().map(|rank| rank / finest).collect();
+    // Levels with fewer samples than are kept stay as they are. The claim about all kept samples follows as the last
+    // level, and takes the place of the levels that would need more samples.
     let before = ranked
         .levels
         .iter()

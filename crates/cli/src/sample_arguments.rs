@@ -178,8 +178,9 @@ impl SampleArguments {
         self.format.or_else(named)
     }
 
-    /// Returns whether the set is made band by band. Where the method, the engine and the format can do so, large sets
-    /// are, and those that are resumed or not verified. Fails for `--resume` where they cannot.
+    /// Returns whether the set is made band by band. The method, the engine and the format must allow it, and the set
+    /// must not be shuffled. There must be a reason, too: the set is large, is resumed, or is not verified. Fails if
+    /// `--resume` is given and the set cannot be made band by band. `expected` is the expected number of samples.
     pub fn streams(&self, expected: f64) -> Result<bool> {
         let is_kdrt = self.method() == SamplingMethod::Kdrt;
         let makes_bands = is_kdrt && self.engine.makes_bands(self.run.asked.variant);

@@ -296,10 +296,9 @@ fn parameters(dice: &Dice, seed: u64) -> Parameters {
     } else {
         1.0
     };
-    // Neither side is too short. 111 is more than the square of the shortest, so that the range is not empty.
-    let width = (area * aspect)
-        .sqrt()
-        .clamp(SHORTEST, area.max(111.0) / SHORTEST);
+    // Neither side is too short: a width of `area / SHORTEST` leaves the shortest height. The range is not empty, as
+    // the smallest area is more than six times the square of the shortest side.
+    let width = (area * aspect).sqrt().clamp(SHORTEST, area / SHORTEST);
 
     // From the shortest leaf to those for which most of these domains are a single block.
     let leaf = if dice.has(Feature::AnyLeaf) {

@@ -14,7 +14,8 @@ use crate::interrupt;
 /// The share of the rounds with [`Feature::Levels`] that make levels. Chosen, not measured.
 const SHARE: f64 = 0.5;
 
-/// Adds to some rounds a run of nested levels with the same sides, leaf, boundary and seed, and judges it.
+/// Adds a run of nested levels to some rounds, and judges it. This run has the sides, leaf, boundary, dihedral clips
+/// and seed of the round's first run.
 pub fn add(
     round: &mut Tally,
     parameters: &Parameters,

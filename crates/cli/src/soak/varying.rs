@@ -211,7 +211,8 @@ impl Frame {
             return Ok(RadiusSource::Constant(1.0));
         }
         // A field is refused whose nodes are more than 32 of the least radii apart. Pixels are the nodes of images, and
-        // of formulas beside a mask. The least radius is 1/31 of a pixel, so that rounding does not matter.
+        // of formulas beside a mask. So the least radius is not below 1/31 of a pixel's side: with a bound of 1/32,
+        // rounding alone could break the limit.
         let pitch = self.size[0] / self.pixels[0] as f64;
         let least = dice.scale(3, CONTRASTS).recip().max(pitch / 31.0);
         if dice.has(Feature::Image) {
