@@ -194,7 +194,7 @@ fn against(
     let report = verifying(|control| thinning.judge(points, &kept, control))
         .map_err(ThinFileError::from)
         .in_file(source)?;
-    // Of radii in a column the chosen file's own are stated.
+    // If the radii are in a column, a certificate states those of the chosen file, and not those of the source.
     let made = thinning
         .certificate(points, chosen, &report)
         .in_file(path)?;

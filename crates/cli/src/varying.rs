@@ -150,7 +150,8 @@ fn recipe(arguments: &SampleArguments) -> Result<VaryingRecipe> {
     };
 
     if matches!(arguments.method, Some(SamplingMethod::Exact)) {
-        // The area of the domain is more than that of the shape, which the pattern's size may be chosen by all the same.
+        // Without a count, the number is that of the whole domain, and the shape has fewer samples. This number only
+        // chooses the size of the pattern, for which it is near enough.
         let samples = match run.count {
             Some(count) => count as f64,
             None => recipe.expected_samples()?,

@@ -156,7 +156,8 @@ fn outward(listening: IpAddr) -> Option<IpAddr> {
 /// There is no page.
 pub fn folder(asked: Option<&Path>) -> Result<PathBuf> {
     if let Some(folder) = asked {
-        // Of a folder without the page all files would be served, and the page would not be found.
+        // The server serves the files of any folder. In a wrong one the browser would find no page, and the files there
+        // would be open to read.
         ensure!(
             has_page(folder),
             "there is no index.html in {}; web/build makes the page, in web/dist",

@@ -31,13 +31,15 @@ pub(super) fn read<'a>(
     name: &'a str,
     planar: ThinFileError,
 ) -> Result<SpaceFile<'a>> {
-    // Columns that are chosen are those of a plane; --xy asks for one.
+    // --columns names the columns of x and y alone, and --xy asks for the plane: with either option, the points are not
+    // read as points in space.
     if arguments.xy || arguments.columns.is_some() {
         return Err(planar.into());
     }
     match SpaceFile::new(bytes, arguments.hint(name)) {
         Ok(file) => Ok(file),
-        // Of points that have a third coordinate, what is wrong in space is the cause.
+        // The points have a third coordinate that is not 0. So the user needs to know why they cannot be read as points
+        // in space. That they do not lie in a plane would be no news.
         Err(error) if matches!(planar, ThinFileError::Format(FormatError::NotPlanar { .. })) => {
             Err(anyhow::Error::from(error)
                 .context("--xy thins a cloud in space by its x and y, and keeps z with each point"))
@@ -53,6 +55,7 @@ pub(super) fn make(
     file: &SpaceFile<'_>,
     mut laps: Laps,
 ) -> Result<ThinnedFile> {
+    // The parser takes --boundary and --origin only beside --width.
     refuse(
         &[
             ("--width", arguments.width.is_some()),
@@ -75,6 +78,8 @@ pub(super) fn make(
         radius,
         priority: recipe.priority.clone(),
     };
+    // Without a stated region the box around the points is taken. A choice needs the ranks: they are the order in which
+    // points are taken.
     let (no_region, with_ranks) = (None, true);
     let mut thinning = recipe
         .prepare(file, no_region, with_ranks)

@@ -48,7 +48,7 @@ pub fn add_always(headers: &mut HeaderMap) {
 
 /// Adds the headers of the file `file`, which answers a request with the path `path`.
 pub fn add(headers: &mut HeaderMap, file: &Path, path: &str) {
-    // The page itself needs no frame, and a policy allows no more than is needed.
+    // Only the example shows a page in a frame, so that only its policy allows frames.
     let is_example = path.starts_with("/example/");
     let policy = if is_example { EXAMPLE_POLICY } else { POLICY };
     headers.insert(CONTENT_SECURITY_POLICY, HeaderValue::from_static(policy));
