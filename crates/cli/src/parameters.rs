@@ -289,7 +289,8 @@ impl RunArguments {
         in_memory: bool,
         watch: &mut Stopwatch,
     ) -> Result<Settled> {
-        // The size is known before the pattern is read or made, which may take long; that of a count follows below.
+        // Without a count the size of the set is known already. So it is checked before the pattern is read or made,
+        // which may take long.
         if in_memory && recipe.count.is_none() {
             recipe.parameters.validate_sequential()?;
         }
@@ -310,7 +311,7 @@ impl RunArguments {
         if recipe.count.is_some() {
             watch.drop_tries();
         }
-        // The radius of a count is known only now, so that its size was not checked above.
+        // With a count the radius is known only now, so that the size of the set was not checked above.
         if in_memory {
             run.parameters.validate_sequential()?;
         }

@@ -188,7 +188,8 @@ pub fn judge(
     as_json: bool,
 ) -> Result<u8> {
     check_threshold(below)?;
-    // The file is not compared with its certificate: the judge of the samples is to find a fault of the file.
+    // The file is not compared with its certificate when it is read. If the file has a fault, the verdict on its
+    // samples shows it.
     let ranked = RankedFile::read(file, set, CertificateUse::AsStated)?;
     ensure!(
         ranked.ranks.iter().any(|&rank| rank < below),

@@ -30,8 +30,8 @@ pub fn run(arguments: &SampleArguments) -> Result<u8> {
         return solid::make::sample(arguments);
     }
 
-    // Sets of a field or a shape are made by the reference sampler unless exact tiling of a shape is asked for. The remarks of
-    // `outcome` are on sets that fill their domain.
+    // Sets of a field or a shape are made by the reference sampler unless exact tiling of a shape is asked for. They
+    // get no remarks: those of `outcome` are on sets of one radius that fill their domain.
     if arguments.ground.is_given() {
         let outcome = finish(arguments, varying::make(arguments)?)?;
         output::report(arguments.json, || outcome.json(), || outcome.text())?;
@@ -54,8 +54,8 @@ pub fn run(arguments: &SampleArguments) -> Result<u8> {
 /// Makes a set of one radius in a rectangle, and returns its report.
 fn outcome(arguments: &SampleArguments) -> Result<Outcome> {
     let mut recipe = arguments.run.recipe()?;
-    // The expected number decides whether the set is made band by band, which only sets by KDRT can be, and by which
-    // engine.
+    // The expected number of samples decides which engine makes the set, and whether it is made band by band. Only sets
+    // by KDRT can be made band by band.
     let expected_samples = arguments.run.expected(&recipe.parameters)?;
     let is_streamed = arguments.streams(expected_samples)?;
 

@@ -202,7 +202,8 @@ impl StippleArguments {
             return worked.finish(self.out.as_deref(), &context);
         };
 
-        // A picture is drawn first, as the verdict takes the set. It is written only when there is a verdict.
+        // `finish` consumes the set, so that the picture is drawn before. The picture is written only when there is a
+        // verdict.
         let picture = picture(&worked.made, &context, self.look.size)?;
         let outcome = worked.finish(None, &context)?;
         interrupt::check("the picture")?;

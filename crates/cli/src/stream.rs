@@ -38,8 +38,8 @@ pub fn pass(
     let context = arguments.context(&facts);
     let out = arguments.out.as_deref();
     let resumed = out.filter(|_| arguments.resume);
-    // Read before the interrupted run is finished below, which removes the checkpoint, so that other arguments are
-    // refused in either case.
+    // `finish_interrupted` below removes the checkpoint, so that its state is read before. Other arguments are thus
+    // refused even if the interrupted run had written all samples.
     let state = resumed
         .map(|path| state_of(path, &facts, arguments.no_verify))
         .transpose()?;

@@ -94,7 +94,7 @@ fn refuse_tiling(arguments: &SampleArguments) -> Result<()> {
         "the reference sampler"
     };
     arguments.engine.check_on_cpu(method)?;
-    // What exact tiling has no use for, `recipe` refuses by name.
+    // The parameters in `NOT_OF_EXACT` pass here: `recipe` refuses them, with a message about exact tiling.
     let is_used = |typed: &Parameter| {
         USED.contains(typed)
             || is_exact && (USED_BY_EXACT.contains(typed) || NOT_OF_EXACT.contains(typed))

@@ -137,7 +137,8 @@ impl PieceEntry {
         boundary: Boundary,
         rect: &Rect,
     ) -> Result<PieceSource, LayoutError> {
-        // Tiling finds the same domain again in `parameters`: a rectangle without one is refused here for both methods.
+        // A rectangle on which no domain is possible is refused here, whatever the method is. For tiling, `parameters`
+        // computes the same domain once more.
         let domain = Domain::of_rect(rect, boundary)?;
         Ok(match self.method.unwrap_or(PieceMethod::Kdrt) {
             PieceMethod::Reference => PieceSource::Reference { seed, own: domain },
@@ -159,7 +160,8 @@ fn parameters(
     rect: &Rect,
     given: &Map<String, Value>,
 ) -> Result<Parameters, LayoutError> {
-    // Given lengths may be in any unit: beside the rectangle's, in which the radius is 1, a single one has no meaning.
+    // Given lengths may be in any unit, but lengths of the rectangle are in radii. So all three lengths are given, or
+    // none: mixed ones would have no meaning.
     let lengths = ["width", "height", "radius"].map(|name| given.contains_key(name));
     if lengths != [true; 3] && lengths != [false; 3] {
         return Err(LayoutError::Lengths);
