@@ -11,8 +11,9 @@ use std::process::ExitCode;
 
 use tilescope_cli::Arguments;
 
-/// Carries out a command of the command line, or opens the window. If no window opens, refuses the file or the link
-/// that was to be shown, or else, also where a lesson was to be played, runs the default session headless.
+/// Carries out a command of the command line, or opens the window. If no window opens and a file or a link was to be
+/// shown, that is refused. If no window opens and neither was to be shown, the default session runs headless, even if a
+/// lesson was to be played.
 fn main() -> ExitCode {
     let arguments = Arguments::read();
     let played = match arguments.played() {

@@ -470,6 +470,7 @@ impl Layout {
             return None;
         }
         self.root = self.root.pruned()?;
+        // A layout in which a panel occurs twice is not valid, and has no set of panels.
         let there = self.root.add_panels(0)?;
 
         for panel in Panel::all().filter(|panel| there & panel.bit() == 0) {

@@ -106,8 +106,8 @@ impl StippleRecipe {
         let mut black = self.estimate()?;
         let image = self.image.in_blocks(self.block(black))?;
 
-        // At least one may be left out: for one or two dots the share is rounded down to 0, and only chance would make
-        // exactly as many.
+        // For one or two dots this number would be rounded down to 0, and a run could make exactly the wanted number
+        // only by chance. So at least one dot may always be left out.
         let dots = self.dots as f64;
         let aim = dots + AIM * dots.sqrt();
         let most = self.dots + ((LEFT_OUT * dots.sqrt()) as u64).max(1);
@@ -195,7 +195,7 @@ impl StippleRecipe {
             image: image.clone(),
             white: self.white,
         });
-        // In pixels all lengths of the field are whole.
+        // Without a width, a pixel is 1 unit wide.
         let columns = self.image.pixels()[0] as f64;
         VaryingRecipe {
             radius: RadiusSource::Density {
@@ -304,6 +304,7 @@ impl Wider {
         };
         let across = (0..=columns).flat_map(|column| [at(column, 0), at(column, rows)]);
         let along = (0..=rows).flat_map(|row| [at(0, row), at(columns, row)]);
+        // A border always has nodes, so that the 1 never stands in.
         let greatest = across.chain(along).max().unwrap_or(1);
         // Where a border is white, its radius is as large as possible, and the margin would be many times the image: it
         // is no wider than the image's longer side (chosen, not measured). Nodes are 2^bits units apart.

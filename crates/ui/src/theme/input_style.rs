@@ -99,7 +99,7 @@ fn with_own_fonts(mut fonts: FontDefinitions) -> FontDefinitions {
         ),
     ];
     let proportional = fonts.families.get(&FontFamily::Proportional).cloned();
-    // egui's fonts have this family; others without it would have nothing to fall back to.
+    // egui's own fonts have this family. Fonts without this family have no fallback.
     let fallback = proportional.unwrap_or_default();
 
     for (name, bytes, family) in &embedded {

@@ -83,8 +83,8 @@ fn spectrum(
     let window = Spectrum::window(finished, set.region);
     let periodogram = Periodogram::of(&set.points, set.region, &window, control)?;
 
-    // The frequencies are those of the finished set, and so must be the number of samples, as nu is |k| / sqrt(N). With its own
-    // number the rings would move while samples come and go.
+    // The number of samples, N, is that of the finished set, as the frequencies are, since nu is |k| / sqrt(N). With
+    // the number of this moment the rings would move while samples come and go.
     Spectrum::of(&Periodogram {
         samples: finished,
         ..periodogram

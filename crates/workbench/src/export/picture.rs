@@ -62,12 +62,12 @@ pub(crate) fn size_refusal(
         MAX_PIXELS
     };
 
-    let (pixels, side) = (most as usize, MAX_SIDE as usize);
-    let fits = width.max(height) <= side && width.saturating_mul(height) <= pixels;
+    let (most_pixels, longest_side) = (most as usize, MAX_SIDE as usize);
+    let fits = width.max(height) <= longest_side && width.saturating_mul(height) <= most_pixels;
     (!fits).then_some(ExportRefusal::TooLarge {
         width,
         height,
-        pixels,
-        side,
+        pixels: most_pixels,
+        side: longest_side,
     })
 }

@@ -152,6 +152,7 @@ impl<'de> Deserialize<'de> for WriteError {
 /// that were written before the error stay.
 #[cfg(not(target_arch = "wasm32"))]
 pub fn write(job: &ExportJob, monitor: &Monitor) -> Result<Written, WriteError> {
+    // Balls without a delay are one picture. With a delay they are an animation, in which they turn.
     let written = match &job.content {
         ExportContent::Samples { .. } => write_samples(job, monitor),
         ExportContent::Picture { .. }

@@ -34,7 +34,8 @@ impl StippleLook {
         points: &[[f64; 2]],
         is_inverted: bool,
     ) -> Drawing {
-        // A dot of this radius has as much ink as there is darkness in the area that each dot stands for where all is black.
+        // Where the image is black, a square of side `black` has `MAXIMAL_DENSITY` dots on average. If the dots have
+        // this radius, their areas add up to that of the square.
         let even = black / (MAXIMAL_DENSITY * PI).sqrt();
         let dots = if self.by_darkness {
             let radii = points.iter().map(|&point| judged.radius_at(point));
