@@ -106,8 +106,8 @@ impl StippleRecipe {
         let mut black = self.estimate()?;
         let image = self.image.in_blocks(self.block(black))?;
 
-        // For one or two dots this number would be rounded down to 0, and a run could make exactly the wanted number
-        // only by chance. So at least one dot may always be left out.
+        // One dot may always be left out. For one or two dots the allowance of `LEFT_OUT` would be rounded down to 0, and
+        // a run could make exactly the wanted number only by chance.
         let dots = self.dots as f64;
         let aim = dots + AIM * dots.sqrt();
         let most = self.dots + ((LEFT_OUT * dots.sqrt()) as u64).max(1);
