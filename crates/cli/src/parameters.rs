@@ -41,7 +41,7 @@ const SIZE: [&str; 2] = ["radius", "count"];
 
 impl Args for RunArguments {
     fn augment_args(command: Command) -> Command {
-        // Both options of the size are given where two radii are scaled to a count.
+        // Both options of the size may be given: with an image, --count scales the two radii of --radius.
         let size = ArgGroup::new("size")
             .args(SIZE)
             .required(true)

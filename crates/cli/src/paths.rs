@@ -78,8 +78,8 @@ fn are_same(a: &Path, b: &Path) -> bool {
     }
     #[cfg(not(unix))]
     {
-        // Paths do not show hard links. Of what is no regular file a path may have no canonical form, and two failures must
-        // not be equal.
+        // Paths do not show hard links. A path to something other than a regular file may have no canonical form. Two
+        // such paths would both give `None`, which is no reason to take them for one file.
         let canonical = |path: &Path| path.canonicalize().ok();
         first.is_file() && second.is_file() && canonical(a) == canonical(b)
     }

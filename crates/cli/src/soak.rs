@@ -143,7 +143,7 @@ pub fn run(arguments: &SoakArguments) -> Result<u8> {
         && sum.commands.len() < MAX_FAULTS
         && !interrupt::requested()
     {
-        // Each round has the number that seeds it, so that a run of any number of threads has the same rounds.
+        // Each round is seeded by its number, so that the rounds do not depend on the number of threads.
         let numbers: Vec<u64> = (sum.rounds..sum.rounds + ROUNDS_AT_ONCE).collect();
         // Rounds differ in size by up to a factor of 800, so that threads take them one by one.
         let rounds = numbers.into_par_iter().with_max_len(1);
@@ -257,7 +257,8 @@ const ORDERS: [Order; 4] = [
 
 /// Returns the pattern of a round.
 fn pattern(dice: &Dice, leaf: f64, seed: u64) -> PatternSpec {
-    // Such a pattern is made for this round alone, which takes longer than most rounds: 0.3 is chosen, not measured.
+    // A bounded pattern is made for this round alone, and making it takes longer than most rounds. So only a part of
+    // the rounds that may have one do: 0.3 is chosen, not measured.
     if dice.has(Feature::BoundedPattern) && dice.share(4) < 0.3 {
         // A bounded pattern must hold every clip: a block has less than two leaves along a side, and its clip r more on
         // either side. One r is to spare. The largest side, twice the least, is chosen, not measured.
