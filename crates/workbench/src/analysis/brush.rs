@@ -311,6 +311,7 @@ fn describe(cause: &Cause) -> String {
         }
         // An empty ring has no mean power to state.
         Cause::Shares { frequencies: 0, .. } => "No frequency lies in the ring.".to_owned(),
+        // The text states `TINTED` as 95%: this share of the samples differs from the mean by at most `strongest`.
         Cause::Shares {
             frequencies,
             mean_power,
