@@ -166,7 +166,8 @@ impl Painter {
         let (min, max) = (clip.min * self.scale, clip.max * self.scale);
         self.frame = Rect::new(min.max(whole.min), max.min(whole.max));
 
-        // An empty clip leaves an empty mask: nothing is seen.
+        // An empty clip leaves an empty mask: nothing is seen. `Mask::new` fails only for a picture without pixels,
+        // which `size` has refused.
         if let Some(mut mask) = Mask::new(width, height) {
             let ([l, t], [r, b]) = (single(self.frame.min), single(self.frame.max));
             if let Some(rect) = SkiaRect::from_ltrb(l, t, r, b) {
@@ -202,7 +203,7 @@ impl Painter {
                 size,
                 style,
             } => {
-                // A marker is as large in every view.
+                // The size of a marker is in pixels of the scene, so that the scale of the view does not change it.
                 let (center, size) = (at.pixel(*center), size * self.scale);
                 // The outlines of markers have straight sides, and a dot has none.
                 if *marker == Marker::Dot {

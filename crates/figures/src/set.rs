@@ -91,6 +91,7 @@ fn laid_out<E>(
     options: &PictureOptions,
     step: &mut dyn FnMut() -> Result<(), E>,
 ) -> Result<Scene, E> {
+    // The greatest radius decides whether disks are drawn at all. Below, each sample gets its own radius.
     let mut canvas = Canvas::new(set.size.into(), set.boundary, set.radii.greatest(), options);
     canvas.blocks(set.blocks.iter().copied());
     let points: Vec<DVec2> = set.points.iter().copied().map(DVec2::from).collect();

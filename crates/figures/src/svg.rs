@@ -396,7 +396,8 @@ pub fn escape(text: &str) -> String {
             '>' => escaped.push_str("&gt;"),
             '"' => escaped.push_str("&quot;"),
             '\'' => escaped.push_str("&apos;"),
-            // Below the space, XML 1.0 allows these and the carriage return alone, which a reader would turn into a line feed.
+            // Of the characters below the space, XML 1.0 allows these two and the carriage return. The carriage return
+            // is replaced below, since a reader of XML would turn it into a line feed.
             '\t' | '\n' => escaped.push(character),
             '\u{fffe}' | '\u{ffff}' => escaped.push('\u{fffd}'),
             c if c.is_control() => escaped.push('\u{fffd}'),

@@ -112,8 +112,8 @@ pub(crate) fn finite(value: f64, format: Format, index: u64) -> Result<f64, Form
     })
 }
 
-/// [`FormatError::NotFinite`] if a coordinate is not finite. `first` is the number of the first of these points, from
-/// which an error counts.
+/// [`FormatError::NotFinite`] if a coordinate is not finite. `first` is the index in the file of the first point given:
+/// the error names a point by its index in the file.
 pub(crate) fn all_finite(
     points: &[[f64; 2]],
     first: u64,
@@ -133,8 +133,8 @@ pub(crate) fn all_finite(
     })
 }
 
-/// Points of row-major pairs; bytes behind the last whole pair are ignored. `first` is the number of the first of
-/// them, from which an error counts.
+/// Points of row-major pairs; bytes behind the last whole pair are ignored. `first` is the index in the file of the
+/// first pair: the error for a number that is not finite names a point by its index in the file.
 pub(crate) fn pairs(
     data: &[u8],
     first: u64,
@@ -143,7 +143,8 @@ pub(crate) fn pairs(
     format: Format,
 ) -> Result<Vec<[f64; 2]>, FormatError> {
     let points: Vec<_> = if (precision, endian) == (Precision::Double, Endian::Little) {
-        // A loop of its own for nearly all files, which need not look at precision and order in each row.
+        // Nearly all files hold little-endian f64. This loop for them does not look at precision and byte order in each
+        // row.
         let (words, _) = data.as_chunks::<8>();
         let (rows, _) = words.as_chunks::<2>();
         rows.iter().map(|row| row.map(f64::from_le_bytes)).collect()

@@ -294,13 +294,13 @@ pub fn check_bytes(
     let levels = prefixes.iter().map(CertifiedLevel::of).collect();
 
     // The file is hashed only if there is a digest to compare.
-    let stated = certificate
+    let stated_digest = certificate
         .as_ref()
         .and_then(|stated| stated.digest.as_ref());
     let found = Contents {
         format: detection.format,
         precision,
-        digest: stated.map(|_| bytes_digest(data)),
+        digest: stated_digest.map(|_| bytes_digest(data)),
         positions_digest: stored_digest,
         count: set.len() as u64,
     };
@@ -512,8 +512,8 @@ pub(crate) fn contradictions(stated: &Certificate, found: &Contents) -> Vec<Cert
 
 /// Returns the verdict that follows from the numbers of a certificate, by the judges' rule.
 fn implied_verdict(stated: &Certificate) -> bool {
-    // Where the radius varies, and of a thinned set, the judge only counts conflicts and gaps: neither distances nor a
-    // limit are compared.
+    // If the radius varies, a shape is to be covered or the set is thinned, the judge only counts conflicts and gaps.
+    // There is then no distance and no covering radius to compare.
     let is_counted = stated.is_counted();
     let radius = stated.radius.least();
     let limit = (1.0 + stated.covering_tolerance) * radius;
@@ -624,6 +624,8 @@ fn compare_levels(
         "less than nested levels promise".to_owned(),
     );
 
+    // Each level has more points than the level before it. Claims about more points than the file has were not judged:
+    // they are the last ones, so that the others still stand beside what was found of them.
     for (claimed, judged) in stated.levels.iter().zip(found) {
         list.measure(
             "levels.min_distance",

@@ -170,8 +170,8 @@ fn json(bytes: &[u8], kept: &[bool]) -> Result<Vec<u8>, FormatError> {
                 list.retain(|_| flags_of_list.next().is_none_or(|kept| *kept));
             }
         }
-        // A collection stays without the features that are left out. Of another document without any point left an empty
-        // collection takes the place, since one that is itself a point cannot be without it.
+        // A collection stays, without the features that are left out. Any other document may be a single point, which
+        // cannot stay without its position: if no point is left, the document becomes an empty collection.
         object => {
             let is_left = keep_geo(object, &mut flags);
             let is_collection = object.get("features").is_some();
@@ -260,7 +260,7 @@ pub(super) fn flat(bytes: &[u8]) -> Result<Vec<u8>, FormatError> {
 fn flatten(value: &mut Value, is_place: bool) {
     match value {
         Value::Array(list) => {
-            // Other lists are no positions, and are refused when they are read.
+            // Positions of two numbers need no cut. Positions of another length are refused when the document is read.
             if is_place && list.len() == 3 && list.iter().all(Value::is_number) {
                 list.truncate(2);
             }

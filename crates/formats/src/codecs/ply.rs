@@ -460,7 +460,8 @@ pub(super) fn column(
             let rows = cursor.records(vertex.count, vertex.width as u64)?;
             let property = &vertex.properties[column];
             let value = |row: &[u8]| property.scalar.value(&row[property.offset..], endian);
-            let rows = rows.chunks_exact(vertex.width.max(1)).zip(0..);
+            // The property that was found makes the rows at least one byte wide.
+            let rows = rows.chunks_exact(vertex.width).zip(0..);
             rows.map(|(row, index)| useful(value(row), FilePlace::Point(index)))
                 .collect()
         }

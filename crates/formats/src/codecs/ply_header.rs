@@ -171,6 +171,7 @@ impl Parser {
         let keyword = fields.next().unwrap_or_default();
         let fields: Vec<&[u8]> = fields.collect();
         match (keyword, fields.as_slice()) {
+            // `parse` has checked that the first line is `ply`.
             (b"" | b"ply" | b"comment" | b"obj_info", _) => Ok(()),
             // The version behind the encoding is always 1.0.
             (b"format", [name, ..]) => self.encoding(name),
@@ -239,8 +240,9 @@ impl Parser {
             return Err(self.fault("no element \"vertex\"".to_owned()));
         };
 
-        // Rows with lists have no fixed width. Vertices may have none. Nor may the elements before them in a binary
-        // file, whose rows are skipped by their width; in text a row is a line.
+        // Rows with lists have no fixed width, so that vertices with lists are refused. In a binary file the elements
+        // before the vertices are skipped by the width of their rows, so that lists in these elements are refused, too.
+        // In a text file the rows of these elements are skipped as lines, and may have lists.
         let binary = encoding != Encoding::Ascii;
         let listed = |(index, e): (usize, &Element)| e.has_list && (index == at || binary);
         if self.elements.iter().take(at + 1).enumerate().any(listed) {

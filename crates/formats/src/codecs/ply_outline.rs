@@ -41,8 +41,8 @@ impl OutlinedElement {
     /// many lines do.
     pub fn length(&self, bytes: &[u8], encoding: Encoding) -> Result<usize, FormatError> {
         let Encoding::Binary(endian) = encoding else {
-            // A file that is in memory has fewer lines than the largest number, so that a larger count is as wrong as
-            // it.
+            // No file in memory has `usize::MAX` lines. A count above that is cut to it: either number asks for all
+            // lines that are left.
             return Ok(usize::try_from(self.count).unwrap_or(usize::MAX));
         };
 

@@ -11,8 +11,9 @@ use crate::format::Format;
 pub(super) const RADIUS: &str = "radius";
 
 /// Returns the radius of each point, if the file has a column, or features a property, called [`RADIUS`]. `columns` are
-/// those of x and y that were chosen in a text table: a column that is one of them is no radius. Fails where a radius
-/// is no number or not above 0.
+/// those of x and y that were chosen in a text table. If one of them was chosen by the name [`RADIUS`], there are no
+/// radii: that column is a coordinate. A choice by number is not compared with the name. Fails where a radius is no
+/// number or not above 0.
 pub(super) fn read(
     bytes: &[u8],
     format: Format,
@@ -31,7 +32,7 @@ pub(super) fn read(
         Format::PlyAscii | Format::PlyBinary => {
             if_any(ply::column(bytes, format, RADIUS, ColumnUse::Radius))?
         }
-        // GeoJSON may stand in a file of any JSON.
+        // A file that is read as JSON may hold GeoJSON.
         Format::Json | Format::GeoJson => of_features(bytes),
         Format::PsaText
         | Format::PsaRps

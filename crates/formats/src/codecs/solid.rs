@@ -41,8 +41,9 @@ pub(crate) fn check_format(format: Format) -> Result<(), FormatError> {
     Err(FormatError::NoThird { format, reason })
 }
 
-/// The points in space that `bytes` hold, in file coordinates, as [`decode`](crate::decode) returns those in the plane. Columns,
-/// an origin and a certificate of the hint are not used.
+/// The points in space that `bytes` hold, in file coordinates, as [`decode`](crate::decode) returns those in the plane.
+/// Columns of the hint do not choose what is read: they only make the file a text table, or an error if it can be none.
+/// A certificate of the hint is not used.
 ///
 /// # Errors
 ///

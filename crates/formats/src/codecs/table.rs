@@ -269,7 +269,8 @@ impl TextTable {
         } else if is_row(line) {
             let separator = self.separator.unwrap_or_else(|| Separator::of(line));
             let fields = self.fields(line, separator, place)?;
-            // The first row of text may be a header, and then a number alone the count of points. Everything else is a row.
+            // A line that can be a header is the header, if there was none yet. A whole number alone, before any
+            // header, is the count of points. Everything else is a row.
             if self.header.names.is_empty() && is_header(&fields) {
                 self.header = Header {
                     names: fields.iter().map(|field| names::name(field)).collect(),
@@ -333,7 +334,8 @@ impl TextTable {
         Ok(fields)
     }
 
-    /// The number of points, if a line before the first row holds nothing else, as in `.pts` files.
+    /// The number of points, if a line holds nothing else, as in `.pts` files. `None` for other lines, for a line behind
+    /// the header, and once a line has stated the number.
     fn count_line(&self, fields: &[Vec<u8>]) -> Option<u64> {
         let [field] = fields else { return None };
         let is_first = self.header.names.is_empty() && self.stated.is_none();
@@ -377,6 +379,7 @@ impl TextTable {
             // A choice of two columns is a choice of a plane, so that z may be anything.
             rows.places = names::chosen(choice, names, rows.count).map_err(fault)?;
         } else if !names.is_empty() {
+            // A row of more fields than there are names is refused: it is not known which field a name is of.
             let named = names::named(names).map_err(fault)?;
             (rows.places, rows.z, rows.count) = (named.places, named.z, names.len());
         // With decimal commas, four numbers between commas are a point: 12,5,7,3 is (12, 5) or (12.5, 7.3).

@@ -84,7 +84,8 @@ pub(super) fn keep_binary(
     chosen: Option<usize>,
     kept: &[bool],
 ) -> Result<Vec<u8>, FormatError> {
-    // A set in space is in the order and the rows of one in the plane, but with a third number in each row.
+    // A file of dimension 3 is laid out like one of dimension 2, but with a third number in each row. The head says
+    // which of the two it is.
     let (solid, planar) = (3, 2);
     let axes = match read_head_of(bytes, solid) {
         Ok(_) => solid,
