@@ -87,8 +87,8 @@ fn bar(subject: &Subject<'_>) -> (f64, f32) {
     (shown_length, (shown_length * scale) as f32)
 }
 
-/// Returns the coordinates of a position in a field or a shape and, unless it lies outside of that, the radius there;
-/// `None` in a session without either.
+/// Returns the coordinates of a position in a field or a shape and, unless it lies outside of that, the radius there.
+/// `None` in a session without a field and a shape, and if the run has no radii by place.
 fn local_position(subject: &Subject<'_>, position: DVec2) -> Option<String> {
     let unit = own_unit(subject)?;
     let session = subject.shown.session;

@@ -149,10 +149,10 @@ fn coverage(sprite: Sprite, x: f32, y: f32, radius: f32, unit: f32) -> f32 {
         }
         Sprite::Cross => {
             let turned = [(x + y).abs(), (x - y).abs()].map(|v| v * 0.5_f32.sqrt());
-            // The arms of a small cross are thicker, as otherwise it could not be seen, but never thicker than half its
-            // radius, at which it would be a square.
-            let arm = (0.26 * radius).max((0.7 * unit).min(0.5 * radius));
-            let bar = |along: f32, across: f32| (along - radius).max(across - arm);
+            // The arms of a small cross are thicker, as otherwise the cross could not be seen. The limit of half the
+            // radius keeps it a cross: with the whole radius as `half_arm` it would be a square.
+            let half_arm = (0.26 * radius).max((0.7 * unit).min(0.5 * radius));
+            let bar = |along: f32, across: f32| (along - radius).max(across - half_arm);
             let distance = bar(turned[0], turned[1]).min(bar(turned[1], turned[0]));
             // A small cross is filled, because its outline would leave no hollow inside.
             if radius < 4.0 * unit {

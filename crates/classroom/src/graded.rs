@@ -88,8 +88,8 @@ impl Lessons {
         })
     }
 
-    /// Returns name and title of the lesson that follows in the list; `None` after the last lesson before the forms, after
-    /// one that is not in the list, and if the lesson that follows cannot be read.
+    /// Returns name and title of the lesson that follows in the list. `None` at the end of the list, if a form follows,
+    /// for a lesson that is not in the list, and if the lesson that follows cannot be read.
     fn lesson_after(&self, name: &str) -> Option<(String, String)> {
         let mut shelf = self.shelf.iter();
         shelf.find(|shipped| shipped.name == name)?;

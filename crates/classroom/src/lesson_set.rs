@@ -63,12 +63,14 @@ impl LessonSet {
             return Session::from_recording(recording, generation);
         };
 
+        // A set of this type is in a field or in a box (see `of`): one without a field is in a box.
         let Some(request) = &set.recipe.ground else {
             return packing::recorded(recording, set.recipe.parameters, generation);
         };
         let session = Session::from_recording(recording, generation);
         let mut session = with_ground(session, &set.recipe, request);
-        // Darts without the coin make other samples than the recipe, so that the session does not offer it.
+        // Darts without the coin make other samples than the recipe asks for. The session must not offer this recipe as
+        // that of its samples.
         if let Some(ground) = &mut session.ground {
             ground.is_as_asked = set.has_coin;
         }

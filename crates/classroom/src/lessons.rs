@@ -470,7 +470,8 @@ impl OpenLesson {
     }
 
     /// Returns the rectangles that remain of the blocks without a strip along their edges, each by two corners, and the width of
-    /// the strip in r; `None` while the question is open or the run is not made, and for questions without a strip.
+    /// the strip in r. `None` without a question that has a strip, while that question is open, and until the run is
+    /// made.
     #[must_use]
     pub fn strips(&self) -> Option<(Vec<MarkedBox>, f64)> {
         let asked = self.learner.question();

@@ -624,8 +624,8 @@ fn compare_levels(
         "less than nested levels promise".to_owned(),
     );
 
-    // Each level has more points than the level before it. Claims about more points than the file has were not judged:
-    // they are the last ones, so that the others still stand beside what was found of them.
+    // Claims about more points than the file has were not judged. Each level has more points than the level before it,
+    // so that these claims come last, and each pair here is of one level.
     for (claimed, judged) in stated.levels.iter().zip(found) {
         list.measure(
             "levels.min_distance",

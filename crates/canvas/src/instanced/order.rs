@@ -146,16 +146,16 @@ impl CellOrder {
         for (level, distance) in DISTANCES.into_iter().enumerate() {
             let mut taken = Taken::new(self.size, distance);
             // The samples of coarser levels come first, and keep samples too near to them out of this level.
-            for (&before, &point) in levels.iter().zip(&visited) {
-                if before < level {
+            for (&own, &point) in levels.iter().zip(&visited) {
+                if own < level {
                     taken.take(point);
                 }
             }
 
             // The others are tried one by one; those too near remain for a finer level.
-            for (found, &point) in levels.iter_mut().zip(&visited) {
-                if *found > level && taken.take(point) {
-                    *found = level;
+            for (own, &point) in levels.iter_mut().zip(&visited) {
+                if *own > level && taken.take(point) {
+                    *own = level;
                 }
             }
         }

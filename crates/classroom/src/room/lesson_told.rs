@@ -168,8 +168,8 @@ impl Lessons {
                 | L::KeepResults,
                 _,
             ) => None,
-            // The commands above need no lesson. The others that a page issues are about the one that is open: it opens lessons by a
-            // request of its own.
+            // The commands above need no lesson. All other commands that a page issues are about the lesson that is
+            // open. `Open` is not among them: a page opens lessons by another request.
             (_, None) => Some(NO_LESSON.to_owned()),
 
             (L::Step(Direction::Forwards), Some(learner)) if !learner.may_go_on() => {
@@ -297,6 +297,7 @@ impl Classroom {
         // If the lesson could not be read, its fault is shown, and one that was open before stays: the step and the seed are not
         // meant for that one.
         let open = self.lessons.open.as_ref();
+        // Capitals do not count: `Lessons::shipped` found the lesson without regard to them, too.
         let is_wanted = |name: &str| name.eq_ignore_ascii_case(&wanted.name);
         if !open.is_some_and(|open| is_wanted(&open.learner.lesson().name)) {
             return;

@@ -314,7 +314,8 @@ impl Classroom {
         }
     }
 
-    /// Asks for a package of the open lesson, which begins in the language of the window, if the lesson has it.
+    /// Asks for a package of the open lesson, with its German texts if there are any. The package begins in German if
+    /// the window is in German and there are German texts, otherwise in English.
     fn package(&self, system: CourseSystem, context: &mut Context) {
         let Some(open) = &self.lessons.open else {
             return context.tell("Open a lesson first.".to_owned());
@@ -490,7 +491,7 @@ impl Classroom {
         match direction {
             Direction::Backwards if index > 0 => self.enter_step(index - 1, context),
             Direction::Forwards if open.learner.may_go_on() => self.enter_step(index + 1, context),
-            // A step with a question can be left only by an answer, and a message says so.
+            // A step with an open question cannot be left forwards. The message says how to close the question.
             Direction::Forwards if open.learner.is_open() => {
                 open.lacking =
                     Some("Answer the question first; or ask for a hint, or give up.".to_owned());
@@ -558,9 +559,9 @@ impl Classroom {
         match open.learner.arrive(run, now) {
             Ok(Arrival::Here) => {
                 self.show_moment(context);
-                // Where this window continues a talk, a lesson presented in another one, the step gets the answer that was
-                // revealed and the camera that was set there. The question is there only from here on. Other steps stay as they
-                // are.
+                // This window may continue a talk of another window. If that talk had reached this step, its camera is
+                // set again, and an answer that was revealed is revealed again. This is possible only from here on, as
+                // the question is made with the moment.
                 self.restore_step(context);
             }
             Ok(Arrival::NoMoment)

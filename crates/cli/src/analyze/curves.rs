@@ -206,13 +206,13 @@ pub fn cut(label: &str, series: &[Series]) -> Axis {
         return Axis::new(format!("{label}, cut off at {MAX_PEAK}")).with_range(0.0, MAX_PEAK);
     }
     let [low, high] = ends_of_bands(series);
-    // Curves that are 0 everywhere would give an empty range. White noise, at 1, lies in this range where a curve
-    // reaches 2/3, as each does that ends near white noise.
+    // Curves that are 0 everywhere would give an empty range. White noise, at 1, lies in the range if a curve reaches
+    // 2/3, which every curve does that ends near white noise.
     if top > 0.0 && high > MAX_BAND * top {
         return Axis::new(format!("{label}, bands cut off")).with_range(0.0, MAX_BAND * top);
     }
-    // An axis of its own choice would begin at the lower end of a band, where the quantity cannot be. White noise, at 1,
-    // stays in the chart, with a twentieth of room above.
+    // Without a range the axis would begin at the lower end of a band, which is below 0, where the quantity cannot be.
+    // White noise, at 1, stays in the chart, with a twentieth of room above.
     if low < 0.0 {
         return Axis::new(label).with_range(0.0, 1.05 * high.max(top).max(1.0));
     }

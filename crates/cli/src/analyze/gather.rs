@@ -68,7 +68,7 @@ impl Analysis {
             let reference = request
                 .measure(Source::whole(path), None)
                 .context("--against")?;
-            // One set always has a column.
+            // `Subject::one` returns `None` only for no set at all, and here is one.
             analysis.subjects.extend(Subject::one(reference)?);
         } else if analysis.has_reference {
             let average = (analysis.average(against, &request)?)

@@ -42,8 +42,8 @@ pub(crate) fn check_format(format: Format) -> Result<(), FormatError> {
 }
 
 /// The points in space that `bytes` hold, in file coordinates, as [`decode`](crate::decode) returns those in the plane.
-/// Columns of the hint do not choose what is read: they only make the file a text table, or an error if it can be none.
-/// A certificate of the hint is not used.
+/// Columns of the hint do not choose what is read: with them the file is read as a text table, or refused if its format
+/// has no columns. An origin and a certificate of the hint are not used.
 ///
 /// # Errors
 ///

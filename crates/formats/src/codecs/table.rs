@@ -334,7 +334,7 @@ impl TextTable {
         Ok(fields)
     }
 
-    /// The number of points, if a line holds nothing else, as in `.pts` files. `None` for other lines, for a line behind
+    /// The number of points, if a line holds nothing else, as in `.pts` files. `None` for other lines, for a line after
     /// the header, and once a line has stated the number.
     fn count_line(&self, fields: &[Vec<u8>]) -> Option<u64> {
         let [field] = fields else { return None };
