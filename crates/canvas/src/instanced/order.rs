@@ -13,7 +13,7 @@ const LEVELS: usize = 4;
 /// The smallest distances between the samples of a level and those before, in r. At half the distance there are about four times
 /// the samples. The last level has the rest.
 const DISTANCES: [f64; LEVELS - 1] = [8.0, 4.0, 2.0];
-/// Most cells of the grid; a level holds their offsets. Chosen, not measured.
+/// The grid has hardly more cells than this; each level holds an offset for each cell. Chosen, not measured.
 const MAX_CELLS: f64 = 65_536.0;
 /// The shortest side of a cell, in r. Chosen, not measured.
 const MIN_CELL: f64 = 4.0;
@@ -91,9 +91,9 @@ impl CellOrder {
         }
 
         for cell in 0..self.cell_count() {
-            let cell = &mut ids[starts[cell] as usize..starts[cell + 1] as usize];
-            // By a hash of their places, so that the order in which they were made leaves no trace in the levels.
-            cell.sort_unstable_by_key(|&id| (hash(points[id as usize]), id));
+            let ids_in_cell = &mut ids[starts[cell] as usize..starts[cell + 1] as usize];
+            // By a hash of their places, so that the order in which samples were made leaves no trace in the levels.
+            ids_in_cell.sort_unstable_by_key(|&id| (hash(points[id as usize]), id));
         }
         ids
     }

@@ -320,6 +320,7 @@ pub(super) fn radius<'de, D: Deserializer<'de>>(from: D) -> Result<CertifiedRadi
         let radius = f64::deserialize(value).map_err(D::Error::custom)?;
         return Ok(CertifiedRadius::Constant(radius));
     }
+    // `part` returns an option for the fields that may be left out. For a value that is there, it is never `None`.
     let missing = || D::Error::custom("`radius` is missing");
     // A field has no member of this name.
     if value.get("column").is_some() {

@@ -99,7 +99,7 @@ fn circles(document: &Document<'_>) -> Result<Vec<[f64; 2]>, FormatError> {
     // The outermost element around the current node that draws its content elsewhere, if there is one.
     let mut mover: Option<Node<'_, '_>> = None;
     // The group around the last circle, if it is one in which y points up.
-    let mut turned: Option<Node<'_, '_>> = None;
+    let mut last_upward: Option<Node<'_, '_>> = None;
     let root = document.root_element();
     let mut next = Some(root);
 
@@ -117,19 +117,19 @@ fn circles(document: &Document<'_>) -> Result<Vec<[f64; 2]>, FormatError> {
             if name == "circle" {
                 let index = points.len() as u64;
                 // A circle right inside a group where y points up is read as it stands there.
-                let upward = mover.filter(|&mover| {
+                let upward_group = mover.filter(|&mover| {
                     let is_inside = node.parent_element() == Some(mover);
                     is_inside && turns_upward(mover, root) && !moves(node, root)
                 });
                 // A drawing that turns only some of its circles has no common units.
-                let are_alike = index == 0 || upward.is_some() == turned.is_some();
-                let mixed = upward.or(turned).filter(|_| !are_alike);
-                let elsewhere = mover.filter(|_| upward.is_none());
+                let are_alike = index == 0 || upward_group.is_some() == last_upward.is_some();
+                let mixed = upward_group.or(last_upward).filter(|_| !are_alike);
+                let elsewhere = mover.filter(|_| upward_group.is_none());
                 if let Some(mover) = elsewhere.or(mixed) {
                     return Err(moved(mover, index));
                 }
 
-                turned = upward;
+                last_upward = upward_group;
                 points.push(circle(node, index)?);
             } else if OTHER_MARKS.contains(&name) {
                 let what = format!("<{name}> (line {})", line_of(node));
