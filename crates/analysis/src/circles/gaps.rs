@@ -60,7 +60,7 @@ impl Gaps {
 
             match near_in_x.find(is_near_in_y) {
                 Some(other) => {
-                    // Cells round the same circle differently. Of two kinds the later one in the list of `GapKind`
+                    // Cells may compute one circle from different samples on it, and so round it differently. Of two kinds the later one in the list of `GapKind`
                     // counts, which says more of the place (a corner lies on the border, too), and of two distances the
                     // larger one: so the result does not depend on which cell came first.
                     other.kind = other.kind.max(gap.kind);

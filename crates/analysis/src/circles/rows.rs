@@ -67,8 +67,9 @@ impl SortedRows {
         self.points.len()
     }
 
-    /// Sorts the samples of `open` in the rows from the end of these ones to `end`, and appends them. Samples of later rows
-    /// stay in `open`. Samples of the lowest row move to `lowest` if these rows begin above it, as they do on a torus.
+    /// Appends the rows from [`Self::end`] up to `end`, without the row `end`: takes their samples out of `open`, and sorts
+    /// them by cells. Samples of later rows stay in `open`. If the rows held begin with row 1, as on a torus, samples of
+    /// row 0 move to `lowest`.
     pub fn take(&mut self, open: &mut Held, lowest: &mut Held, cells: &Cells, end: usize) {
         let first = self.end(cells);
         let complete = first..end;
@@ -101,7 +102,7 @@ impl SortedRows {
             let (point, id) = (open.points[index], open.ids[index]);
             let row = cells.row(cells.domain.scale_point(point).y);
 
-            // On a torus the lowest row is sorted last, since its samples may come at any time.
+            // On a torus the rows held begin with row 1. Samples of row 0 may come at any time, so it is sorted last.
             if row < first {
                 debug_assert_eq!(row, 0, "rows are complete when they are sorted");
                 lowest.push(point, id);

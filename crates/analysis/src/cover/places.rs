@@ -109,8 +109,9 @@ fn merge_same(gaps: &mut Vec<Gap>, same: f64) {
     gaps.sort_unstable_by(|a, b| a.center[0].total_cmp(&b.center[0]));
     let mut start = 0;
     for end in 1..=gaps.len() {
-        // Gaps that differ in x by at most `same` from one to the next are a column. Sorted by y, and by rank where y
-        // is equal, gaps at one place are neighbours in it, in the same sequence in whatever order they came.
+        // A column is a run of gaps each of which differs in x from the gap before it by at most `same`. The column is
+        // sorted by y, so that gaps at one place become neighbours. Where y is equal, the rank decides, so that the
+        // sequence does not depend on the order in which the gaps came.
         if end == gaps.len() || gaps[end].center[0] - gaps[end - 1].center[0] > same {
             gaps[start..end].sort_unstable_by(|a, b| {
                 (a.center[1].total_cmp(&b.center[1])).then_with(|| a.rank(b))

@@ -254,7 +254,8 @@ pub(super) fn original(grid: &Grid, place: DVec2) -> Site {
             };
         }
     }
-    // No sample is at a coordinate that `site` made zero, as it was too small: the triangulation's place stands for it.
+    // `site` makes a coordinate zero if it is too small for the triangulation. Then no sample lies exactly at `place`, and
+    // `place` itself stands for the sample.
     Site::at(place)
 }
 

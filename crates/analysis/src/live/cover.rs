@@ -322,7 +322,7 @@ impl LiveCover {
     }
 
     /// Returns the slots of samples whose circle of the threshold is not proven covered. All samples are tested together, as the
-    /// judge by circles does it, which takes less time.
+    /// judge by circles does it, which takes less time than to test each by itself.
     fn unproven(&self) -> Vec<u32> {
         // Slots whose places have no sample any more are left out.
         let is_taken = |slot: &u32| self.taken[*slot as usize].copies > 0;

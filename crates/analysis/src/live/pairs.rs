@@ -410,7 +410,8 @@ impl LivePairs {
     }
 
     /// Returns the closest pair where no two samples are near each other: the square of its distance, and its slots.
-    /// Samples that are so far apart are few, and the nearest to each is searched in the grid's pyramid.
+    /// Samples that are so far apart are few, and the nearest to each is searched in the grid's pyramid. None if there are fewer
+    /// than two samples.
     fn closest_of_sparse(&self) -> Option<(u64, [u32; 2])> {
         let size = self.histogram.plane.size.map(i64::from);
         let mut closest: Option<(u64, [u32; 2])> = None;
@@ -523,7 +524,9 @@ impl LivePairs {
                 sums[to[part]] += in_bin_weights.map_or(0, |weights| weights[part]);
             }
         }
+        // The curve does not show the farther pairs.
         counts.pop();
+        sums.pop();
 
         let area = domain.extent.element_product();
         let density = |(pairs, sum): (&u64, u128)| match self.histogram.plane.boundary {

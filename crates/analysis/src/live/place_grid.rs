@@ -382,12 +382,13 @@ impl PlaceGrid {
         each: &mut impl FnMut(&Occupant, [i32; 2], &mut f64),
     ) {
         let Layer { columns, masks } = &self.layers[layer];
-        // A block has eight of the parts along each axis, 2^3: multiplied exactly, without a loop over the layers.
-        let sides = self.sides * (1_u64 << (BLOCK.trailing_zeros() as usize * layer)) as f64;
+        // The parts of a block of the lowest layer are cells. In each layer above, the parts are eight times as wide and as high
+        // as in the layer below. The factor is a power of two, so that the product is exact.
+        let part_sides = self.sides * (1_u64 << (BLOCK.trailing_zeros() as usize * layer)) as f64;
         search.steps += 1;
         // One bit stands for each part of the block: those without samples and those that the square around the disk does not
         // meet are passed over at once.
-        let mut open = masks[block[1] * columns + block[0]] & search.near(block, sides);
+        let mut open = masks[block[1] * columns + block[0]] & search.near(block, part_sides);
 
         while open != 0 {
             let bit = open.trailing_zeros() as usize;
@@ -398,7 +399,7 @@ impl PlaceGrid {
                 block[1] * BLOCK + bit / BLOCK,
             ];
             // `each` may have made the disk smaller since.
-            if !search.meets(at, sides) {
+            if !search.meets(at, part_sides) {
                 continue;
             }
             if layer > 0 {
@@ -430,13 +431,14 @@ struct DiskSearch {
 }
 
 impl DiskSearch {
-    /// Returns the parts of a block that the square around the disk meets, as bits.
-    fn near(&self, block: [usize; 2], sides: DVec2) -> u64 {
+    /// Returns the parts of a block that the square around the disk meets, as bits. `part_sides` are the width and the height
+    /// of a part.
+    fn near(&self, block: [usize; 2], part_sides: DVec2) -> u64 {
         let radius = self.square.sqrt() + ROUNDING;
         // A disk may be larger than any integer can say: its ends then stay at the limits, far beyond the block.
         let along = |axis: usize| {
             let first = (block[axis] * BLOCK) as i64;
-            let part = |at: f64| whole_below(at / sides[axis]).saturating_sub(first);
+            let part = |at: f64| whole_below(at / part_sides[axis]).saturating_sub(first);
             let low = part(self.center[axis] - radius);
             let high = part(self.center[axis] + radius).saturating_add(1);
             [low, high].map(|part| part.clamp(0, BLOCK as i64) as u32)
