@@ -11,9 +11,9 @@ const SAME_LENGTH: f64 = 1e-9;
 
 /// Returns one report that names both judges, if their results are the same; otherwise an error.
 ///
-/// Covering radii may differ by rounding. Both judges compare radii near the limit exactly, but only the second one knows
-/// how much a flat triangle enlarges the rounding. So the judges may differ on maximality where both radii are within
-/// rounding of the limit. Then the second report is returned; in all other cases the first.
+/// Covering radii may differ by rounding. Both judges compare a radius near the limit exactly, but rounding may let
+/// them choose different samples on nearly the same circle. So the judges may differ on maximality if both covering
+/// radii are within rounding of the limit. Then the second report is returned; in all other cases the first.
 pub(crate) fn agreed(first: Report, second: Report) -> Result<Report, VerifyError> {
     let limit = covering_limit(first.covering_tolerance, first.radius);
     let same_length = |a: f64, b: f64| (a - b).abs() <= SAME_LENGTH * a.max(b);

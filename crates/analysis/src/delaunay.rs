@@ -89,8 +89,8 @@ fn along_a_tree<V: HasPosition<Scalar = f64>>(sites: &mut [V]) {
     along_a_tree(after);
 }
 
-/// Brings three sites to the front that are not on one line; false if there are none. Without a triangle at the beginning, the
-/// insertion of sites on a line would take a time that grows with the square of their number.
+/// Brings three sites to the front that are not on one line; false if there are none. Without a triangle at the
+/// beginning, the insertion of sites on a line would take a time that grows with the square of their number.
 fn begin_with_a_triangle<V: HasPosition<Scalar = f64>>(sites: &mut [V]) -> bool {
     let Some(first) = sites.first().map(position) else {
         return false;

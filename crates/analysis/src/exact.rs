@@ -109,8 +109,8 @@ pub(crate) fn crossing_exceeds(
     };
     let [p_off, q_off] = [&p[axis] - &level, &q[axis] - &level];
     let along = &q[1 - axis] - &p[1 - axis];
-    // The crossing, at t from the foot of p, is as far from p as from q: t^2 + p_off^2 = (along - t)^2 + q_off^2. Solved for t,
-    // that is: 2 along t = along^2 + q_off^2 - p_off^2.
+    // The crossing, at t from the foot of p, is as far from p as from q: t^2 + p_off^2 = (along - t)^2 + q_off^2.
+    // Solved for t, that is: 2 along t = along^2 + q_off^2 - p_off^2.
     let twice_along_t = square(&along) + square(&q_off) - square(&p_off);
     let limit = integers.of(limit);
     // t^2 + p_off^2 > limit^2, times (2 along)^2.

@@ -78,8 +78,8 @@ pub(crate) fn unproven_circles(
     of_open_circles(points, region, radius, &go_on, |_, _, _, id| id as u32)
 }
 
-/// Calls `look` for each sample whose circle may be open. A scan leaves out the samples whose circles it proves covered:
-/// it looks up in a table which directions the disk of each near sample covers.
+/// Calls `look` for each sample whose circle may be open. A scan leaves out the samples whose circles it proves
+/// covered: it looks up in a table which directions the disk of each near sample covers.
 ///
 /// `look` gets the sample's index in the tile (the samples of a rectangle of cells and of the cells around it, which
 /// are scanned together) and its index in the set. Its results are returned tile by tile.

@@ -60,9 +60,10 @@ impl Gaps {
 
             match near_in_x.find(is_near_in_y) {
                 Some(other) => {
-                    // Cells may compute one circle from different samples on it, and so round it differently. Of two kinds the later one in the list of `GapKind`
-                    // counts, which says more of the place (a corner lies on the border, too), and of two distances the
-                    // larger one: so the result does not depend on which cell came first.
+                    // Cells may compute one circle from different samples on it, and so round it differently. Of two
+                    // kinds the later one in the list of `GapKind` counts, which says more of the place (a corner lies
+                    // on the border, too), and of two distances the larger one: so the result does not depend on which
+                    // cell came first.
                     other.kind = other.kind.max(gap.kind);
                     other.distance = other.distance.max(gap.distance);
                 }

@@ -67,9 +67,9 @@ impl SortedRows {
         self.points.len()
     }
 
-    /// Appends the rows from [`Self::end`] up to `end`, without the row `end`: takes their samples out of `open`, and sorts
-    /// them by cells. Samples of later rows stay in `open`. If the rows held begin with row 1, as on a torus, samples of
-    /// row 0 move to `lowest`.
+    /// Appends the rows from [`Self::end`] up to `end`, without the row `end`: takes their samples out of `open`, and
+    /// sorts them by cells. Samples of later rows stay in `open`. If the rows held begin with row 1, as on a torus,
+    /// samples of row 0 move to `lowest`.
     pub fn take(&mut self, open: &mut Held, lowest: &mut Held, cells: &Cells, end: usize) {
         let first = self.end(cells);
         let complete = first..end;

@@ -178,8 +178,8 @@ impl<'a> Search<'a> {
                 }
             }
         }
-        // No cell of these tiles reaches half of the radius, so that the samples are crowded. (A stream passes the tiles of
-        // its first band.)
+        // No cell of these tiles reaches half of the radius, so that the samples are crowded. (A stream passes the
+        // tiles of its first band.)
         Err(Declined::Crowded)
     }
 
@@ -274,8 +274,8 @@ impl<'a> Search<'a> {
             arcs.truncate(arcs.len() - usize::from(!is_near));
         });
 
-        // Places beyond a side of the region need no cover. So the part of the circle beyond the side counts as covered, as
-        // an arc whose middle lies straight toward the side.
+        // Places beyond a side of the region need no cover. So the part of the circle beyond the side counts as
+        // covered, as an arc whose middle lies straight toward the side.
         let of_border = |line: &BorderLine| Arc {
             toward: line.outward(),
             least: line.depth(tile.position(index), domain.extent) / rho,

@@ -325,8 +325,8 @@ impl Tile {
                     runs[0].start = index + 1;
                     let lanes = |value: f32| f32x8::splat(simd, value);
                     let (x, y) = (lanes(xs[index]), lanes(ys[index]));
-                    // A pair counts in the tile that owns its first sample. For a sample of the halo, no pair counts here:
-                    // no squared distance is as low as -1.
+                    // A pair counts in the tile that owns its first sample. For a sample of the halo, no pair counts
+                    // here: no squared distance is as low as -1.
                     let near = if is_own { lanes(nearby) } else { lanes(-1.0) };
 
                     for run in &runs {

@@ -254,8 +254,8 @@ pub(super) fn original(grid: &Grid, place: DVec2) -> Site {
             };
         }
     }
-    // `site` makes a coordinate zero if it is too small for the triangulation. Then no sample lies exactly at `place`, and
-    // `place` itself stands for the sample.
+    // `site` makes a coordinate zero if it is too small for the triangulation. Then no sample lies exactly at `place`,
+    // and `place` itself stands for the sample.
     Site::at(place)
 }
 

@@ -410,8 +410,8 @@ impl LivePairs {
     }
 
     /// Returns the closest pair where no two samples are near each other: the square of its distance, and its slots.
-    /// Samples that are so far apart are few, and the nearest to each is searched in the grid's pyramid. None if there are fewer
-    /// than two samples.
+    /// Samples that are so far apart are few, and the nearest to each is searched in the grid's pyramid. None if there
+    /// are fewer than two samples.
     fn closest_of_sparse(&self) -> Option<(u64, [u32; 2])> {
         let size = self.histogram.plane.size.map(i64::from);
         let mut closest: Option<(u64, [u32; 2])> = None;

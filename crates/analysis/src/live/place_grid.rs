@@ -382,8 +382,8 @@ impl PlaceGrid {
         each: &mut impl FnMut(&Occupant, [i32; 2], &mut f64),
     ) {
         let Layer { columns, masks } = &self.layers[layer];
-        // The parts of a block of the lowest layer are cells. In each layer above, the parts are eight times as wide and as high
-        // as in the layer below. The factor is a power of two, so that the product is exact.
+        // The parts of a block of the lowest layer are cells. In each layer above, the parts are eight times as wide
+        // and as high as in the layer below. The factor is a power of two, so that the product is exact.
         let part_sides = self.sides * (1_u64 << (BLOCK.trailing_zeros() as usize * layer)) as f64;
         search.steps += 1;
         // One bit stands for each part of the block: those without samples and those that the square around the disk does not
@@ -431,8 +431,8 @@ struct DiskSearch {
 }
 
 impl DiskSearch {
-    /// Returns the parts of a block that the square around the disk meets, as bits. `part_sides` are the width and the height
-    /// of a part.
+    /// Returns the parts of a block that the square around the disk meets, as bits. `part_sides` are the width and the
+    /// height of a part.
     fn near(&self, block: [usize; 2], part_sides: DVec2) -> u64 {
         let radius = self.square.sqrt() + ROUNDING;
         // A disk may be larger than any integer can say: its ends then stay at the limits, far beyond the block.

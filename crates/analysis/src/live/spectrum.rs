@@ -70,8 +70,8 @@ impl LiveSpectrum {
     /// their number asks for. Of the frequencies along each axis every `stride`-th is kept.
     ///
     /// At most 1,024 frequencies along each axis are kept ([`Spectrum::MAX_CYCLES`] and 0). Two frequencies that differ
-    /// only in the sign of y share 4 sums of 8 bytes. For half a million samples or more on a square at stride 1 these take 34 MB, and each
-    /// change takes 4.2 million products. At stride 3 both are a ninth.
+    /// only in the sign of y share 4 sums of 8 bytes. For half a million samples or more on a square at stride 1 these
+    /// take 34 MB, and each change takes 4.2 million products. At stride 3 both are a ninth.
     ///
     /// # Errors
     ///
@@ -555,9 +555,9 @@ impl<'a> RowReader<'a> {
         let spectrum = self.spectrum;
         let mut sums = spectrum.sums.row(row);
         let stride = spectrum.stride as usize;
-        // The mean density, shaped by the taper, is subtracted. The taper's transform is zero beyond frequency 1 along each
-        // axis, so that only the frequencies 0 and 1 change. The taper is even, so that of the four product sums only that
-        // of two cosines changes.
+        // The mean density, shaped by the taper, is subtracted. The taper's transform is zero beyond frequency 1 along
+        // each axis, so that only the frequencies 0 and 1 change. The taper is even, so that of the four product sums
+        // only that of two cosines changes.
         for column in (0..2).filter(|column| (column * stride).max(row * stride) < 2) {
             let frequency = [column, row].map(|index| (index * stride) as i64);
             // Both columns are in the first block, and the product of two cosines is the first of the four.
