@@ -148,8 +148,8 @@ impl Pool {
                 }
             }
         }
-        // A task may end by itself meanwhile, and its worker then keeps the sessions that it has. Without a timer the
-        // task would only go on to its end.
+        // The timer gives each task time to end by itself. Its worker then keeps the sessions that it has. If no timer
+        // can be set, the task goes on to its end.
         for id in graced {
             let pool = self.clone();
             let end = Closure::once_into_js(move || pool.abandon(id));
@@ -291,8 +291,8 @@ impl Pool {
         if let Some(busy) = slot.busy {
             (busy.task.answer)(TaskEnd::Failed(text));
         }
-        // No worker is started any more, so that the tasks that wait fail, too. Only a fault brings this about, but
-        // both causes have a text.
+        // No worker is started any more, so that the tasks that wait fail, too. Only a fault is hopeless, but the
+        // pattern must name both causes.
         if is_hopeless {
             let (Break::Fault(why) | Break::Lacking(why)) = cause;
             let waiting = std::mem::take(&mut self.0.borrow_mut().waiting);
@@ -434,7 +434,8 @@ impl Inner {
         is_hopeless
     }
 
-    /// The idle worker that keeps the most sessions of the next task.
+    /// The place in `slots` of the idle worker that keeps the most sessions of the next task. `None` if no task waits,
+    /// or no worker is idle.
     fn idle(&self) -> Option<usize> {
         let next = self.waiting.front()?;
         let idle = self
@@ -453,7 +454,8 @@ impl Inner {
         Some(best.0)
     }
 
-    /// Sends the next task to a worker; if that fails, returns the receiver of the task's result and the reason.
+    /// Sends the next task to the worker at a place in `slots`. If that fails, returns the receiver of the task's
+    /// result and the reason. Returns `None` if the task was sent, or no task waits.
     fn send_next(&mut self, place: usize) -> Option<(Answer, String)> {
         let task = self.waiting.pop_front()?;
         let id = self.next_id;

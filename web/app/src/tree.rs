@@ -77,15 +77,16 @@ impl Plugin for Tree {
         input.focused |= self.holds_focus;
         self.answers |= !self.asked.is_empty();
 
-        // egui takes either a request for the focus or the keys of a frame, so that keys after one wait for the next frame.
+        // In one frame egui takes either a request for the focus or keys. So keys that follow such a request wait for
+        // the next frame.
         let is_focus = |event: &Event| match event {
             Event::AccessKitActionRequest(request) => request.action == Action::Focus,
             _ => false,
         };
-        let mut has_focus = false;
+        let mut follows_focus = false;
         let is_late = |event: &Event| {
-            has_focus |= is_focus(event);
-            has_focus && matches!(event, Event::Key { .. })
+            follows_focus |= is_focus(event);
+            follows_focus && matches!(event, Event::Key { .. })
         };
         let first_late = self.asked.iter().position(is_late);
         let late = first_late.map(|at| self.asked.split_off(at));
@@ -145,8 +146,8 @@ impl Tree {
                 data,
             }));
 
-        // egui closes a list by itself only when the pointer has chosen from it. After a choice by a request Escape
-        // does.
+        // egui closes a list by itself only when the pointer has chosen from it. After a choice by a request, Escape
+        // closes the list.
         let element = self.elements.get(&number);
         let is_chosen = action == Action::Click && element.is_some_and(|it| it.role == "option");
         let is_open = |it: &Element| it.role == "combobox" && it.expanded == Some(true);
@@ -181,7 +182,8 @@ impl Tree {
     /// Sends the changes since the last call to the page, if there are any.
     fn send(&mut self, update: &TreeUpdate, zoom: f64) {
         // At the first call the page may still have elements of a program that was replaced after its display was lost.
-        // It drops all its elements, as at any call after one without elements.
+        // So the page is told to drop all elements. After a call without elements it is told so again, and has none to
+        // drop.
         let is_first = self.elements.is_empty();
         let nodes: HashMap<NodeId, &Node> = (update.nodes.iter())
             .map(|(id, node)| (*id, node))
@@ -195,9 +197,10 @@ impl Tree {
         let Elements { all, top } = elements;
 
         // A request for the focus may name a node that has no element.
-        let focus = self.numbers.get(&update.focus).copied();
-        let focus = focus.filter(|number| all.contains_key(number));
-        let focus = focus.unwrap_or_default();
+        let numbered = self.numbers.get(&update.focus).copied();
+        let focus = numbered
+            .filter(|number| all.contains_key(number))
+            .unwrap_or_default();
 
         let changed = (all.iter())
             .filter(|(number, element)| self.elements.get(number) != Some(element))

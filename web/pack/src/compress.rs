@@ -41,18 +41,21 @@ pub fn sizes(text: &[u8]) -> [usize; 3] {
 /// bytes; gzip is fast enough to be run again.
 pub fn all(files: Vec<File>, earlier: &Path) -> Vec<Packed> {
     let packed = files.into_iter().map(|file| {
-        // `is_compressed` says whether a file gets copies at all: pictures, for one, do not, as their format is
-        // compressed.
-        let worth = names::is_compressed(&file.path);
+        // Some files get no copies: the format of pictures, for one, is compressed already.
+        let gets_copies = names::is_compressed(&file.path);
         let smaller = |copy: Vec<u8>| (copy.len() < file.bytes.len()).then_some(copy);
-        let gzip = worth.then(|| gzip(&file.bytes)).and_then(smaller);
-        let brotli = worth
+        let by_gzip = gets_copies.then(|| gzip(&file.bytes)).and_then(smaller);
+        let by_brotli = gets_copies
             .then(|| {
-                let copy = earlier.join(format!("{}.br", file.path));
-                kept(&copy, &file.bytes).unwrap_or_else(|| brotli(&file.bytes))
+                let earlier_copy = earlier.join(format!("{}.br", file.path));
+                kept(&earlier_copy, &file.bytes).unwrap_or_else(|| brotli(&file.bytes))
             })
             .and_then(smaller);
-        Packed { file, gzip, brotli }
+        Packed {
+            file,
+            gzip: by_gzip,
+            brotli: by_brotli,
+        }
     });
     packed.collect()
 }

@@ -284,7 +284,7 @@ impl Assembly<'_> {
         }
 
         self.open.push(name.to_owned());
-        let bytes = if source.has_placeholders {
+        let content = if source.has_placeholders {
             let text = std::str::from_utf8(&source.bytes).with_context(|| name.to_owned())?;
             let filled = rewrite(text, |placeholder| self.value(placeholder));
             filled.with_context(|| name.to_owned())?.into_bytes()
@@ -294,10 +294,10 @@ impl Assembly<'_> {
 
         // Comments go before the file gets its name, which has the hash of the served bytes.
         let bytes = if names::is_script(name) {
-            let text = std::str::from_utf8(&bytes).with_context(|| name.to_owned())?;
+            let text = std::str::from_utf8(&content).with_context(|| name.to_owned())?;
             without_comments(text).into_bytes()
         } else {
-            bytes
+            content
         };
 
         self.open.pop();

@@ -170,6 +170,7 @@ pub fn add(sources: &mut BTreeMap<String, Source>, address: &str) -> Result<()> 
     let page = filled(
         index.text()?,
         &[
+            // This mark stands in the head of `index.html`, and also takes the data for search engines.
             ("address", first_page_head(&entries, address)),
             ("cards", cards(&entries)),
             ("hero", hero(&entries)?),
@@ -269,7 +270,7 @@ fn add_pictures(sources: &mut BTreeMap<String, Source>, entry: &Entry) -> Result
     let cover = steps
         .get(entry.cover())
         .with_context(|| format!("{} has no step for its cover", entry.name))?;
-    // The dark one, as the program looks until another look is chosen.
+    // The first of the pictures is the dark one. The program is dark, too, until a person chooses another look.
     let png = to_png(&cover.pictures[0], PREVIEW)?;
     sources.insert(entry.preview_name(), Source::made(png).set_apart());
     Ok(())

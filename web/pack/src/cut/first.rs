@@ -147,7 +147,7 @@ pub fn by_name(program: &Program<'_>, holds: impl Fn(u32) -> bool) -> Vec<u32> {
     indices
 }
 
-/// Returns what the module exports: what it did before, and what the later module imports.
+/// Returns what the first module exports: what the program exports, and what the later module imports.
 fn exports(program: &Program<'_>, plan: &Plan, indices: &mut Indices) -> Result<ExportSection> {
     let mut exports = ExportSection::new();
     if let Some(section) = program.sections.exports.clone() {
@@ -164,7 +164,7 @@ fn exports(program: &Program<'_>, plan: &Plan, indices: &mut Indices) -> Result<
         exports.export(name, ExportKind::Func, indices.get(*index)?);
     }
 
-    // A name that is there twice makes the module invalid.
+    // A module with two exports of one name is invalid.
     let ours = shared_names(program, plan);
     let clash = program
         .export_names

@@ -27,8 +27,9 @@ pub struct Plan {
 }
 
 impl Plan {
-    /// Chooses by a rule, `is_later`, for the name of a function and its bytes of code, and by which functions call
-    /// which.
+    /// Chooses where each function goes. `is_later` gets the name of a function and how many bytes its code has. If it
+    /// is true, the function goes to the later module, and so do functions that are called only by way of such
+    /// functions.
     pub fn of(program: &Program<'_>, is_later: impl Fn(&str, usize) -> bool) -> Result<Self> {
         let chosen: BTreeSet<u32> = program
             .own()
@@ -61,8 +62,8 @@ impl Plan {
         }
 
         // Stubs stand for later functions that outside code, a table or the first module's own code refer to.
-        let called = first.iter().filter_map(|index| program.function(*index));
-        let called = called.flat_map(|function| function.calls.iter().copied());
+        let first_functions = first.iter().filter_map(|index| program.function(*index));
+        let called = first_functions.flat_map(|function| function.calls.iter().copied());
         let referred: BTreeSet<u32> = called
             .chain(roots)
             .filter(|index| later.contains(index))
@@ -97,18 +98,20 @@ fn reached(program: &Program<'_>, roots: &[u32], chosen: &BTreeSet<u32>) -> BTre
     found
 }
 
-/// Fails if an export that loads would call a stub, which would call the loader before it can work, or without end.
+/// Fails if the loader, or the setter, would call a stub. Each stub calls the loader. So the loader would call itself
+/// without end, and the setter would call the loader before the loader can work. `export` is the name of the loader or
+/// of the setter, and `root` its index.
 fn check_loader(
     program: &Program<'_>,
     export: &str,
-    loader: u32,
+    root: u32,
     later: &BTreeSet<u32>,
 ) -> Result<()> {
     // All that it calls counts, by way of later functions as well: no function stops the search.
     let none_chosen = BTreeSet::new();
-    let needed = reached(program, &[loader], &none_chosen);
-    let stub = needed.iter().find(|index| later.contains(index));
-    let name = stub
+    let needed = reached(program, &[root], &none_chosen);
+    let needed_later = needed.iter().find(|index| later.contains(index));
+    let name = needed_later
         .and_then(|index| program.function(*index))
         .map(|function| &function.name);
     ensure!(
