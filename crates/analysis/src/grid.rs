@@ -102,7 +102,8 @@ impl Grid {
         count: usize,
         entry: impl Fn(usize) -> Entry + Sync,
     ) -> Self {
-        // No cell has this number: only grids of some rows leave samples out, and they hold 2^24 cells at most.
+        // No cell has this number: only the grids of a stream leave samples out, and a stream holds 2^24 cells at most
+        // (see `stream/bands.rs`).
         const NOT_HELD: u32 = u32::MAX;
         let cell_of = |index: usize| {
             let [column, row] = cell_at(&domain, cells, entry(index).position);

@@ -217,7 +217,8 @@ pub(super) fn sorted(cell_of: &[u32], cells: usize) -> (Vec<u32>, Vec<u32>) {
     let mut starts = vec![0_u32; cells + 2];
     for &cell in cell_of {
         if cell != NO_CELL {
-            // Samples are counted two entries on, since each start moves by one cell when places are handed out below.
+            // The samples of cell `c` are counted in entry `c + 2`. So the sums below make entry `c + 1` the start of
+            // cell `c`.
             starts[cell as usize + 2] += 1;
         }
     }
@@ -229,14 +230,14 @@ pub(super) fn sorted(cell_of: &[u32], cells: usize) -> (Vec<u32>, Vec<u32>) {
     let mut order = vec![0; starts[cells + 1] as usize];
     for (index, &cell) in (0..).zip(cell_of) {
         if cell != NO_CELL {
-            // Each start moves on to that of the next cell.
+            // Entry `c + 1` grows with each sample of cell `c`, from the cell's start to its end.
             let next = &mut starts[cell as usize + 1];
             order[*next as usize] = index;
             *next += 1;
         }
     }
-    // Each cell's entry is now its own start, and the entry behind them the end of the last cell. One more entry is
-    // left over.
+    // The end of a cell is the start of the next one. So entry `c` is now the start of cell `c`, and the entry behind
+    // those of all cells is the end of the last cell. One more entry is left over.
     starts.pop();
     (starts, order)
 }

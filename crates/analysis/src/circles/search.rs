@@ -40,7 +40,8 @@ pub(crate) fn search(
     question: &Question,
     monitor: &Monitor<'_>,
 ) -> Judged<Found> {
-    // No circle has a radius above the limit, so that cells of that size hold the neighbours.
+    // Circles and disks have at most the limit as their radius. If cells have that size, the cells around the
+    // cell of a sample hold all samples whose disks may meet its circle.
     let samples =
         Cells::new(question.domain, question.limit).and_then(|cells| Samples::new(cells, points));
     let samples = match samples {

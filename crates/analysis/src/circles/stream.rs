@@ -251,7 +251,7 @@ impl CircleBands {
         // The rows go on across the seam: after the last one come the first ones, which were kept for that.
         let mut held = mem::replace(&mut self.rows, SortedRows::new(0));
         if cells.domain.periodic {
-            // The lowest row, which ends before row 1, is complete only now.
+            // Only now is row 0 complete: its samples could come until the end of the stream.
             let mut lowest = SortedRows::new(0);
             // All of these samples are in row 0, so that none is set aside as late.
             lowest.take(&mut self.lowest, &mut Held::default(), &cells, 1);

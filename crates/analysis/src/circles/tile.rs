@@ -399,7 +399,8 @@ impl Tile {
             return;
         }
 
-        // In a narrow torus a sample meets several copies of another one; only that along the shorter way is the pair.
+        // In a narrow torus a sample meets several copies of another sample. Only the copy along the shorter way
+        // counts.
         let periods = samples.cells.domain.periods();
         let is_shorter_way = (0..2).all(|axis| {
             let between = other.position[axis] - one.position[axis];

@@ -215,7 +215,8 @@ impl LiveCover {
         self.grid.remove(place, |occupant| occupant.slot == slot);
         self.free.push(slot);
 
-        // All other neighbours are within two thresholds, or their cells are kept (see the head of this file).
+        // Now the neighbours that the sample's cell did not name. Each of them is within two thresholds, or its own
+        // cell is kept (see the head of this file).
         let two_thresholds_square = 4.0 * self.threshold * self.threshold;
         let mut steps = self.grid.around(place, REACH, |other, offset| {
             let is_kept = !self.taken[other.slot as usize].vertices.is_empty();
@@ -233,7 +234,8 @@ impl LiveCover {
         for &other in touched.iter().filter(|&&other| other != slot) {
             let kept = &self.taken[other as usize].vertices;
             let mut neighbours = kept.iter().filter_map(Vertex::neighbour);
-            // A kept cell that does not border on the sample does not change. A neighbour without a kept cell may need one now.
+            // A kept cell that does not border on the removed sample does not change. A cell that is not kept may
+            // reach beyond the threshold now.
             if kept.is_empty() || neighbours.any(|(neighbour, _)| neighbour == slot) {
                 steps += self.examine(other).0;
             }

@@ -204,8 +204,8 @@ impl<'a> Program<'a> {
     fn take_elements(&mut self, section: ElementSectionReader<'a>) -> Result<()> {
         for element in section.clone() {
             let element = element?;
-            // The linker has all functions put into the table as the module begins, at places that are numbers. The
-            // places of functions put there later, or at a computed place, would not be known here.
+            // The linker lets the module put all functions into tables when it begins, at places that are plain
+            // numbers. If functions were put there later, or at computed places, their places would not be known here.
             let ElementKind::Active {
                 table_index,
                 offset_expr,

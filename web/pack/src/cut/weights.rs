@@ -74,7 +74,7 @@ impl fmt::Display for Weights {
             .iter()
             .map(|(name, weight)| (name.as_str(), *weight))
             .collect();
-        // The largest code first, wherever it is: that is where something can be saved.
+        // The crate with the most code comes first, in whichever module the code is: most can be saved there.
         let sum = |weight: &Weight| weight.bytes[0] + weight.bytes[1];
         rows.sort_by_key(|(_, weight)| std::cmp::Reverse(sum(weight)));
 
