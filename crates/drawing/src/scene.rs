@@ -108,15 +108,7 @@ impl<'a> Scene<'a> {
     /// Returns about how many samples are in view.
     #[must_use]
     pub fn count_in_view(&self) -> usize {
-        let all = self.session.index.count_in(self.low, self.high);
-        // The index has all samples, of which a prefix of nested levels shows fewer: by the square of the factor by
-        // which they are farther apart. `spacing` also counts how much larger than r the usual radius of a field is,
-        // which hides none.
-        let of_prefix = self.shown.spacing() / self.session.usual_radius();
-        // Of a set in space the plane shows the samples at most r above or below it.
-        let solid = self.session.solid.as_ref();
-        let of_plane = solid.map_or(1.0, MadeSolid::share_cut);
-        (all as f64 * of_plane / of_prefix.powi(2)) as usize
+        self.shown.count_within(self.low, self.high)
     }
 
     /// Returns whether a layer is on.

@@ -3,12 +3,13 @@
 
 use std::sync::Arc;
 
+use glam::DVec2;
 use serde_json::{Value, json};
 use tilescope_core::{Fate, Origin, Point, Stage, Standing};
 use tilescope_debugger::{Context, Debugger, Event, Status};
 
 use crate::session::Session;
-use crate::solid::Cut;
+use crate::solid::{Cut, MadeSolid};
 use crate::task::SessionRef;
 
 /// A moment of a session.
@@ -240,6 +241,21 @@ impl<'a> ShownMoment<'a> {
             .prefix
             .map_or(1.0, |count| (all as f64 / count.max(1) as f64).sqrt());
         of_prefix * self.session.usual_radius()
+    }
+
+    /// Returns about how many samples are shown in a rectangle of the plane, from its lower to its upper corner in user
+    /// units.
+    #[must_use]
+    pub fn count_within(&self, low: DVec2, high: DVec2) -> usize {
+        // The index has all samples, of which a prefix shows fewer.
+        let in_all = self.session.index.count_in(low, high) as f64;
+        let all = self.session.summary.count.max(1);
+        let of_prefix = self.prefix.map_or(1.0, |count| count as f64 / all as f64);
+
+        // Of a set in space the plane shows the samples at most r above or below it.
+        let solid = self.session.solid.as_ref();
+        let of_plane = solid.map_or(1.0, MadeSolid::share_cut);
+        (in_all * of_prefix * of_plane) as usize
     }
 
     /// Returns whether the moment is the end of a stage.

@@ -7,7 +7,7 @@ use tilescope_debugger::{SavedBreakpoint, SavedScene};
 use tilescope_session::ground::{GroundRequest, PortableGround};
 use tilescope_session::recipe::Recipe;
 
-use super::text::rings_text;
+use super::text::{escaped, rings_text};
 use super::{MAX_GROUND, MAX_SAMPLES};
 use crate::view::SavedView;
 
@@ -80,8 +80,9 @@ pub(crate) fn allows(nested: &NestedRequest) -> bool {
 /// Returns whether a link may hold a field and a shape: without images, and not too long.
 pub(crate) fn carries(ground: &GroundRequest) -> bool {
     PortableGround::of(ground).is_some_and(|portable| {
-        let expression = portable.radius_expression.map_or(0, |text| text.len());
-        expression + rings_text(&portable.rings).len() <= MAX_GROUND
+        // Marks of a formula take three characters of a link each. Those of corners are not escaped.
+        let formula = portable.radius_expression.as_deref().unwrap_or_default();
+        escaped(formula).len() + rings_text(&portable.rings).len() <= MAX_GROUND
     })
 }
 

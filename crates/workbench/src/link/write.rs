@@ -44,6 +44,13 @@ pub(super) const NINE_SETS: &str = "nine";
 #[must_use]
 pub fn write(content: &LinkContent) -> Link {
     let mut writer = Writer::default();
+    // The language comes last, behind parts that may fill the link.
+    writer.language(content);
+    let reserved = writer.text.len() + 1;
+    writer = Writer {
+        reserved,
+        ..Writer::default()
+    };
     writer.put("v", VERSION.to_string());
 
     if let Some(lesson) = &content.lesson {
@@ -73,6 +80,8 @@ pub fn write(content: &LinkContent) -> Link {
 struct Writer {
     text: String,
     left_out: Vec<String>,
+    /// Characters at the end of the link that no part but the language may take.
+    reserved: usize,
 }
 
 impl Writer {
@@ -87,7 +96,7 @@ impl Writer {
 
     /// Returns the number of characters left for the value of a key: `&` and `=` take two.
     fn room(&self, key: &str) -> usize {
-        MAX_CHARACTERS.saturating_sub(self.text.len() + key.len() + 2)
+        MAX_CHARACTERS.saturating_sub(self.reserved + self.text.len() + key.len() + 2)
     }
 
     fn lesson(&mut self, lesson: &WantedLesson) {

@@ -534,11 +534,8 @@ fn checked_scale(
     view: &PictureView,
 ) -> Result<f64, ExportRefusal> {
     let (low, high) = view.camera.visible(source.run.viewport);
-    // The index has all samples of the session. A shorter prefix of nested levels has fewer samples: if its neighbours
-    // are 2 times as far apart, it has a quarter of them.
-    let spacing = source.run.shown().map_or(1.0, |shown| shown.spacing());
-    let in_view = source.session()?.index.count_in(low, high) as f64 / spacing.powi(2);
-    let samples = in_view as usize;
+    // A session without a moment to show yet has no samples to draw.
+    let samples = (source.run.shown()).map_or(0, |shown| shown.count_within(low, high));
     if samples > MAX_DRAWN {
         return Err(ExportRefusal::TooManySamples(samples));
     }

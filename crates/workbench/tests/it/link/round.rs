@@ -21,7 +21,7 @@ use tilescope_workbench::compare::{CompareCommand, ComparePreset};
 use tilescope_workbench::draft::Choice;
 use tilescope_workbench::files::SaveTask;
 use tilescope_workbench::layout::Panel;
-use tilescope_workbench::link::{MAX_CHARACTERS, MAX_TEXT, read};
+use tilescope_workbench::link::{MAX_CHARACTERS, MAX_TEXT, read, write};
 use tilescope_workbench::scenes::SceneCommand;
 use tilescope_workbench::state::{PageAddress, Settings};
 use tilescope_workbench::{Command, State};
@@ -363,6 +363,20 @@ fn parts_that_do_not_fit_are_left_out_and_named() {
     }
     let there = opened(&link.fragment);
     assert_eq!(there.link().fragment, link.fragment);
+
+    // The language comes last, and finds its room however full the link is.
+    let (mut content, _) = read(&link.fragment);
+    content.language = Some("de".to_owned());
+    for letters in 0..80 {
+        content.watches[0] = "x".repeat(letters + 1);
+        let full = write(&content).fragment;
+        assert!(full.ends_with("&language=de"), "{full}");
+        assert!(
+            (7_800..=MAX_CHARACTERS).contains(&full.len()),
+            "{}",
+            full.len()
+        );
+    }
 }
 
 #[test]
