@@ -89,6 +89,30 @@ fn ranks_are_verified_and_faults_in_them_are_found() {
 }
 
 #[test]
+fn a_stated_level_that_the_file_does_not_have_is_a_difference() {
+    let folder = tempdir().unwrap();
+    let ask = [
+        "sample", "--radius", "0.05", "--levels", "2", "--out", "set.csv", "--json",
+    ];
+    json(&folder, &ask, 0);
+    let differences =
+        |code| json(&folder, &["verify", "set.csv", "--json"], code)["differences"].clone();
+    assert_eq!(differences(0), json!([]));
+
+    // The level has all measures of the last one, so that its count alone is wrong.
+    let path = folder.path().join("set.csv.certificate.json");
+    let mut stated: Value = serde_json::from_str(&fs::read_to_string(&path).unwrap()).unwrap();
+    let levels = stated["levels"].as_array_mut().unwrap();
+    let mut beyond = levels[1].clone();
+    beyond["count"] = json!(beyond["count"].as_u64().unwrap() + 1);
+    levels.insert(1, beyond);
+    fs::write(&path, stated.to_string()).unwrap();
+    let found = differences(1);
+    assert_eq!(found[0]["field"], "levels", "{found}");
+    assert_eq!(found[0]["stated"], "3 levels", "{found}");
+}
+
+#[test]
 fn samples_are_kept_by_their_ranks() {
     let folder = tempdir().unwrap();
     let ask = [

@@ -4,7 +4,7 @@
 
 use std::collections::BTreeSet;
 
-use anyhow::{Result, anyhow, ensure};
+use anyhow::{Result, anyhow, bail};
 use wasm_encoder::reencode::{self, Reencode};
 use wasm_encoder::{
     CodeSection, DataCountSection, DataSection, ElementSection, ExportKind, ExportSection,
@@ -170,10 +170,9 @@ fn exports(program: &Program<'_>, plan: &Plan, indices: &mut Indices) -> Result<
         .export_names
         .iter()
         .find(|name| ours.contains(**name));
-    ensure!(
-        clash.is_none(),
-        "the export {clash:?} has a name that the later module needs"
-    );
+    if let Some(name) = clash {
+        bail!("the export {name} has a name that the later module needs");
+    }
     Ok(exports)
 }
 
