@@ -113,7 +113,8 @@ pub(crate) fn chosen(
     Ok(places)
 }
 
-/// The column that the caller chose, by its name or its number, as [`chosen`] takes each of two.
+/// The column that the caller chose by its name, or by its number from 1 if no column has that name. `count` is the
+/// number of columns. The error is a reason: no column is meant, or several may be.
 pub(crate) fn one(wanted: &str, names: &[String], count: usize) -> Result<usize, String> {
     // Names that differ in case alone, such as `Lon` and `LON`, are chosen by their exact spelling. Any other spelling,
     // such as `lon`, could mean each of them, and is refused.
@@ -182,7 +183,7 @@ fn degrees(names: &[String]) -> Option<[&String; 2]> {
 fn specific_words(name: &str) -> Vec<String> {
     let mut depth = 0_u32;
     let without_units = name.chars().map(|letter| {
-        // A closing bracket still belongs to what it closes, and one that closes nothing to the name.
+        // A closing bracket is part of the unit that it ends. If no bracket is open, it is part of the name.
         let opens = matches!(letter, '[' | '(' | '{');
         let closes = matches!(letter, ']' | ')' | '}');
         depth += u32::from(opens);

@@ -71,7 +71,8 @@ pub fn certificate_beside(path: &Path) -> PathBuf {
 /// has put there since is not followed. The new file gets the mode of the file `like`, which it will replace, if there is
 /// one.
 pub(crate) fn create_own(path: &Path, like: &Path) -> io::Result<File> {
-    // If this fails, opening the file fails, too, with an error that says why.
+    // If nothing is at `path`, nothing needs to be removed. If a file there cannot be removed, opening the new one
+    // fails below, with an error that says why.
     let _ = fs::remove_file(path);
     // Without a file to be replaced, the new one gets the usual mode.
     let mode = fs::metadata(like).map(|old| old.permissions());

@@ -209,7 +209,8 @@ enum TextShape {
     Words { are_several: bool },
 }
 
-/// The format of a text whose name is `path`.
+/// The format of a text in a file called `path`. `None` if the bytes are no text, if they have no lines but remarks,
+/// and if neither their shape nor the name says what they are.
 fn text_format(bytes: &[u8], path: &Path) -> Option<Format> {
     let (named, shape) = (NamedText::of(path), text_shape(bytes)?);
     Some(match (named, shape) {
@@ -249,7 +250,7 @@ fn text_shape(bytes: &[u8]) -> Option<TextShape> {
     drop(rows);
 
     let text = std::str::from_utf8(first).ok()?;
-    // Binary data may pass for a line of text, but hardly without control characters, which text lacks.
+    // Binary data may be valid UTF-8, but nearly always has control characters. Text has none.
     if text.contains(|c: char| c.is_control() && !c.is_whitespace()) {
         return None;
     }
@@ -275,8 +276,8 @@ fn text_shape(bytes: &[u8]) -> Option<TextShape> {
         return Some(TextShape::Words { are_several });
     }
 
-    // A semicolon makes a table only of numbers. Numbers between tabs count as those between blanks: the codecs of
-    // psa's and UTK's text read both.
+    // All fields are numbers from here on. Semicolons between them make a table. Tabs between them count as blanks,
+    // since the codecs of psa's and UTK's text read both.
     if separator == Separator::Semicolon {
         return Some(TextShape::Table);
     }
@@ -338,6 +339,7 @@ impl Format {
     /// Whether a file of this format is recognised under a name that stands for `named`.
     fn is_recognised_as(self, named: Self) -> bool {
         let marked = match self {
+            // What this program writes in these formats begins with a mark, which decides under any name.
             Self::UtkBinary
             | Self::Npy
             | Self::PlyAscii

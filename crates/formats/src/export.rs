@@ -542,7 +542,8 @@ pub(crate) fn certificate(
         valid: report.valid(),
         judges: report.judges.clone(),
         levels: Vec::new(),
-        // A set whose factor is beyond all that are measured is no prefix of a larger one, and not valid as a whole either.
+        // If the factor is above the largest one that is measured, the report has none, and the set is not certified as
+        // a prefix. Its places are then judged by the radius itself, so that it has gaps and is not valid.
         prefix: (context.made.zip(report.covering_factor)).map(|(made, factor)| CertifiedPrefix {
             made,
             kept: report.count as u64,
@@ -579,12 +580,12 @@ pub(crate) fn warnings(
         });
     }
 
-    // Nested levels that were cut to a number of samples do not claim to be maximal: their gaps are no cause for a warning,
-    // unless rounding made them.
+    // A set of nested levels claims to be maximal if its last level is to cover within the radius. Levels that were cut
+    // to a number of samples do not claim that: their gaps are no cause for a warning, unless rounding made them.
     let last = certificate.levels.last();
-    let is_claimed = last.is_none_or(|last| last.covering == Some(certificate.radius.least()));
+    let claims_maximal = last.is_none_or(|last| last.covering == Some(certificate.radius.least()));
     let made_gaps = rounding.is_some_and(|r| r.made_gaps);
-    if certificate.gaps > 0 && (is_claimed || made_gaps) {
+    if certificate.gaps > 0 && (claims_maximal || made_gaps) {
         warnings.push(Warning::Gaps {
             count: certificate.gaps,
             by_rounding: made_gaps,

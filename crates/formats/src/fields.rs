@@ -15,8 +15,8 @@ pub(crate) enum Separator {
 impl Separator {
     /// The separator of a row, by what it holds outside quotation marks.
     ///
-    /// Tab and semicolon come before the comma, which may be a decimal comma beside them. For the same reason a comma does
-    /// not separate fields where blanks separate numbers: in `0,5 0,25`, but not in `0.5, 0.25`.
+    /// Tabs and semicolons are tried before commas, since a comma beside them may be a decimal comma. So may a comma
+    /// beside blanks: in `0,5 0,25` the blank separates, and in `0.5, 0.25` the comma does.
     pub fn of(row: &[u8]) -> Self {
         let outside: Vec<u8> = outside_quotes(row).collect();
         // A tab may be one of several blanks, and a comma a decimal one, so that neither separates if a part between

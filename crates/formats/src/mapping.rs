@@ -83,10 +83,10 @@ impl Mapping {
 
     /// The coordinates which a file stores for the domain position `point`.
     ///
-    /// f32 formats round to the nearest f32, and a sum with an origin is rounded, too, but never beyond the upper side of
-    /// the region: on a torus a coordinate lifted to the period becomes that of the lower side, the same place; in a
-    /// bounded region it is rounded down. An origin that is no f32 may be rounded down itself, and a position at the lower
-    /// side with it.
+    /// In f32 formats coordinates are rounded to the nearest f32. A sum with an origin is rounded in every format.
+    /// Rounding moves no position beyond the upper side of the region: on a torus a coordinate that reaches the period
+    /// is stored as that of the lower side, which is the same place; in a bounded region it is rounded down. An origin
+    /// that is no f32 may be rounded down, and positions at the lower side with it.
     #[must_use]
     pub fn file_from_domain(&self, point: [f64; 2]) -> [f64; 2] {
         let point = DVec2::from(point);
@@ -97,7 +97,8 @@ impl Mapping {
 
         let sides = extent(region);
         let limit = sides / self.scale + self.origin;
-        // Positions outside the region are left as they are; only storing must not move one out of it.
+        // A position outside the region is left as it is. A position inside must not leave the region because it is
+        // rounded.
         let (moves, to) = match region.boundary {
             Boundary::Periodic => (
                 point.cmplt(sides) & stored.cmpge(limit),
@@ -208,7 +209,8 @@ pub(crate) fn check_origin(
     let is_finite = corners.as_flattened().iter().all(|at| at.is_finite());
     // Floating-point numbers lie farthest apart at the coordinate that is farthest from 0.
     let farthest = (corners.as_flattened().iter()).fold(0.0_f64, |far, at| far.max(at.abs()));
-    // A coordinate too large for f32 gives NaN, which is refused below, as it compares as no smaller.
+    // A coordinate too large for f32 becomes infinite, and its spacing NaN. The comparison below is false for NaN, so
+    // that such an origin is refused.
     let spacing = match precision {
         _ if !is_finite => f64::INFINITY,
         Precision::Single => f64::from((farthest as f32).next_up() - farthest as f32),
@@ -296,7 +298,7 @@ mod tests {
                         Boundary::Bounded => (0.0..=width).contains(&at),
                     };
                     assert!(back.iter().all(is_inside), "{back:?} at {origin:?}");
-                    // That at the largest coordinate of the origins.
+                    // No coordinate of these regions lies where numbers are farther apart than at 5.4e6.
                     let spacing = 5.4e6_f64.next_up() - 5.4e6;
                     assert!(mapping.shift(edge, back) <= spacing);
                 }

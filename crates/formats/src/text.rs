@@ -129,7 +129,8 @@ fn has_decimal_comma(token: &[u8]) -> bool {
     text.contains(',') && text.replacen(',', ".", 1).parse::<f64>().is_ok()
 }
 
-/// The first `N` fields of `fields` as numbers; extra fields are an error when `exact`.
+/// The first `N` fields of a line as numbers. Fails if there are fewer fields, if one of the first `N` is no finite
+/// number, and, when `exact`, if there are more fields.
 pub(crate) fn numbers<'a, const N: usize>(
     mut fields: impl Iterator<Item = &'a [u8]>,
     format: Format,
@@ -139,7 +140,7 @@ pub(crate) fn numbers<'a, const N: usize>(
     let place = FilePlace::Line(line);
     let mut values = [0.0; N];
     for (found, value) in values.iter_mut().enumerate() {
-        // Up to here as many fields were found as values are filled in.
+        // The index of this value is the number of fields before it.
         let too_few = FormatError::Columns {
             format,
             place,

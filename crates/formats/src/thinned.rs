@@ -65,8 +65,8 @@ impl ThinnedFacts<'_> {
             density: count as f64 * self.radius.least().powi(2) / self.region.area(),
             relative_radius: None,
             valid: report.valid(),
-            // The judge of thinned sets has no name of its own. Like the one that subdivides squares it divides, here
-            // the points, until few are left in a part.
+            // The judge of thinned sets has no name of its own. It has that of the judge that subdivides squares, since
+            // it divides, too: it divides the points, until few are left in a part.
             judges: vec![Judge::Subdivision],
             levels: Vec::new(),
             prefix: None,

@@ -22,7 +22,9 @@ pub(crate) struct Lock {
 impl Lock {
     /// Locks the name `file`, with links resolved.
     ///
-    /// Fails with [`FormatError::Busy`] when another writer has the lock for longer than `patience`.
+    /// Fails with [`FormatError::Busy`] when another writer has the lock for longer than `patience`, with
+    /// [`FormatError::NotAFile`] when anything but a file has the lock's name, and with [`FormatError::Io`] when the
+    /// lock file cannot be opened or looked up.
     pub fn take(file: &Path, patience: Duration) -> Result<Self, FormatError> {
         let path = with_suffix(file, ".lock");
         let began = Instant::now();

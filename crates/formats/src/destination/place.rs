@@ -67,23 +67,25 @@ impl Place {
         is_of(&self.certificate, &self.file)
     }
 
-    /// Gives a certificate its name again if it is that of the file, and removes the rest. Files that cannot be renamed
-    /// or removed are left: the next writer tries again.
+    /// Puts the certificate in its place if it is missing there and one of its temporary files states the file's
+    /// digest. Then removes all temporary files of this place. Files that cannot be renamed or removed are left: the
+    /// next writer tries again.
     fn recover(&self) {
         let left = [
             hidden(&self.certificate, "new"),
             hidden(&self.certificate, "old"),
         ];
 
-        // A process that ended between two renames left the certificate under one of these names. The digest says whose it is.
+        // A process that ended between two renames left the certificate under one of these names. The digest in it says
+        // whether it is the certificate of the old file or of the new one.
         if !self.certificate.exists()
             && let Some(own) = left.iter().find(|left| is_of(left, &self.file))
         {
             let _ = fs::rename(own, &self.certificate);
         }
 
-        // The certificate of an older program beside a link is not given back: without it the old file has none, which
-        // is safe.
+        // A certificate that an older program wrote beside a link is removed and not put back. The file is then without
+        // a certificate, which is safe.
         let mut remains = left.to_vec();
         remains.extend([self.new_file(), hidden(&self.file, "old")]);
         remains.extend(self.beside_link.as_deref().map(|one| hidden(one, "old")));

@@ -43,8 +43,8 @@ pub(super) fn check_from(
     let in_memory = || check(path, overrides, control).map(|(_, check)| check);
     let length =
         (Input::open(path).and_then(|input| input.length())).map_err(|e| io_error(path, e))?;
-    // Small files are read whole. So is a file of which one set is chosen, and one for subdivision, which needs all samples at
-    // once.
+    // Small files are read whole. So is a file of which one set is chosen. A set whose radius varies or that covers a
+    // shape (`varying`) is judged by subdivision, which needs all samples at once.
     if length <= whole || overrides.set.is_some() || overrides.varying.is_some() {
         return in_memory();
     }
@@ -62,9 +62,9 @@ pub(super) fn check_from(
         reader
     };
 
-    // Shuffled points, and those of levels, are not in the order of rows, and a stream would fail after it has read a part of
-    // them. They are read whole at once, if memory allows. A text does not state its number of points: whether it is
-    // too large shows when it is read.
+    // Shuffled points, and those of levels, are not in the order of rows, and a stream would fail after it has read a
+    // part of them. Their file is read whole at once, unless it states too many points. A text states no number:
+    // whether it is too large shows when it is read.
     let is_not_in_rows =
         |stated: &Certificate| stated.shuffle_seed.is_some() || !stated.levels.is_empty();
     if reader.certificate().is_some_and(is_not_in_rows)
@@ -73,8 +73,8 @@ pub(super) fn check_from(
         return in_memory();
     }
 
-    // A text does not state its number of points. A point takes at least four bytes of it, so that this is the largest
-    // number possible. The error below names it, and refuses some texts that have fewer points.
+    // A point of a text takes at least four bytes, as in `0,0` and its line end: a text has at most this many points.
+    // The limit below is compared with this bound, so that some texts are refused that have fewer points.
     let count = reader.count().unwrap_or(length / 4);
 
     match in_pieces(reader, overrides, control) {

@@ -290,7 +290,8 @@ impl StreamExport {
         let layout = Layout::of(&start, format, usual_columns)?
             .ok_or(ExportError::NotStreamed { format })?;
         let mut rows = layout.rows;
-        // The columns of a text table follow from its header. psa's RPS, which has no head, reads nothing here.
+        // Rows that begin at byte 0 include the header of a text table, from which the columns follow. The head of
+        // psa's RPS is empty, so that nothing is read of it.
         if layout.offset == 0 {
             rows.read(&start)?;
         }
@@ -450,7 +451,7 @@ fn locked(path: &Path) -> Result<(Place, Lock), ExportError> {
     Ok((place, lock))
 }
 
-/// Returns how a set is written band by band. Fails if that is not possible, before any work is done.
+/// Returns how a set is written point by point. Fails if that is not possible, before any work is done.
 fn stream_target(path: &Path, context: &ExportContext) -> Result<Target, ExportError> {
     let mut streamed = target(&file_name(path)?, context)?;
     // Whether the certificate can be written is checked before any work, since a failure at the end would lose the

@@ -241,8 +241,8 @@ impl StateFile {
         let mut bytes = judges.stored.save().map_err(failed)?;
         let stored_length = bytes.len() as u64;
         if let Some(original) = &judges.original {
-            // A verifier with an error cannot be saved. While points are taken, errors of the original positions may be passed
-            // over; here they are not.
+            // A verifier that has met an error cannot be saved. While points are taken, `Judges::take` goes on after an
+            // error of the original positions. A checkpoint cannot, as it has to hold their verifier.
             bytes.extend(original.save().map_err(failed)?);
         }
 
