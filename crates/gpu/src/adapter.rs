@@ -39,8 +39,9 @@ pub struct Limits {
 /// The most storage buffers that a pass binds, which is what WebGPU guarantees.
 pub(crate) const MAX_STORAGE_BUFFERS: u32 = 8;
 
-/// Rows of `GROUP_COLUMNS` workgroups for the largest frame: an invocation for each of the 8 rows of pixels of 2^28
-/// open cells, and one row to spare.
+/// Rows of workgroups for the largest frame. It has 2^28 open cells with 8 rows of pixels each, and an invocation for
+/// each row of pixels: 2^31. A row of `GROUP_COLUMNS` (1024) workgroups of 64 has 2^16 of them, which makes 2^15 rows
+/// of workgroups. One more is to spare.
 const MAX_GROUP_ROWS: u64 = 32_769;
 
 /// Which adapter to open.

@@ -223,6 +223,7 @@ fn unsigned() -> Vec<(&'static str, u32)> {
         ("NO_SAMPLE", NO_SAMPLE),
         ("DART_PRESENT", DART_PRESENT),
         ("DART_QUESTION", DART_QUESTION),
+        // The words of a `Proposal` (layout.rs).
         ("PROPOSAL_WORDS", 8),
         ("PROPOSAL_UNDECIDED", 0),
         ("PROPOSAL_KEPT", 1),

@@ -63,8 +63,8 @@ impl CpuReference {
         stage: Stage,
         observer: &mut dyn Observer,
     ) -> Result<(), SampleError> {
-        // The sequential engine has no stage for an iteration that finds nothing: its next stage may then lie behind
-        // the one that is asked for, and is not run.
+        // The sequential engine has no stage for an iteration that finds nothing. If such an iteration is asked for,
+        // the engine's next stage comes after it, and is not run.
         while self.done < Some(stage) && self.engine.next().is_some_and(|next| next <= stage) {
             match self.engine.step(observer)? {
                 Some(ran) => self.done = Some(ran),

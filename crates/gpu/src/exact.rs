@@ -344,8 +344,9 @@ impl ExactWork {
                     let (stage, code) = (self.stage(), FAULT_ROUNDS);
                     return Err(GpuError::Fault { stage, code });
                 }
-                // A round that changes nothing proves the answers, and all rounds after it do nothing, so that the last one
-                // says so.
+                // Each round clears this counter first, so that it counts the changes of the last one. A round that
+                // changes nothing proves the answers. All later rounds then change nothing, so that the last one tells
+                // whether any did.
                 if self.counter(counter::CHANGED) > 0 {
                     ExactStep::Rounds(index)
                 } else {
@@ -368,7 +369,8 @@ impl ExactWork {
         self.counters[counter as usize]
     }
 
-    /// Returns the room of the next attempt if a list is too short, as far as the device has come.
+    /// Returns the room of the next attempt if a list was too short for what the passes so far had to put into it.
+    /// `None` if all lists suffice so far.
     fn shortage(&self) -> Option<DartRoom> {
         // Counters go on beyond the room of their lists. That of marked cells is cleared once they are cut; if their list was too
         // short, the pass that cuts them raises the counter of the open cells to their number.

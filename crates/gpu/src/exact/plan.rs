@@ -17,7 +17,8 @@ pub(super) struct DartRoom {
     pub cells: u32,
 }
 
-/// The most bytes of darts: of 2^31 darts, which are half of those that 32 bits can count.
+/// The bytes of 2^31 darts, the most that are allowed: half of those that 32 bits can count. A room that is too large
+/// for 32 bits saturates, and then lies above this limit.
 const MOST_DART_BYTES: u64 = (1 << 31) * size_of::<Dart>() as u64;
 
 /// How many cells of side R a side has.
@@ -35,9 +36,10 @@ impl DartRoom {
         let pattern = arrived.pattern();
         let density = pattern.samples().len() as f64 / pattern.domain().area_radii();
 
-        // Darts are thrown along the borders of blocks, whose length to an area falls as the leaf grows. Measured to a squared
-        // radius, at leaves of 6, 20 and 80 r: 0.64, 0.22 and 0.06 darts that became questions, and 0.94, 0.33 and 0.10 cells in
-        // the longest list. There is room for a quarter to a half more.
+        // Darts are thrown along the borders of blocks. The larger the leaf, the shorter are these borders in an area.
+        // For each r^2 of area were measured, at leaves of 6, 20 and 80 r: 0.64, 0.22 and 0.06 darts that became
+        // questions, and 0.94, 0.33 and 0.10 cells in the longest list. There is room for a quarter to a half more than
+        // that.
         let share = |most: f64, per_leaf: f64| area * (per_leaf / parameters.leaf).min(most);
         // A domain may get 2% more of the pattern's samples than the mean: chosen, not measured. In small domains numbers vary
         // more, and 4,096 entries cost little.
@@ -301,6 +303,7 @@ fn pattern_words(arrived: &PatternArrivals) -> (Vec<u32>, u32) {
     // A sample keeps its index, by which sources name it.
     let points = words.len() as u32;
     for (arrival, place) in arrived.arrivals().iter().zip(samples) {
+        // The number of a throw among those of all levels. A level has at most four throws.
         let throw = 4 * arrival.level() + arrival.throw();
         words.extend([place.x as u32, place.y as u32, throw, arrival.rank()]);
     }

@@ -148,7 +148,9 @@ impl ExactRows {
         }
     }
 
-    /// Returns where the domain has a cell of the pattern in its piece, as far as the piece goes.
+    /// Returns the rectangle of the domain that a cell of the pattern covers, cut to the piece that it is listed with.
+    /// `values` are the piece, and the cell's lowest corner in the pattern. `None` if there is no such piece, and if
+    /// the cell lies outside of it.
     fn cell(&self, values: &[i64], side: i32) -> Option<RowPlace> {
         let [piece, x, y] = values else {
             return None;
