@@ -67,12 +67,12 @@ pub fn scene(
 
     // Letters grow with the picture: the lengths below are pixels of one that is 1000 wide.
     let px = width / 1000.0;
-    let mut words = Group::new("caption");
+    let mut writing = Group::new("caption");
     let at = [16.0 * px, 32.0 * px];
     let (letters, room) = (20.0 * px, width - 2.0 * at[0]);
     let line = fitted(caption, room, letters);
     let text = Text::new(at, line, letters, opaque(palette.text));
-    words.shapes.push(Shape::Text(text));
+    writing.shapes.push(Shape::Text(text));
     let meaning = match picture.set.colors {
         // Balls of one colour need no legend.
         BallColors::One => None,
@@ -86,9 +86,9 @@ pub fn scene(
         )),
     };
     if let Some((heading, name)) = meaning.filter(|_| has_legend) {
-        words.shapes.extend(legend(picture, px, heading, name));
+        writing.shapes.extend(legend(picture, px, heading, name));
     }
-    scene.groups.push(words);
+    scene.groups.push(writing);
     Ok(scene)
 }
 
@@ -97,8 +97,8 @@ fn too_large(picture: &OrbitPicture<'_>) -> impl Fn(FigureError) -> OrbitError {
     move |_| OrbitError::Size { width, height }
 }
 
-/// Returns the squares of the colours at the lower edge, each with its name, below a heading. `px` is how long a pixel of a picture
-/// is that is 1000 wide.
+/// Returns the squares of the colours at the lower edge, each with its name, below a heading. `px` is a thousandth of
+/// the picture's width: lengths are multiples of it, chosen by eye.
 fn legend(
     picture: &OrbitPicture<'_>,
     px: f64,

@@ -23,8 +23,7 @@ type Rgb = [f32; 3];
 pub(super) struct Shading<'a> {
     set: OrbitSet<'a>,
     projection: &'a Projection,
-    /// Column, row and nearness of each ball of the set; those that are cut away have the place of the first one, as no ray
-    /// meets them.
+    /// Column, row and nearness of each ball of the set. They are 0 for balls that are cut away, which no ray meets.
     places: Vec<[f32; 3]>,
     colors: Vec<Rgb>,
     ground: Rgb,
@@ -68,7 +67,7 @@ impl<'a> Shading<'a> {
         }
     }
 
-    /// Writes the pixels of a band, each the mean of its rays.
+    /// Writes the pixels of a band, each the mean of its rays. A pixel has `rays` by `rays` of them.
     pub fn shade(&self, band: &Band, rays: usize, pixels: &mut [u8]) {
         let width = band.columns / rays;
         for (number, pixel) in pixels.chunks_exact_mut(4).enumerate() {
@@ -99,7 +98,8 @@ impl<'a> Shading<'a> {
             Surface::Face(index, axis) => self.face(index, axis, [x, y, near]),
         };
 
-        // Nearness goes from the nearest corner of the box to the opposite one.
+        // The nearest corner of the box has the nearness `depth`, and the opposite one -`depth`. The share of the way
+        // from the one to the other is `away`.
         let depth = self.projection.depth;
         let away = ((depth - near) / (2.0 * depth)).clamp(0.0, 1.0);
         mixed(color, self.ground, HAZE * away)
@@ -135,6 +135,7 @@ impl<'a> Shading<'a> {
         // By Pythagoras in the plane of the face: the distance from its middle, and the radius of the disk.
         let [from_middle, disk] =
             [square, radius * radius].map(|square| (square - away * away).max(0.0).sqrt());
+        // The width of the rim, and the brightness of rim and face below, were chosen by eye.
         let is_rim = disk - from_middle < (radius * 0.09).max(1.0);
         let tinted = mixed(self.own_color(index), self.face_tint, FACE_TINT);
         let color = if is_rim {

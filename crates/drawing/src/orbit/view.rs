@@ -104,7 +104,8 @@ impl OrbitView {
         }
     }
 
-    /// Reads a view as [`fmt::Display`] writes it; the magnification and the cut may be left out.
+    /// Reads a view as [`fmt::Display`] writes it; the magnification and the cut may be left out. `None` for a text
+    /// that is not written so, and for numbers that are not finite.
     #[must_use]
     pub fn read(text: &str) -> Option<Self> {
         let mut parts = text.split(',');

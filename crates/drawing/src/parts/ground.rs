@@ -43,8 +43,9 @@ fn place(scene: &Scene<'_>, at: DVec2) -> Option<Point> {
     is_inside.then_some(place)
 }
 
-/// Draws what `shade` returns of places, in squares of this side; neighbours in a row of the same shade are one rectangle.
-/// Where it returns `None`, nothing is drawn.
+/// Covers the part of the domain in view with squares of this side. The shade of a square is what `shade` returns of
+/// its middle; where that is `None`, nothing is drawn. Neighbours in a row that have the same shade are one rectangle
+/// for `draw`.
 fn squares<T: PartialEq + Copy>(
     scene: &Scene<'_>,
     side: f32,

@@ -60,8 +60,8 @@ pub fn disks(scene: &Scene<'_>, looks: &Looks<'_>, surface: &mut impl Surface) {
 /// The strength of the fill and of the ring of a disk of its own radius.
 const LOCAL_DISK: [f32; 2] = [0.10, 0.65];
 
-/// Draws the disks of samples whose radius depends on the place, or on how a plane cuts their balls. A texture would be
-/// needed for each radius, so that they are circles.
+/// Draws the disks of samples whose radius depends on the place, or on how a plane cuts their balls. They are drawn as
+/// circles: [`Surface::disk`] would need a texture for each radius.
 fn local_disks(scene: &Scene<'_>, looks: &Looks<'_>, surface: &mut impl Surface) {
     let reach = scene.session.largest_radius();
     let beyond = drawn_around(scene.session) + reach;

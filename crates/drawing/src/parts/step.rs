@@ -50,7 +50,8 @@ pub fn draw(scene: &Scene<'_>, surface: &mut impl Surface) {
         examination(scene, surface, examined, shift);
     }
 
-    // Elsewhere in a set in space than in the plane a dart has another verdict than the plane's places.
+    // In a set in space, a dart far from the plane may be refused where the plane shows a gap, or the other way round.
+    // Such a dart is not drawn.
     let height = scene.session.event_height(scene.shown.cursor());
     let is_in_sight = height.is_none_or(|z| is_near_plane(scene, z));
     if let Some((dart, verdict)) = context.dart.filter(|_| is_in_sight) {
@@ -91,8 +92,8 @@ fn blocker_of(scene: &Scene<'_>, dart: Point, verdict: Verdict) -> Option<u32> {
     }
     let z = match scene.shown.last_event().and_then(Event::run_event) {
         Some(RunEvent::Dart { z, .. }) => z,
-        // A dart stays the current one until the next, but only its own event has its third coordinate: that of a cube that is
-        // cut is another. In the plane it is not read.
+        // The last event may come after that of the dart, such as the cut of a cube. In space the third coordinate of
+        // the dart is then unknown. In a planar set it is not read.
         _ if scene.session.solid.is_some() => return None,
         _ => 0,
     };

@@ -164,8 +164,8 @@ fn gaps(scene: &Scene<'_>, area: Rect, ground: Color32) -> [Group; 2] {
     let style = Style::filled(color(ground));
     let mut disks = Vec::new();
     let index = &scene.session.index;
-    // Disks reach at most r far, as nested levels and fields have no gaps here: samples so little outside of the drawn
-    // part count.
+    // Only nested levels and fields have disks larger than r, and no gaps are drawn for them. All disks here reach at
+    // most r far: a sample up to r outside of the drawn part may cover some of it.
     let reach = 1.0;
     let beyond = drawn_around(scene.session) + reach;
     index.visit_around(scene.low, scene.high, reach, beyond, |seen| {

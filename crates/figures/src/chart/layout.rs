@@ -43,8 +43,9 @@ const MIN_SHARE_OF_ROOM: f64 = 0.9;
 ///
 /// # Errors
 ///
-/// [`ChartError`] for a figure or a series without content, numbers that are not finite, ranges that do not
-/// rise, and values that do not fill the rows of a grid.
+/// [`ChartError`] for a figure, a row, a chart or a series without content, bars or tiles beside other panels, numbers
+/// that are not finite, bands of another length than their series, ranges that are missing or do not rise, and values
+/// that do not fill the rows of a grid.
 ///
 /// ```
 /// use tilescope_figures::chart::{Axis, Figure, LineChart, Look, Panel, Series, figure_scene};
