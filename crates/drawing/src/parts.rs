@@ -149,6 +149,7 @@ impl Part {
         let has = |layer| scene.has(layer);
         let is_tiled = scene.stage >= Stage::Tile;
 
+        // Disks and gaps are drawn only where disks are large enough on the screen: `is_fine`.
         match self {
             Self::Field => scene.session.ground.is_some() && has(Layer::Field),
             // The domain of a field alone has no outside.

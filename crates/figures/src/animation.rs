@@ -106,8 +106,9 @@ pub type FrameProgress<'a> = &'a mut dyn FnMut(usize, usize) -> ControlFlow<()>;
 
 /// Writes an animation that repeats forever as a GIF.
 ///
-/// `delay` is the time for a frame in hundredths of a second. Each frame has the 256 colours that most of its pixels
-/// have, after the first frame the 255 that most of the changed ones have; other pixels take the nearest of them.
+/// `delay` is the time for a frame in hundredths of a second. Each frame has the 256 colours that most of its changed
+/// pixels have, or 255 if some pixels stay as in the frame before: these take one index. Other changed pixels take the
+/// nearest colour.
 /// Transparent pixels are laid on white. `metadata` becomes comments.
 ///
 /// # Errors

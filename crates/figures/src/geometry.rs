@@ -7,7 +7,7 @@ use glam::DVec2;
 
 use crate::scene::{Marker, Rect};
 
-/// Half the width of a cross's arm as a fraction of its size, measured along an axis: √2 times that across the arm.
+/// The arms of a cross lie along its diagonals. The width of an arm is √2 times this fraction of the cross's size.
 const ARM: f64 = 0.16;
 
 /// Returns the corners of a marker `size` pixels wide at `center`; a dot has none.
@@ -26,7 +26,7 @@ pub(crate) fn marker_outline(marker: Marker, center: DVec2, size: f64) -> Vec<DV
             let below = height / 3.0;
             vec![[0.0, below - height], [half, below], [-half, below]]
         }
-        // An upright plus, turned by 45 degrees in place.
+        // The corners of a plus that is turned by 45 degrees. The four with a 0 are those between two arms.
         Marker::Cross => {
             let (inner, outer) = (arm, half - arm);
             vec![

@@ -168,7 +168,7 @@ pub fn gap_borders(scene: &Scene<'_>, surface: &mut impl Surface) {
 
 impl<S: Surface> Net<'_, S> {
     /// Calls `draw` with each shift by at most one period along each axis that moves something of the box from `low` to
-    /// `high` both into the domain and into view. The middle of the box lies in the domain, unshifted.
+    /// `high` both into the domain and into view. The middle of the box as given must lie in the domain.
     fn shifts(&mut self, low: DVec2, high: DVec2, mut draw: impl FnMut(&mut Self, DVec2)) {
         let steps = |k: usize| -> RangeInclusive<i32> {
             if !self.periodic {

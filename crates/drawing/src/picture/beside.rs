@@ -43,8 +43,8 @@ impl Column {
     /// the picture, or as high as its own axes need.
     pub(super) fn of(view: &PictureView, [left, height]: [f64; 2]) -> Self {
         let top = MARGIN * view.width() + NAME_HEIGHT;
-        // The panel around a plot of no size has the size that a heading and axes take, and begins as far before the
-        // plot as they do.
+        // The panel around a plot of no size at the origin is the room that heading and axes take: left of the plot and
+        // above it up to `axes.min`, right of it and below up to `axes.max`.
         let axes = panel_around(Rect::new(DVec2::ZERO, DVec2::ZERO));
         let room = height - top - 2.0 * axes.size().y - MARGIN * view.width();
         let side = (room / (1.0 + MEAN_HEIGHT)).max(MIN_SIDE).floor();
@@ -137,7 +137,8 @@ impl Beside {
     /// Returns the radial mean, or its empty frame with the reason for the lack. Its vertical axis ends where the shades of the
     /// periodogram do.
     fn mean(&self) -> Panel {
-        // Frequencies are in the unit of the finished set: the spectrum states the number of its samples, not of the moment's.
+        // Frequencies are in the unit of the finished set, whose number of samples the spectrum states. The moment may
+        // have fewer samples.
         let samples = grouped(self.spectrum.profile.samples.round() as usize);
         let frequency = format!("frequency \u{3bd} = |k| / \u{221a}{samples}");
         let power = format!("power P(\u{3bd}), cut off at {BLACK}");

@@ -116,8 +116,8 @@ impl BarChart {
         let left = MARGIN + widest(|bar| &bar.name) + BESIDE;
         let right = WIDTH - MARGIN - widest(|bar| &bar.text) - BESIDE;
         let longest = self.bars().map(Bar::end).fold(0.0, f64::max);
-        // Bars that all have no length still need a scale. A divisor near zero would make it infinite, and a value of
-        // zero would have no place.
+        // If no bar has a length, the axis goes to 1. The scale for a length near 0 would be infinite, and its product
+        // with the value 0 would be NaN.
         let farthest = if longest > MIN_LENGTH { longest } else { 1.0 };
         let bar_scale = BarScale {
             left,

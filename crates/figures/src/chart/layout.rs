@@ -105,7 +105,7 @@ pub fn figure_scene(figure: &Figure, palette: &Palette) -> Result<Scene, ChartEr
             continue;
         }
 
-        // A last row of fewer images has them as large as the rows before.
+        // If a row has fewer images than a row of images just above it, its images are as large as those above.
         columns = if images(&panels) {
             columns.max(panels.len())
         } else {

@@ -81,7 +81,8 @@ impl TileChart {
             TileContent::Pixels(bitmap) => {
                 let size = DVec2::from(bitmap.size().map(|cells| cells as f64));
                 // Each pixel of the bitmap is a whole number of pixels wide, so that none is wider than its neighbour.
-                // With more pixels than the tile has they are as large as its own, and those beyond it are cut off.
+                // If the bitmap has more pixels than the tile, each is one pixel wide, and what lies beyond the tile is
+                // cut off.
                 let pixel = (side / size.x).floor().max(1.0);
                 let end = frame.min + size * pixel;
                 let (rect, bitmap) = (Rect::new(frame.min, end), bitmap.clone());
