@@ -149,7 +149,9 @@ impl WaveSums {
                 // Half, as each sum and difference below is twice a product.
                 let at = |row: i64| transform.at([column, row]) * (0.5 * ONE);
                 let [up, down] = [at(row as i64), at(-(row as i64))];
-                // Sums and differences of both transforms: cos(a + b) + cos(a - b) = 2 cos a cos b, and so on.
+                // With the phases a along x and b along y, `up` is cos(a + b) - i sin(a + b), and `down` is
+                // cos(a - b) - i sin(a - b). The addition theorems give the products, in the order of `ProductSums`:
+                // cos(a + b) + cos(a - b) = 2 cos a cos b, for instance.
                 let products = [
                     up.re + down.re,
                     down.re - up.re,
@@ -192,8 +194,9 @@ fn wave(phase: f64, scale: f64) -> impl Iterator<Item = WavePair> {
     let turn = Complex::new(cos, sin);
 
     // Powers of one phase: after 1,024 of them, the most that are kept along an axis, they are off by less than 1e-12,
-    // where 32 bits leave 3e-8. Lanes go on side by side: one power after the other would take as long as a third of
-    // the change's products.
+    // where 32 bits leave 3e-8. Only the powers of the first block are made one after the other. The lanes of any later
+    // block are made side by side. To make all powers one after the other would take a third of the time that the
+    // change's products take.
     let mut power = Complex::new(scale, 0.0);
     let mut first = [[0.0; LANES]; 2];
     let [cos, sin] = &mut first;
@@ -231,7 +234,8 @@ fn write_in_vectors<S: Simd>(simd: S, sums: &[ProductSums], scale: f64, powers: 
         // The products are cos cos, sin sin, sin cos and cos sin. Their sums and differences are the real and the
         // imaginary part at a frequency, and at the one opposite along x, up to signs.
         //
-        // Closures would not be compiled for the processor below the highest level of optimisation.
+        // The lines below are written out without closures. Unless a closure is inlined, it is not compiled for the
+        // processor, and closures are inlined only at the highest level of optimisation.
         let cosines = f64x8::from_slice(simd, &products[0]);
         let sines = f64x8::from_slice(simd, &products[1]);
         let (re, opposite_re) = (cosines - sines, cosines + sines);
@@ -240,7 +244,7 @@ fn write_in_vectors<S: Simd>(simd: S, sums: &[ProductSums], scale: f64, powers: 
         let (im, opposite_im) = (along_x + along_y, along_x - along_y);
 
         let up = scale * (re * re + im * im);
-        // Opposite frequencies lie in the opposite sequence.
+        // Columns left of the middle mirror those right of it, so that the lanes are reversed.
         let opposite = scale * (opposite_re * opposite_re + opposite_im * opposite_im);
         let down = simd.reverse_f64x8(opposite);
 
@@ -264,8 +268,8 @@ fn write_in_vectors<S: Simd>(simd: S, sums: &[ProductSums], scale: f64, powers: 
     }
 }
 
-/// Adds the waiting changes to all sums, tile by tile of columns, so that the waves of a tile stay in the caches for
-/// all rows.
+/// Adds the waiting changes to `sums`, which are those of all rows or of a single one; `along_y` holds the waves of the
+/// same rows. It goes tile by tile of columns, so that the waves of a tile stay in the caches for all rows.
 #[expect(
     clippy::inline_always,
     reason = "it must become a part of what dispatch! compiles for the processor"
@@ -302,8 +306,9 @@ fn add_rows<S: Simd>(
 #[inline(always)]
 fn add_block<S: Simd>(simd: S, sums: &mut ProductSums, along_x: &[WavePair], along_y: &[[f32; 2]]) {
     let rounding = f32x8::splat(simd, ROUNDING);
-    // The bits of ROUNDING come with every product, and are taken off beforehand. The sum of at most `BATCH` products
-    // of 22 bits fits into 32.
+    // The bits of each rounded product are those of ROUNDING plus its units. So the bits of ROUNDING are subtracted
+    // here, once for each change. These sums may wrap in 32 bits, which does no harm: the units that are left in the
+    // end, of at most `BATCH` products of 22 bits, fit into 32.
     let minus_roundings = (ROUNDING.to_bits() as i32).wrapping_mul(-(along_x.len() as i32));
     let mut units = [i32x8::splat(simd, minus_roundings); 4];
 

@@ -205,6 +205,7 @@ fn read<const C: usize>(
     // Samples near each other read the same grid points, one after the other.
     let order = Tiles::of(samples, sizes).order();
     let sums = |sample: &Sample| {
+        // `first` is the first grid point that the kernel reaches, and `ahead` its place within the kernel.
         let (first, ahead) = first_grid_point(sample.at, sizes);
         let [along_x, along_y] = ahead.map(|ahead| kernel.values(ahead));
 

@@ -52,7 +52,8 @@ impl RadialProfile {
             ]
         });
         // The variances of the annuli's ratios add up, as these are independent: the root over the count is the
-        // standard deviation of their mean.
+        // standard deviation of their mean. In decibels a ratio of 1 less the reach lies a little farther from zero
+        // than one of 1 plus the reach: the difference is of second order, and is left out.
         10.0 * (1.0 + NORMAL[1] * variances.sqrt() / count).log10()
     }
 }

@@ -42,7 +42,8 @@ impl PairBins {
         // A little less than half the shorter side, beyond which g(r) is not defined.
         let half = 0.499 * region.shorter_side();
         if let Some(radius) = radius.filter(|radius| *radius > 0.0) {
-            // `MAX_DISTANCE`, which is more than `MAX_UNITS`, matters here alone: five units of `r_max` never exceed it.
+            // A pair correlation reaches at most `MAX_DISTANCE` units of `r_max`. `MAX_UNITS` times a radius above
+            // `r_max` may be more than that. (In units of `r_max`, further below, `MAX_UNITS` is always less.)
             let reach = half.min(PairCorrelation::MAX_DISTANCE * r_max) / radius;
             let count = (EACH * reach.min(MAX_UNITS)).floor();
             // A radius that is not the set's may be longer than its domain: no bin fits then, and those of `r_max` are
@@ -54,8 +55,9 @@ impl PairBins {
             }
         }
 
-        // A set of fewer samples, which may be averaged with this one, has a longer `r_max`, which is the unit here: its
-        // bins must end within the half, too. (Bins of a radius are equally long in both.)
+        // These bins also serve sets of fewer samples, by `MAX_COUNT_SPREAD` at most. Such a set has a longer `r_max`,
+        // and so longer bins. The root shortens the reach so far that these bins end within the half, too. (Bins in
+        // units of a radius are equally long in all sets.)
         let farthest = (half / r_max * (1.0 - Self::MAX_COUNT_SPREAD).sqrt()).min(MAX_UNITS);
         Self::OfSpacing {
             farthest,

@@ -157,7 +157,7 @@ fn pairs(
     room: &mut [DVec2],
     monitor: &Monitor<'_>,
 ) -> Result<DVec2, VerifyError> {
-    // The pairs within each half, on two threads, and those between the halves, while these are merged.
+    // The pairs within each half are summed on two threads. Those between the halves are summed while these are merged.
     let count = points.len();
     let sum = if count > CHUNK {
         let (left, right) = points.split_at_mut(count / 2);
@@ -166,7 +166,8 @@ fn pairs(
             || pairs(left, left_room, monitor),
             || pairs(right, right_room, monitor),
         );
-        // Plain additions do: each sum takes part in one for each halving, and these are few.
+        // Plain additions suffice here: a sum is rounded once for each halving, and a million samples are halved only
+        // fifteen times.
         left_sum? + right_sum? + merge(points, room)
     } else {
         pairs_of_chunk(points, room)
@@ -179,7 +180,7 @@ fn pairs(
 fn pairs_of_chunk(points: &mut [DVec2], room: &mut [DVec2]) -> DVec2 {
     let count = points.len();
     if count <= FEW {
-        // Samples are sorted by x, so that each meets those left of it.
+        // Each sample meets those before it, so that each pair counts once.
         let before = |(index, &b): (usize, &DVec2)| {
             let terms = points[..index].iter().map(|&a| term(a, b));
             terms.sum::<DVec2>()

@@ -40,10 +40,11 @@ impl Neighbors<'_> {
             (sides.to_array()).map(|side| (distance / side + 2.0 * Grid::ROUNDING).ceil() as usize);
         let periodic = grid.domain.periodic;
 
-        // Each pair of cells is met once, from the one behind. But of two rows that reach each other both ways around
-        // the torus none is ahead: then all rows are looked at, and each pair is met twice. With columns it is the
-        // same, but only within the cell's own row. So few rows or columns are rare, and in a bounded domain they are
-        // treated alike.
+        // A pair of cells is met once, from the cell that has the other one ahead: in one of the next rows, or in the
+        // same row among the next columns. On a torus, rows ahead go on across the seam. If it has few rows, each of
+        // two rows is ahead of the other: then all rows are looked at, and each pair is met twice. If it has few
+        // columns, the same is done within the cell's own row. A bounded domain of few rows or columns needs no
+        // exception, but is rare and is treated like a torus.
         let [all_columns, all_rows] = [0, 1].map(|axis| 2 * reach[axis] + 1 >= cells[axis]);
         let columns = near(column, reach[0], cells[0], periodic);
         let rows = if all_rows {

@@ -134,7 +134,13 @@ pub(crate) struct Transform {
 }
 
 impl TransformPlan {
-    /// Returns the plan of a window. Of a grid about zero and one about the window's middle it has the one of less memory.
+    /// Returns the plan of a window. Its grid is centred at zero or at the window's middle, whichever takes less
+    /// memory.
+    ///
+    /// # Errors
+    ///
+    /// [`MeasureError::EmptyWindow`], [`MeasureError::FrequencyTooHigh`] beyond [`MAX_FREQUENCY`], and
+    /// [`MeasureError::WindowTooLarge`] beyond [`MAX_WINDOW_BYTES`].
     pub fn new(window: &FrequencyWindow) -> Result<Self, MeasureError> {
         let [x0, x1, y0, y1] = window.bounds();
         if x0 >= x1 || y0 >= y1 {

@@ -90,7 +90,9 @@ impl PairCorrelation {
         let users_area = area / (domain.scale * domain.scale);
         let r_max = largest_min_distance(samples, users_area);
         let bins = counts.len() as f64;
-        let (bin_width, step) = (most / bins, most * r_max * domain.scale / bins);
+        let bin_width = most / bins;
+        // The same width in the domain's unit.
+        let step = most * r_max * domain.scale / bins;
 
         let count = samples as f64;
         // Noise has N (N - 1) / 2 pairs, spread evenly over all offsets: one division by the area. The other one is

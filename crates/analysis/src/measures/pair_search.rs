@@ -210,9 +210,11 @@ impl<'a> PairSearch<'a> {
         dispatch!(self.level, simd => self.pairs_in_vectors(simd, index, run, once, found));
     }
 
-    /// Finds the bins of as many pairs at a time as a vector has lanes. Pairs beyond the distance go into further bins,
-    /// nearly all into one for each lane. They are half of the compared pairs: a branch would be mispredicted for half
-    /// of the pairs, and in a single bin their counts would wait for each other.
+    /// Finds the bins of as many pairs at a time as a vector has lanes.
+    ///
+    /// About half of the compared pairs are beyond the distance. A branch that skips them would often be mispredicted,
+    /// so they are counted, too, in bins behind the last one. Nearly all pairs of a lane go into a bin of this lane:
+    /// additions to a single bin would wait for each other.
     #[expect(
         clippy::inline_always,
         reason = "it must become a part of what dispatch! compiles for the processor"

@@ -356,7 +356,7 @@ impl ProfileSums<'_> {
         let annuli = self.sums[..whole].iter().zip(counts).zip(lengths);
 
         let annulus = |((&[sum, squares], &count), &length): ((&[f64; 2], &u64), &f64)| {
-            // Without a frequency it is no number, and the annulus is left out.
+            // Of an annulus without a frequency the mean is NaN, and `AnnulusSums::annulus` leaves the annulus out.
             let mean = sum / count as f64;
             let sums = AnnulusSums {
                 count,

@@ -169,8 +169,8 @@ fn window_of(region: Region, [inner, outer]: [f64; 2]) -> Result<FrequencyWindow
             value: outer,
         });
     }
-    // No frequency of the ring is missed by rounding: where `k * unit` is below `outer` as rounded, `outer / unit` is
-    // not below k as rounded.
+    // Rounding loses no frequency k of the ring. If the rounded `k * unit` is below `outer`, the exact one is, too.
+    // Then the exact `outer / unit` exceeds k, and rounding does not take it below the whole number k.
     let [x, y] = unit_lengths(region).map(|unit| (outer / unit) as i64);
     if x.max(y) > limit {
         let frequency = x.max(y);

@@ -285,7 +285,7 @@ impl<const C: usize> Spread<C> {
     ) {
         for sample in samples {
             let (first_line, start) = (sample.first[0] as usize, sample.first[1] as usize);
-            // A sample of the first or the last band that reaches `lines` may also reach lines outside of them, or only such.
+            // Some or all of the lines that a sample reaches may lie outside of `lines`. Those are left out.
             let reached = first_line.max(lines.start)..(first_line + WIDTH).min(lines.end);
             if reached.is_empty() {
                 continue;

@@ -42,7 +42,8 @@ pub(super) fn map_cells<T: Clone + Send + Sync>(
         Ok(Some((own, mapped)))
     });
 
-    // A tile has no cells if they would take a view around the torus. Then the cells of all tiles are dropped.
+    // A tile whose view would have to reach around the torus is `None`. A single such tile makes `all_tiles` `None`,
+    // and the cells of the other tiles are dropped.
     let all_tiles: Option<Vec<_>> = mapped_tiles.collect::<Result<_, VerifyError>>()?;
     let mut out: Vec<Option<T>> = vec![None; points.len()];
     for (own, mapped) in all_tiles.into_iter().flatten() {
