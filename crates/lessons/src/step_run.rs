@@ -41,11 +41,12 @@ impl StepRun {
             // The other parameters have no meaning in space.
             return is_its_box && recording.run().parameters.seed == self.parameters.seed;
         }
-        // A planar run has the parameters of its step, too, and so may the projection of a set in space.
+        // The step is planar from here on. A recording in space may have the same parameters as the step.
         if recording.is_in_space() {
             return false;
         }
         let recorded = recording.levels();
+        // Painted levels lack samples of the run.
         let is_whole = recorded.is_none_or(|levels| !levels.is_painted);
         let levels = recorded.map(|levels| levels.request);
         is_whole && levels == self.levels && recording.run().parameters == self.parameters
@@ -72,15 +73,16 @@ impl StepRun {
 
         let size = [run.domain.width(), run.domain.height()];
         let places = (0..COMPARED * COMPARED).map(|place| [place % COMPARED, place / COMPARED]);
-        // At nodes alone the field has the values of the formula, and between them their mean: `read.rs` sees to it that nodes are a
-        // thousandth of the longer side apart.
+        // The field has the values of the formula at its nodes, and between nodes means of them. So the places compared
+        // are nodes. The longer side is a power of two (`read.rs` refuses others), so that the division below is exact.
         let pitch = size[0].max(size[1]) / NODES;
         let step = size.map(|side| side / COMPARED / pitch * pitch);
         let mut places = places.map(|at| [0, 1].map(|axis| step[axis] * at[axis]));
         places.all(|[x, y]| {
             let unit = f64::from(R);
             let wanted = radius.at(f64::from(x) / unit, f64::from(y) / unit) * unit;
-            // Radii are rounded down, by less than two units with the rounding of the formula's values.
+            // Radii of the field are rounded down to whole units. With the rounding of the formula's values, the two
+            // radii of a place differ by less than two units.
             (wanted - f64::from(locality.radius_at(Point::new(x, y)))).abs() < 2.0
         })
     }
@@ -187,7 +189,7 @@ fn record_levels(
     observer: &mut dyn Observer,
 ) -> Result<Recording, SampleError> {
     let made = request.make(parameters, observer)?;
-    // Only windows of the order by distance have no ranks, and this is a whole run.
+    // `ranks` is `None` only of a window in the order by distance. A request makes a whole run, which has ranks.
     let levels = RecordedLevels::whole(*request, made.ranks().unwrap_or_default());
     let points = made.points().to_vec();
     Ok(Recording::of_levels(

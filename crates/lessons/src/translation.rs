@@ -37,15 +37,15 @@ impl Translation {
         let (mut original, mut translated, mut line) = (String::new(), String::new(), 1);
 
         // Appends a line of the file to a text: lines are joined by spaces, as in the lesson.
-        let add = |part: &mut String, text: &str| {
+        let add = |part: &mut String, row: &str| {
             if !part.is_empty() {
                 part.push(' ');
             }
-            part.push_str(text.trim());
+            part.push_str(row.trim());
         };
 
-        for (number, text) in (1..).zip(text.lines()) {
-            if let Some(quoted) = text.strip_prefix('>') {
+        for (number, row) in (1..).zip(text.lines()) {
+            if let Some(quoted) = row.strip_prefix('>') {
                 // A quotation behind a translation begins the next pair, so that this pair is complete.
                 if !translated.is_empty() {
                     let [original, translated] = [&mut original, &mut translated].map(take);
@@ -57,12 +57,12 @@ impl Translation {
                     line = number;
                 }
                 add(&mut original, quoted);
-            } else if !text.trim().is_empty() {
+            } else if !row.trim().is_empty() {
                 if original.is_empty() {
                     let message = "text before the first quotation; a translation quotes each text of the original with \"> \"";
                     return Err(LessonError::new(number, message));
                 }
-                add(&mut translated, text);
+                add(&mut translated, row);
             }
         }
 
@@ -101,7 +101,7 @@ impl Translation {
     }
 
     /// Adds a text and its translation; `line` is that of the quotation. Fails if the translation is empty or has other
-    /// expressions, and if the text has a translation already.
+    /// expressions, if braces cannot be read, and if the text has a translation already.
     fn put(
         &mut self,
         original: String,

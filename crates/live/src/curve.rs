@@ -217,8 +217,9 @@ impl CurveMaker {
     }
 }
 
-/// Returns the cursors of a curve: both ends of the run, those after its changes, and in space those where throws begin. If there are more than `most`, which
-/// is two or more, so many are taken.
+/// Returns the cursors of a curve: both ends of the run, those after its changes, and in space those where throws
+/// begin. If there are more than `most`, which is at least two, `most` of them are taken, evenly spread from the first
+/// to the last.
 fn spread_cursors(course: &Course, most: usize) -> Vec<usize> {
     let changes = course.changes().iter();
     let after = changes.map(|change| change.event as usize + 1);

@@ -45,7 +45,8 @@ fn follow(recording: &Recording) -> NumberAt {
         return Box::new(move |_, _, _| Err(why.clone()));
     }
 
-    // Without its judge, which is made of the field and the shape, nothing here is measured with the radius at each place.
+    // In a field or a shape, conflicts and open places are found by the judge of this field and shape. No such judge is
+    // made here, and the other measures know one radius in a rectangle alone.
     if recording.run().locality.is_some() {
         let why = "it is of one radius in a rectangle, which a set in a field or a shape does not have; the analysis follows its \
                    conflicts and open places";
@@ -54,8 +55,8 @@ fn follow(recording: &Recording) -> NumberAt {
 
     let mut moment = LiveMoment::new(Arc::new(Course::of_recording(recording)));
     Box::new(move |key, cursor, steps| {
-        // Expressions name only numbers of the list above, so that there is one.
-        // Those that planar sets and sets in space do not share are defined in one of the two alone.
+        // Expressions name only numbers of the list above. Some of these are of planar sets alone, and some of sets in
+        // space alone: in a run of the other kind such a number is not defined.
         let Some(found) = number_of_run(key, moment.course().is_in_space()) else {
             return Ok(NumberValue::Undefined);
         };

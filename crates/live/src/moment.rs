@@ -170,7 +170,8 @@ impl LiveMoment {
     /// Returns the spectrum, if it is this moment's: with all frequencies, or else with the most that there are.
     #[must_use]
     pub fn spectrum(&self) -> Option<&LiveSpectrum> {
-        self.spectra.after(self.changes, true)
+        let may_be_thinned = true;
+        self.spectra.after(self.changes, may_be_thinned)
     }
 
     /// Returns the spectrum that has come nearest to this moment, and the cursor of the moment whose spectrum it is. `None` before

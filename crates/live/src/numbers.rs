@@ -93,14 +93,16 @@ pub fn number_of_run(key: &str, is_in_space: bool) -> Option<&'static SetNumber>
 /// Returns the numbers with these keys of a planar run. Fails without any key, and for one that is not known, that not every moment
 /// has, or that is there twice.
 pub fn numbers_named<K: AsRef<str>>(keys: &[K]) -> Result<Vec<&'static SetNumber>, NumberError> {
-    named(keys, false)
+    let is_in_space = false;
+    named(keys, is_in_space)
 }
 
 /// Returns the numbers with these keys of a run in space. Fails as [`numbers_named`].
 pub fn space_numbers_named<K: AsRef<str>>(
     keys: &[K],
 ) -> Result<Vec<&'static SetNumber>, NumberError> {
-    named(keys, true)
+    let is_in_space = true;
+    named(keys, is_in_space)
 }
 
 fn named<K: AsRef<str>>(
@@ -188,10 +190,10 @@ pub fn wanted_for(numbers: &[&SetNumber]) -> Wanted {
 }
 
 impl LiveMoment {
-    /// Returns the measures of the moment as those of a set, of which the numbers of the catalogue are read; of a set in space, those
-    /// of [`SPACE_CATALOGUE`]. A measure that is
-    /// not the moment's is left out. Distances are those on the lattice, by which the sampler decides: the sides of the domain are
-    /// rounded to its units there, so that they differ from distances in user units by up to 2 in a million.
+    /// Returns the measures of the moment as those of a set, from which the numbers of the catalogue are read, or of
+    /// [`SPACE_CATALOGUE`] for a set in space. A measure that is not the moment's is left out. Distances are those on
+    /// the lattice, by which the sampler decides. The sides of the domain are rounded to units of the lattice, so that
+    /// these distances differ from those in user units by up to 2 in a million.
     #[must_use]
     pub fn measured(&self) -> MeasuredSet {
         let course = self.course();

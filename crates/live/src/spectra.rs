@@ -91,8 +91,8 @@ impl Spectra {
     }
 
     /// Makes the spectrum of the stride at `index` where there is none. If the spectrum of all frequencies, thinned,
-    /// gets to the moment in fewer steps, it replaces that of the stride. So it is after a rest, during which the
-    /// spectrum of all frequencies was moved, and no other. Returns the steps.
+    /// gets to the moment in fewer steps, it replaces that of the stride. This is the case after a rest, during which
+    /// the spectrum of all frequencies was moved and the others were not. Returns the steps of thinning.
     fn begin(&mut self, index: usize, course: &Course, target: usize) -> Result<u64, MeasureError> {
         let stride = index as u32 + 1;
         self.kept[index]

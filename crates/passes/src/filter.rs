@@ -135,7 +135,7 @@ fn condition(text: &str, columns: &[String]) -> Result<Condition, FilterError> {
     let not_a_number = |_| FilterError::NotANumber(digits.to_owned());
     let number = digits.parse().map_err(not_a_number)?;
 
-    // A column called like the pseudo-column comes first, as no other name stands for it.
+    // If a column has the name of the pseudo-column, the name stands for the column, which has no other name.
     if let Some(column) = columns.iter().position(|c| c.eq_ignore_ascii_case(name)) {
         return Ok(Condition::Column(column, operator, number));
     }

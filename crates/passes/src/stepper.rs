@@ -47,7 +47,8 @@ impl AnyStepper {
             TilingMethod::Kdrt => {
                 let pattern = Pattern::of_spec(spec, observer)?;
                 // The device makes all stages, so that each has passes to look at.
-                let stepper = Stepper::new(gpu, parameters, &pattern, Stage::Blocks).await?;
+                let first_gpu_stage = Stage::Blocks;
+                let stepper = Stepper::new(gpu, parameters, &pattern, first_gpu_stage).await?;
                 Ok(Self::Kdrt(Box::new(stepper)))
             }
             TilingMethod::Exact => {
@@ -136,8 +137,8 @@ impl AnyReference {
                 let reference = CpuReference::new(parameters, &pattern)?;
                 Ok(Self::Kdrt(Box::new(reference)))
             }
-            // The CPU's engine does not go stage by stage. A finished run is compared: when each of its samples arrived gives the
-            // stage.
+            // The CPU's engine does not go stage by stage, and its run is finished here. The level at which a sample
+            // arrived says in which iteration the device must have decided it.
             TilingMethod::Exact => {
                 let history = PatternHistory::of_spec(spec, observer)?;
                 let reference = ExactReference::new(parameters, &history, observer)?;

@@ -42,8 +42,8 @@ impl Passes {
 
         self.lines = model::lines(&self.entries);
         let last = self.entries.len().checked_sub(1);
-        // The selected pass stays selected; if the new list ends before it, the list's last one is selected. If none
-        // was, the first one is.
+        // The selected pass stays selected. If the new list ends before it, the list's last pass is selected. If no
+        // pass was selected, the first one is.
         self.selected = last.map(|last| self.selected.unwrap_or(0).min(last));
         self.is_wanted = self.selected.is_some();
 
@@ -113,8 +113,8 @@ impl Passes {
             }
             // Another pass was selected meanwhile, and the caller's `go_on` visits it. If the user cancelled, none is wanted.
             Err(Stop::Cancelled) => {}
-            // It ends the visits, also if another pass was selected meanwhile: the same device would have to show that one.
-            // To select a pass is to try again.
+            // After a failure no pass is visited, not even one that was selected meanwhile: the same device would have
+            // to run it. The user can select a pass to try again.
             Err(Stop::Failed(why)) => {
                 self.is_wanted = false;
                 self.notice = Some(why);

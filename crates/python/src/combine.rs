@@ -92,8 +92,8 @@ fn set_of(
         let path = folder.join(path);
         ask_to_read(&path)?;
         let control = watch.control("verify");
-        // The certificate is read as well: it states what the layout leaves out. In a file without one the positions
-        // stay in its own unit, in which the layout's values for the set are, too.
+        // The certificate is read as well: it states what the layout leaves out. Without a certificate the positions
+        // stay in the unit of the file, and the layout states the set's domain and radius in the same unit.
         let certificate = true;
         let read = of_file(&path, &Overrides::default(), certificate, &control)?.in_domain(None);
         let stated = read.certificate.as_ref().map(Into::into);

@@ -208,8 +208,8 @@ fn certified(
         )));
     }
 
-    // An origin that is given is the stated one: another would be a difference. Without a given and a stated one it is
-    // 0 0.
+    // If an origin is given and one is stated, they are equal: otherwise there would be a difference, which was refused
+    // above. If there is neither, the origin is 0 0.
     let stated = check.certificate.as_ref().and_then(|stated| stated.origin);
     let ranks = if check.levels.is_empty() {
         None

@@ -153,7 +153,8 @@ impl FieldArgument<'_> {
         // With a count the scale is searched for, and any number begins the search.
         let any = like.count.map(|_| 1.0);
         let radius = self.radius()?.or(any);
-        // The radii of an expression or an array are lengths; those of a density are in radii of the density 1.
+        // The radii of an expression or an array are lengths. Those of a density are multiples of the radius that
+        // stands for a density of 1, which is the one that is given.
         let scale = if self.density.is_some() {
             radius.ok_or_else(|| wanted("density"))?
         } else {

@@ -316,7 +316,7 @@ pub fn check_file_in_space(
     Ok(json!({ "report": report, "differences": differences }).to_string())
 }
 
-/// Reads a file with a set in space, whose certificate is compared with it.
+/// Reads a file with a set in space. Raises an error if a statement of its certificate does not hold.
 #[pyfunction]
 pub fn read_file_in_space<'py>(
     py: Python<'py>,

@@ -70,8 +70,8 @@ impl PythonSpace {
         let high = [real("x1", x1)?, real("y1", y1)?, real("z1", z1)?];
         let window = self.0.window(low, high).map_err(Failure::from)?;
 
-        // A window becomes one array, and is limited as a whole set in memory is. What is around a thin one, where it is judged, is
-        // larger by far.
+        // A window becomes one array, and is limited as a whole set in memory is. The samples around the window count,
+        // too, since they are made with it when it is judged: around a thin window there are far more than in it.
         let samples = SolidSurroundings::expected_samples(&window);
         if samples > MAX_SEQUENTIAL_SAMPLES {
             return Err(PyValueError::new_err(format!(

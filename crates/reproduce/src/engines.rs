@@ -186,6 +186,7 @@ impl Engines {
                 let make = || banded(gpu::Engine::Parallel);
                 pool.map_or_else(make, |pool| pool.install(make))?
             }
+            // Like `Combined` it runs on all threads.
             Engine::ExactParallel { .. } => exact_points(parameters, self.history()?, observer)?,
             Engine::ExactGpu { adapter } => {
                 let none = || failed("there is no pattern for exact tiling on a GPU");
@@ -195,7 +196,8 @@ impl Engines {
             }
             Engine::Exact => {
                 let history = self.history()?;
-                // With an observer of its own `make` can stand in both places below.
+                // `make` is passed twice below, and so is copied. It could not be if it borrowed the `observer` of this
+                // function.
                 let make = || exact_points(parameters, history, &mut |_| control.flow());
                 // Where the global pool has one thread itself, `open` has started no pool of one.
                 let one = self

@@ -168,8 +168,9 @@ impl WaveSums {
     /// Returns every `stride`-th column and row of the same sums.
     pub fn thinned(&self, stride: usize) -> Self {
         let [columns, rows] = [self.columns, self.rows].map(|count| count.div_ceil(stride));
-        // The step 1 stands for the true one, which is set next.
-        let mut thin = Self::new(columns, rows, 1);
+        // `new` has no use for the step but to keep it: it gets a placeholder, and the true step follows.
+        let placeholder = 1;
+        let mut thin = Self::new(columns, rows, placeholder);
         thin.step = self.step * stride as f64;
 
         let blocks = thin.along_x.len();

@@ -163,8 +163,9 @@ impl<'a> CellTile<'a> {
     fn seen(&self, view: &TileView) -> Result<Option<Vec<VoronoiCell>>, VerifyError> {
         let (positions, own) = self.positions(view);
         let size = view.high - view.low;
-        // The view is triangulated as a bounded domain of its own, also on a torus: its sides cut the cells there. A
-        // cell that is cut by a side that is not the domain's does not follow, see below.
+        // The view is triangulated as a bounded domain of its own, also on a torus: its sides cut the cells there.
+        // Where such a side is not one of the domain, a cell that it cuts is not that of the whole set, and `follows`
+        // below is false.
         let region = Region {
             width: size.x,
             height: size.y,
