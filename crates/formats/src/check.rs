@@ -624,8 +624,14 @@ fn compare_levels(
         "less than nested levels promise".to_owned(),
     );
 
-    // Claims about more points than the file has were not judged. Each level has more points than the level before it,
-    // so that these claims come last, and each pair here is of one level.
+    // A claim about more points than the file has was not judged. If a certificate states such a level before others, the
+    // pairs below are of two levels, and nothing else may show it.
+    list.unless(
+        stated.levels.len() == found.len(),
+        "levels",
+        format!("{} levels", stated.levels.len()),
+        format!("{} of them in the file", found.len()),
+    );
     for (claimed, judged) in stated.levels.iter().zip(found) {
         list.measure(
             "levels.min_distance",
