@@ -7,7 +7,6 @@ use tilescope_core::{Point, Rect as LatticeRect, Stage};
 use tilescope_session::layers::Layer;
 use tilescope_session::moment::ShownMoment;
 use tilescope_session::session::Session;
-use tilescope_session::solid::MadeSolid;
 use tilescope_session::units::position;
 
 use crate::made::Made;
