@@ -6,6 +6,7 @@ import os
 import pickle
 import subprocess
 import sys
+from types import SimpleNamespace
 
 import numpy as np
 import plyfile
@@ -215,12 +216,31 @@ def test_pyvista_gets_all_samples(balls):
     pyvista = pytest.importorskip("pyvista", exc_type=ImportError)
     mesh = balls.to_pyvista()
     assert np.array_equal(mesh.points, balls.points)
-    assert np.array_equal(mesh.point_data["order"], np.arange(len(balls)))
+    assert np.array_equal(mesh.point_data["order"], balls.arrival)
+    assert np.array_equal(mesh.point_data["level"], balls.level)
     assert list(mesh.field_data["size"]) == [5, 6, 7] and list(mesh.field_data["radius"]) == [1]
     # Balls of half the radius are spheres around the samples.
     ball = pyvista.Sphere(radius=balls.radius / 2)
     glyphs = mesh.glyph(orient=False, scale=False, geom=ball)
     assert glyphs.n_points == len(balls) * ball.n_points
+
+
+def test_a_mesh_has_the_order_of_arrival_and_not_that_of_the_file(balls, monkeypatch, tmp_path):
+    def bare(points):
+        return SimpleNamespace(points=points, point_data={}, field_data={})
+
+    monkeypatch.setitem(sys.modules, "pyvista", SimpleNamespace(PolyData=bare))
+    balls.save(tmp_path / "set.ply", shuffle=5)
+    mesh = tilescope.read_solid(tmp_path / "set.ply").to_pyvista()
+    order = mesh.point_data["order"]
+    assert np.array_equal(mesh.points, balls.points[order])
+    assert np.array_equal(mesh.point_data["level"], balls.level[order])
+    # The control: the file has another order.
+    assert not np.array_equal(mesh.points, balls.points)
+
+    # Positions from elsewhere have nothing but their rows.
+    others = tilescope.SolidSet(balls.points, 1, balls.size).to_pyvista().point_data
+    assert list(others) == ["order"] and np.array_equal(others["order"], np.arange(len(balls)))
 
 
 def test_without_pyvista_the_error_says_how_to_install_it(balls, monkeypatch):
@@ -252,6 +272,10 @@ def test_planes_that_are_none_are_refused(balls):
     for place in (7.1, -0.1, float("nan")):
         with pytest.raises(ValueError, match=r"z is .*; the plane must lie in the box, from 0 to 7"):
             balls.slice(z=place)
+    with pytest.raises(TypeError, match="z has values of the type <U3; they must be numbers"):
+        balls.slice(z="2.5")
+    with pytest.raises(ValueError, match=r"x is \[1, 2\]; it must be one number"):
+        balls.slice(x=[1, 2])
 
 
 @pytest.mark.skipif(not PROGRAM, reason="TILESCOPE names no program")

@@ -312,6 +312,8 @@ class SolidSet:
         ------
         ValueError
             If not exactly one of `x`, `y` and `z` is given, or the plane lies beyond the box.
+        TypeError
+            If what is given is no number.
 
         Examples
         --------
@@ -323,11 +325,15 @@ class SolidSet:
         given = [(axis, place) for axis, place in enumerate((x, y, z)) if place is not None]
         if len(given) != 1:
             raise ValueError("give one of x, y and z")
-        axis, place = given[0]
-        side = self.size[axis]
+        axis, asked = given[0]
+        name, side = "xyz"[axis], self.size[axis]
+        array = numbers(name, asked)
+        if array.shape != ():
+            raise ValueError(f"{name} is {shown(asked)}; it must be one number")
+        place = float(array)
         # A plane beyond the box would still meet the balls that reach out of it, and look like one inside.
         if not 0 <= place <= side:
-            raise ValueError(f"{'xyz'[axis]} is {shown(place)}; the plane must lie in the box, from 0 to {side:g}")
+            raise ValueError(f"{name} is {shown(place)}; the plane must lie in the box, from 0 to {side:g}")
 
         depths = self._points[:, axis] - place
         if self.boundary == "periodic":
@@ -344,6 +350,10 @@ class SolidSet:
             indices,
         )
 
+    def _ages(self) -> npt.NDArray[Any]:
+        """Returns a number of each sample by which they are sorted from early to late: their rows if nothing else is known."""
+        return np.arange(len(self)) if self._arrival is None else self._arrival
+
     def to_pyvista(self) -> Any:
         """Returns the samples as a mesh of pyvista, for its plots and for VTK.
 
@@ -353,8 +363,8 @@ class SolidSet:
         Returns
         -------
         pyvista.PolyData
-            The samples as points. Its point data has ``order``, their rows from early to late; its field data has
-            ``radius`` and ``size``.
+            The samples as points. Its point data has ``order``, which is :attr:`arrival` or else their rows, and ``level``
+            if that is known; its field data has ``radius`` and ``size``.
 
         Raises
         ------
@@ -362,7 +372,9 @@ class SolidSet:
             If there is no pyvista.
         """
         mesh = module("pyvista", "pyvista").PolyData(self._points.copy())
-        mesh.point_data["order"] = np.arange(len(self))
+        mesh.point_data["order"] = self._ages()
+        if self._level is not None:
+            mesh.point_data["level"] = self._level
         mesh.field_data["radius"] = [self.radius]
         mesh.field_data["size"] = list(self.size)
         return mesh
@@ -399,8 +411,7 @@ class SolidSet:
             ax = pyplot.figure().add_subplot(projection="3d")
         elif not hasattr(ax, "set_zlim"):
             raise TypeError("the axes are not of three dimensions: projection='3d' makes such")
-        ages = np.arange(len(self)) if self._arrival is None else self._arrival
-        ax.scatter(*self._points.T, c=ages, cmap="cividis", s=12, linewidths=0)
+        ax.scatter(*self._points.T, c=self._ages(), cmap="cividis", s=12, linewidths=0)
         width, height, depth = self.size
         ax.set(xlim=(0, width), ylim=(0, height), zlim=(0, depth), xlabel="x", ylabel="y", zlabel="z")
         ax.set_box_aspect(self.size)
