@@ -171,8 +171,8 @@ impl GroundArguments {
         if let Some(mut recipe) = self.recipe(set, stated)? {
             // No certificate says by which method a mask was filled, and so on which lattice: the positions show it.
             if stated.is_none() && recipe.has_two_lattices() {
-                let positions = first_points(file, overrides).in_file(file)?;
-                recipe = recipe.fitted_to(&positions).in_file(file)?;
+                let (positions, format) = first_points(file, overrides).in_file(file)?;
+                recipe = recipe.fitted_to(&positions, format).in_file(file)?;
             }
             let ground = recipe.ground().in_file(file)?;
             // An origin that is not given is that of the field and the shape: the certificate's, or the lower corner of the

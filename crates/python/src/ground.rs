@@ -285,8 +285,11 @@ impl Ground {
                 let mut recipe = field.recipe(like)?;
                 // No certificate says by which method a mask was filled, and so on which lattice: the positions show it.
                 if recipe.has_two_lattices() {
-                    let positions = first_points(path, overrides).map_err(Failure::from)?;
-                    recipe = recipe.fitted_to(&positions).map_err(Failure::from)?;
+                    let (positions, format) =
+                        first_points(path, overrides).map_err(Failure::from)?;
+                    recipe = recipe
+                        .fitted_to(&positions, format)
+                        .map_err(Failure::from)?;
                 }
                 Ok(Some(Self::new(recipe)?))
             }

@@ -24,19 +24,26 @@ const BLOCK: usize = 1 << 20;
 /// Bytes of a line with two numbers of 16 or 17 digits.
 const USUAL_LINE: u64 = 38;
 
-/// Returns the first points of the file `path`, in its own coordinates: those of the first block of a file that can be read in
-/// pieces, and all of another.
+/// Returns the first points of the file `path`, in its own coordinates, and its format: the points of the first block of a file
+/// that can be read in pieces, and all of another.
 ///
 /// # Errors
 ///
 /// As [`StreamReader::open`] and [`read`](crate::read).
-pub fn first_points(path: &Path, overrides: &Overrides) -> Result<Vec<[f64; 2]>, FormatError> {
+pub fn first_points(
+    path: &Path,
+    overrides: &Overrides,
+) -> Result<(Vec<[f64; 2]>, Format), FormatError> {
     let digested = false;
     let columns = overrides.chosen_columns();
-    match StreamReader::try_open(path, overrides.format, columns, digested)? {
-        Ok(mut reader) => Ok(reader.next_stored()?.unwrap_or_default()),
-        Err(_) => Ok(crate::read(path, &overrides.hint(""))?.set.points),
+    let opened = StreamReader::try_open(path, overrides.format, columns, digested)?;
+    if let Ok(mut reader) = opened {
+        let first = reader.next_stored()?.unwrap_or_default();
+        return Ok((first, reader.detection.format));
     }
+
+    let read = crate::read(path, &overrides.hint(""))?;
+    Ok((read.set.points, read.detection.format))
 }
 
 /// A file that is read piece by piece.

@@ -7,8 +7,8 @@ use tilescope_core::{
     Boundary, Domain, MAX_FIELD_RADIUS, MAX_PITCH_BITS, Parameters, Point, R, RadiusField, Shape,
 };
 use tilescope_formats::{
-    CertifiedRadius, CertifiedShape, RadiusField as CertifiedField, RadiusRule, VaryingDomain,
-    bytes_digest,
+    CertifiedRadius, CertifiedShape, Format, RadiusField as CertifiedField, RadiusRule,
+    VaryingDomain, bytes_digest,
 };
 
 use super::error::VaryingError;
@@ -230,14 +230,14 @@ impl VaryingRecipe {
         is_mask && matches!(self.radius, RadiusSource::Constant(_))
     }
 
-    /// Returns this recipe for judging a set at these positions in file coordinates, by the lattice that they lie on: that of
-    /// exact tiling if they fit it, and better than that of darts. Positions of another program fit neither and are judged in
+    /// Returns this recipe for judging a set at these positions, as a file of `format` holds them, by the lattice that they lie on:
+    /// that of exact tiling if they fit it, and better than that of darts. Positions of another program fit neither and are judged in
     /// that of darts. A recipe of one lattice stays as it is.
     ///
     /// # Errors
     ///
     /// [`VaryingError`] when the domain is refused.
-    pub fn fitted_to(self, positions: &[[f64; 2]]) -> Result<Self, VaryingError> {
+    pub fn fitted_to(self, positions: &[[f64; 2]], format: Format) -> Result<Self, VaryingError> {
         let RadiusSource::Constant(radius) = self.radius else {
             return Ok(self);
         };
@@ -249,8 +249,14 @@ impl VaryingRecipe {
         // The mean square, in units, of how far coordinates are from those of the nearest point of a lattice.
         let strayed = |domain: Domain| {
             let unit = domain.radius() / f64::from(R);
+            // Files of the unit torus hold positions divided by the width, which the two lattices round differently.
+            let scale = if format.is_unit_torus() {
+                domain.size()[0]
+            } else {
+                1.0
+            };
             let squares = positions.iter().map(|at| {
-                let inside = [0, 1].map(|axis| at[axis] - frame.origin[axis]);
+                let inside = [0, 1].map(|axis| scale * (at[axis] - frame.origin[axis]));
                 let there = domain.user_from_lattice(domain.lattice_from_user(inside));
                 let squared = |axis: usize| ((there[axis] - inside[axis]) / unit).powi(2);
                 f64::midpoint(squared(0), squared(1))

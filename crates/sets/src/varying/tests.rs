@@ -6,7 +6,7 @@ use png::{BitDepth, ColorType};
 use serde_json::json;
 use tilescope_analysis::{JudgeChoice, Report, VerifyOptions};
 use tilescope_core::{Domain, Unobserved, reference_sample};
-use tilescope_formats::{Check, Overrides, check_bytes, export_bytes, positions_digest};
+use tilescope_formats::{Check, Format, Overrides, check_bytes, export_bytes, positions_digest};
 
 use super::image::tests::png;
 use super::*;
@@ -520,7 +520,8 @@ fn a_mask_without_a_certificate_is_judged_on_the_lattice_of_its_positions() {
     let of_file = |exact: Option<ExactBlocks>| VaryingRecipe {
         shape: Some(disk(0.4)),
         exact,
-        ..recipe(RadiusSource::Constant(0.0117))
+        size: [Some(2.0); 2],
+        ..recipe(RadiusSource::Constant(0.0234))
     };
     let verdict = |recipe: &VaryingRecipe, points: &[[f64; 2]]| {
         let varying = recipe.ground().expect("a ground").varying;
@@ -534,7 +535,11 @@ fn a_mask_without_a_certificate_is_judged_on_the_lattice_of_its_positions() {
     for exact in [None, Some(blocks())] {
         let points = made(&of_file(exact)).set.points;
         // Nothing is known but the mask, the radius and the positions.
-        let fitted = |points: &[[f64; 2]]| of_file(None).fitted_to(points).expect("a lattice");
+        let fitted_as = |points: &[[f64; 2]], format| {
+            let fitted = of_file(None).fitted_to(points, format);
+            fitted.expect("a lattice")
+        };
+        let fitted = |points: &[[f64; 2]]| fitted_as(points, Format::Csv);
         let moved = |by: &dyn Fn(f64) -> f64| -> Vec<[f64; 2]> {
             points.iter().map(|at| at.map(by)).collect()
         };
@@ -543,13 +548,24 @@ fn a_mask_without_a_certificate_is_judged_on_the_lattice_of_its_positions() {
         assert!(verdict(&found, &points));
         let single = moved(&|along| f64::from(along as f32));
         assert_eq!(fitted(&single).exact.is_some(), exact.is_some());
+        // Files of the unit torus hold them divided by the width. The control: those of other formats do not.
+        let width = of_file(exact)
+            .ground()
+            .expect("a ground")
+            .field
+            .domain()
+            .size()[0];
+        let divided = moved(&|along| along / width);
+        let as_text = fitted_as(&divided, Format::UtkText);
+        assert_eq!(as_text.exact.is_some(), exact.is_some());
+        assert_eq!(fitted(&divided).exact, None);
 
         // Controls: of some tilings, as of this one, the lattice of darts finds fault, and positions of no lattice are not taken
         // for a tiling's.
         if exact.is_some() {
             assert!(!verdict(&of_file(None), &points));
         }
-        let strayed = moved(&|along| along + 1e-7 * (1e5 * along).sin());
+        let strayed = moved(&|along| along + 2e-7 * (1e5 * along).sin());
         assert_eq!(fitted(&strayed).exact, None);
         assert_eq!(fitted(&[]).exact, None);
     }
@@ -559,7 +575,7 @@ fn a_mask_without_a_certificate_is_judged_on_the_lattice_of_its_positions() {
         shape: Some(park()),
         ..recipe(RadiusSource::Constant(0.6))
     };
-    let fitted = park.clone().fitted_to(&[[0.123; 2]]);
+    let fitted = park.clone().fitted_to(&[[0.123; 2]], Format::Csv);
     assert_eq!(fitted.expect("a lattice"), park);
 }
 
