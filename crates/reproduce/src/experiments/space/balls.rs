@@ -14,8 +14,9 @@ use crate::error::{ReproduceError, Result};
 
 /// A stopped set has this many of so many samples: the second number is the whole.
 pub const STOPPED: (usize, usize) = (98, 100);
-/// Planes across each axis on which disks are counted. At a distance of 4 r and more they share no ball.
-const PLANES: usize = 4;
+/// Planes across each axis on which disks are counted. In the smallest cubes, of 12 r, they are 3 r apart: a ball of
+/// radius r meets one of them at most.
+pub const PLANES: usize = 4;
 /// Bins of g(r) to an r.
 pub const BINS_IN_R: usize = 20;
 /// Pairs are counted up to this distance: past the second peak of g(r), which lies near 2 r.

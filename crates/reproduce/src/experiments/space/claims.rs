@@ -4,7 +4,7 @@
 use serde_json::json;
 use tilescope_analysis::COVERING_TOLERANCE;
 
-use super::balls::{BINS_IN_R, MeasuredBalls};
+use super::balls::{BINS_IN_R, MeasuredBalls, PLANES};
 use super::results::{
     LOW, PUBLISHED, PUBLISHED_ERROR, SetMean, SpaceResults, bins, floor, middle, pairs, scatter,
 };
@@ -96,7 +96,7 @@ fn disks(found: &SpaceResults) -> Claim {
     let verdict = if_refuted(disks_of(&found.large), [disks_of(&found.stopped)]);
     let values = json!({
         "expected": 2.0 * PUBLISHED, "limit": DISKS, "disks": here.mean, "error": here.error,
-        "planes": 12, "sets": found.large.len(), "stopped": stopped.mean,
+        "planes": 3 * PLANES, "sets": found.large.len(), "stopped": stopped.mean,
     });
     claim("space/disks", verdict, &values)
 }
