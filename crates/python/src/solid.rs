@@ -234,8 +234,8 @@ pub fn save_solid(
         ask_for(points.len() as f64, HANDLING)?;
         // Without a verdict there is no certificate.
         if !verify {
-            export_solid_unverified(&path, points, &context)?;
-            return Ok((None, Vec::new()));
+            let note = export_solid_unverified(&path, points, &context)?;
+            return Ok((None, Vec::from_iter(note)));
         }
         let exported = export_solid(&path, points, &context, &watch.control("verify"))?;
         Ok((Some(of_verdict(&exported.verdict)), exported.warnings))

@@ -163,8 +163,14 @@ fn finish(
     // without a verdict has no certificate.
     match arguments.out.as_deref() {
         Some(path) if arguments.no_verify => {
-            export_solid_unverified(path, &outcome.made.points, &context).in_file(path)?;
-            Ok(outcome)
+            let note = export_solid_unverified(path, &outcome.made.points, &context);
+            let warnings: Vec<String> = (note.in_file(path)?.into_iter())
+                .map(|note| note.to_string())
+                .collect();
+            Ok(SolidOutcome {
+                warnings,
+                ..outcome
+            })
         }
         Some(path) => saved(outcome, path, &context),
         None => {

@@ -9,13 +9,13 @@ use serde_json::{Value, json};
 use tilescope_analysis::{Number, Region, SolidReport};
 use tilescope_core::{Parameter, Progress, SolidSpace};
 use tilescope_formats::{
-    ExportContext, Format, SolidColumns, SolidContext, check_solid_format, export_solid_unverified,
-    solid_digest,
+    ExportContext, Format, SolidColumns, SolidContext, Warning, check_solid_format,
+    export_solid_unverified, solid_digest,
 };
 use tilescope_sets::{SolidMade, SolidSurroundings};
 
 use crate::make::NO_VERDICT;
-use crate::output::{answer, compared, conflicts_answer, report, validity};
+use crate::output::{answer, compared, conflicts_answer, report, validity, warning_line};
 use crate::paths::{InFile, named};
 use crate::progress::verifying;
 use crate::sample_arguments::SampleArguments;
@@ -82,9 +82,10 @@ pub fn run(arguments: &SampleArguments, corners: [f64; 6]) -> Result<u8> {
 
     // A part of a set is saved without a certificate, which would state that it is maximal at its sides, too.
     let mut lines = found.text();
-    let mut file = Value::Null;
+    let (mut file, mut note) = (Value::Null, None);
     if let Some(path) = &arguments.out {
-        found.save(arguments, path)?;
+        note = found.save(arguments, path)?.map(|note| note.to_string());
+        lines.extend(note.as_deref().map(warning_line));
         file = json!(named(path));
         let _ = writeln!(
             lines,
@@ -92,7 +93,8 @@ pub fn run(arguments: &SampleArguments, corners: [f64; 6]) -> Result<u8> {
             named(path)
         );
     }
-    report(arguments.json, || found.json(&file), || lines)?;
+    let warnings = note.as_slice();
+    report(arguments.json, || found.json(&file, warnings), || lines)?;
     Ok(verdict_code(found.verdict.valid()))
 }
 
@@ -108,8 +110,8 @@ struct WindowFound {
 }
 
 impl WindowFound {
-    /// Saves the samples without a certificate.
-    fn save(&self, arguments: &SampleArguments, path: &Path) -> Result<()> {
+    /// Saves the samples without a certificate. Returns a note if the format leaves the levels out.
+    fn save(&self, arguments: &SampleArguments, path: &Path) -> Result<Option<Warning>> {
         ensure!(
             !self.points.is_empty(),
             "{}: no sample lies in the window, and files have at least one",
@@ -135,7 +137,7 @@ impl WindowFound {
     }
 
     /// Returns the report for programs.
-    fn json(&self, file: &Value) -> Value {
+    fn json(&self, file: &Value, warnings: &[String]) -> Value {
         let (space, verdict) = (&self.space, &self.verdict);
         json!({
             "method": SolidMade::METHOD,
@@ -152,6 +154,7 @@ impl WindowFound {
             "maximal": verdict.maximal(),
             "valid": verdict.valid(),
             "file": file,
+            "warnings": warnings,
         })
     }
 

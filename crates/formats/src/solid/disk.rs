@@ -7,7 +7,7 @@ use tilescope_analysis::Control;
 use crate::certificate::Certificate;
 use crate::check::{CheckError, Overrides};
 use crate::error::FormatError;
-use crate::export::ExportError;
+use crate::export::{ExportError, Warning};
 use crate::files::{file_name, read_certificate, read_whole, stored_at, write_whole};
 
 use super::check::{SolidCheck, SolidSet, check_solid_bytes, read_solid_bytes};
@@ -46,7 +46,7 @@ pub fn export_solid(
 }
 
 /// Writes points in space (in domain units) to the file `path` without verifying them, as
-/// [`export_unverified`](crate::export_unverified) does planar sets.
+/// [`export_unverified`](crate::export_unverified) does planar sets. Returns a note if the format leaves columns out.
 ///
 /// # Errors
 ///
@@ -55,9 +55,10 @@ pub fn export_solid_unverified(
     path: &Path,
     points: &[[f64; 3]],
     context: &SolidContext,
-) -> Result<(), FormatError> {
-    let bytes = unverified_bytes(&file_name(path)?, points, context)?;
-    write_whole(path, &bytes)
+) -> Result<Option<Warning>, FormatError> {
+    let (bytes, left_out) = unverified_bytes(&file_name(path)?, points, context)?;
+    write_whole(path, &bytes)?;
+    Ok(left_out)
 }
 
 /// Re-verifies the file `path` with a set in space, as [`check_solid_bytes`] does. `depth` is the third side, which

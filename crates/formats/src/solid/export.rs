@@ -94,17 +94,24 @@ pub(crate) struct SolidBytes {
     pub warnings: Vec<Warning>,
 }
 
-/// Encodes points in domain units for a file called `name`, without a verdict on them.
+/// Encodes points in domain units for a file called `name`, without a verdict on them. Returns also what the format leaves out.
 pub(crate) fn unverified_bytes(
     name: &str,
     points: &[[f64; 3]],
     context: &SolidContext,
-) -> Result<Vec<u8>, FormatError> {
+) -> Result<(Vec<u8>, Option<Warning>), FormatError> {
     let format = Format::to_write(name.as_ref(), context.planar.format)?;
     let precision = format.precision(context.planar.precision);
     let mapping = SolidMapping::new(format, &context.region(), precision);
     let (points, columns) = ordered(points, context);
-    codec::encode(&mapping.stored(&points), &columns, format, precision)
+    let bytes = codec::encode(&mapping.stored(&points), &columns, format, precision)?;
+    Ok((bytes, left_out(&columns, format)))
+}
+
+/// Returns the note that a format has no place for the columns, if there are any.
+fn left_out(columns: &SolidColumns, format: Format) -> Option<Warning> {
+    let is_left_out = !codec::has_columns(format) && !columns.is_empty();
+    is_left_out.then_some(Warning::ArrivalLeftOut { format })
 }
 
 /// Encodes points, stores them, reads them back, judges and certifies them.
@@ -146,9 +153,7 @@ pub(crate) fn export_through(
     let stated = certificate(name, format, context, &verdict, rounded, digests);
     let has_provenance = false;
     let mut warnings = warnings(has_provenance, format, &stated);
-    if !has_columns && !columns.is_empty() {
-        warnings.push(Warning::ArrivalLeftOut { format });
-    }
+    warnings.extend(left_out(&columns, format));
     Ok(SolidBytes {
         certificate_bytes: stated.to_bytes()?,
         warnings,

@@ -384,12 +384,19 @@ fn columns_of_arrival_and_level_stay_with_their_samples() {
     assert!(read("g.csv").lines().last().unwrap().contains(",149,"));
 
     // A window of space without end has levels, but no first sample from which arrivals could be counted.
-    ends(
-        &folder,
-        "sample --radius 1 --window 0 0 0 5 5 5 --out h.csv",
-        0,
-    );
+    let window = "sample --radius 1 --window 0 0 0 5 5 5";
+    let said = ends(&folder, &format!("{window} --out h.csv"), 0);
+    assert!(!said.contains("note:"), "{said}");
     assert!(read("h.csv").starts_with("x,y,z,level\n"));
+
+    // A file without a verdict says, too, that its format has no columns.
+    for line in [
+        format!("{window} --out h.npy"),
+        format!("{made} --no-verify --out i.npy"),
+    ] {
+        let said = ends(&folder, &line, 0);
+        assert!(said.contains("note: NumPy array keeps"), "{said}");
+    }
 }
 
 /// The picture in README.md is what its commands make, for whoever has the repository.
