@@ -297,16 +297,19 @@ fn asked(choice: JudgeChoice, count: usize) -> Result<[bool; 2], SolidError> {
 
 /// Returns the report by cubes in the name of both judges, if they agree.
 fn agreed(cubes: SolidReport, circles: SolidReport) -> Result<SolidReport, SolidError> {
-    // Both compute distances by nearly the same formula, and may round them differently, by a thousandth of this share
-    // at most. The distance of a single sample is infinite, which only equality compares.
+    // Both judges compute distances by nearly the same formula. Their roundings differ by a share of 1e-15 at most:
+    // 1e-12 is a thousand times that. The smallest distance of a single sample is infinite in a bounded region. The
+    // difference of two infinities is NaN: only `==` finds them equal.
     let apart = (cubes.min_distance - circles.min_distance).abs();
     let near = apart <= 1e-12 * cubes.min_distance || cubes.min_distance == circles.min_distance;
 
-    // Circles find only holes deeper than the bound, but for rounding; cubes may see a place of a shallower hole. Of
-    // the gaps of cubes only those that are listed have a distance to compare.
+    // Circles find a hole if it has a place farther than the bound from all samples. Cubes also find some holes that
+    // have places beyond the limit alone, which is less than the bound. So cubes may show gaps where circles show none,
+    // unless a listed gap is beyond the bound. The share of 1e-12 is again for rounding.
     let bound = cubes.covering_bound() * (1.0 + 1e-12);
     let is_deep = cubes.first_gaps.iter().any(|gap| gap.distance > bound);
-    // Circles decline a set with conflicts, so that there is none where they have judged.
+    // Circles decline a set with conflicts. They have judged this one, so that cubes must not have found a conflict
+    // either.
     let difference = if cubes.conflicts > 0 || !near {
         "smallest distance"
     } else if (circles.maximal() && is_deep) || (cubes.maximal() && !circles.maximal()) {

@@ -1,5 +1,5 @@
-//! Samples of a box in cubic cells, each at most one cell away from all that matter to it. A cell is a chain of samples, so that
-//! a sample comes and goes without moving another.
+//! Samples of a box in nearly cubic cells. A search around a place looks at the cell of the place and at the cells
+//! beside that cell. A cell is a chain of samples, so that a sample comes and goes without moving another.
 
 use crate::region::Boundary;
 
@@ -43,7 +43,7 @@ impl SolidGrid {
         let extent = solid.size.map(f64::from);
         let counts_of = |edge: f64| extent.map(|side| (side / edge).floor().max(1.0) as u64);
         let mut edge = edge;
-        // Each step halves the cells or better, so that a box of any shape has few enough after some steps.
+        // Twice the edge gives at most half as many cells, unless there is only one: the loop ends.
         while counts_of(edge).iter().product::<u64>() > MAX_CELLS {
             edge *= 2.0;
         }
@@ -161,11 +161,13 @@ impl SolidGrid {
         steps
     }
 
-    /// Returns the columns, rows or layers beside one, and itself, each once; all of them where there are no more than three.
+    /// Returns the columns, rows or layers (by `axis`) that are beside the one with the number `at`, and that one, each
+    /// once. Where there are three or fewer, all of them are returned.
     fn lines(&self, axis: usize, at: usize) -> Lines {
         let count = self.counts[axis];
         let last = count - 1;
-        let (all, count_of) = if count <= 3 {
+        // Where fewer than three lines are looked at, the rest of the array is not read.
+        let (all, looked_at) = if count <= 3 {
             ([0, 1, 2], count)
         } else if at > 0 && at < last {
             ([at - 1, at, at + 1], 3)
@@ -178,13 +180,14 @@ impl SolidGrid {
         };
         Lines {
             all,
-            count: count_of,
+            count: looked_at,
         }
     }
 }
 
-/// Up to three numbers of lines of cells along an axis.
+/// The numbers of up to three columns, rows or layers of cells.
 struct Lines {
+    /// The first `count` of these are the numbers; the others mean nothing.
     all: [usize; 3],
     count: usize,
 }

@@ -16,8 +16,10 @@ pub type LiveSolidSample = (u32, [i32; 3]);
 /// dozens of samples, and larger cells hold more samples to look at: as many as their cubes.
 const EDGE: f64 = 1.1;
 
-/// The edge of the cells of sets without near pairs, where the mean cell holds a sample. In a torus the nearest two are not farther
-/// apart, as balls of half their distance about all samples do not overlap: 6 / pi times the volume of a sample is its cube.
+/// The edge of the cells in which sparse sets are searched, over the cube root of the volume for each sample. In a
+/// torus no set has a smallest distance above 1.241 such roots: balls of half that distance around all samples do not
+/// overlap, so that its cube is at most 6 / pi times the volume for each sample. Cells of this edge mostly show the
+/// nearest pair at once.
 const SPARSE_EDGE: f64 = 1.25;
 
 /// The longest side of a box. Offsets then have 31 bits.
@@ -237,8 +239,9 @@ impl LiveSolidPairs {
         least.map_or(f64::INFINITY, |square| (square as f64).sqrt() / radius)
     }
 
-    /// Returns the square of the smallest distance where no two samples are near each other, by cells as large as the samples are
-    /// sparse.
+    /// Returns the square of the smallest distance of a set in which no two samples are within `certain`; `None` of
+    /// fewer than two samples. The cells of `grid` are too small for such a set: others are made, which are larger the
+    /// fewer samples there are.
     fn closest_of_sparse(&self) -> Option<u64> {
         if self.count < 2 {
             return None;
@@ -260,7 +263,8 @@ impl LiveSolidPairs {
                 grid.around(place, |_, square| least = least.min(square));
                 grid.insert(slot, place);
             }
-            // Cells that are large enough along all axes see all pairs, so that this ends.
+            // All pairs up to the certain distance were seen. Otherwise the cells are made larger. Once no axis has
+            // more than three cells, that distance is infinite, and the loop ends.
             if least <= square_of(grid.certain_distance()) {
                 return Some(least);
             }

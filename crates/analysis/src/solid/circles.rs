@@ -65,8 +65,9 @@ impl CirclesFound {
     }
 }
 
-/// Looks for places that no open ball of the limit covers. `None` stands for a set that this judge declines: two samples are
-/// in conflict, or none lies near another, or there are too few samples to cover so large a region.
+/// Looks for places that no open ball of the limit covers. `None` stands for a set that this judge declines: two
+/// samples are in conflict, or there are several samples and no ball meets another one, or there are too few samples to
+/// cover so large a region.
 pub(super) fn search(
     question: &SolidQuestion<'_>,
     monitor: &Monitor<'_>,
@@ -78,7 +79,8 @@ pub(super) fn search(
         witnesses,
         ..
     } = question;
-    // As far as any place can lie from all samples where the cubes of the first judge show no gap, so that both agree.
+    // If the first judge shows no gap, all places are within this distance of a sample. With a smaller one, this judge
+    // could see a gap that the first judge does not show.
     let limit = question.bound();
     let Some(neighbours) = Neighbours::new(points, region, 2.0 * limit) else {
         return Ok(None);
@@ -124,7 +126,8 @@ pub(super) fn search(
         }
     }
 
-    // All balls are apart, so that there are gaps, and the nearest pair was not seen. A single sample has no pair.
+    // Only pairs whose balls meet were compared. If no balls meet, the nearest pair was not seen, and its distance is
+    // unknown. A single sample has no pair that could be missed.
     if all.min_distance.is_infinite() && count > 1 {
         return Ok(None);
     }
@@ -369,9 +372,9 @@ impl Sphere<'_> {
     fn add_exposed(&self, found: &mut CirclesFound, witnesses: usize) {
         let faces = self.faces();
         // A sphere that meets no other one and no face lies in the region and is bare all over: any place of it serves.
-        let met = || faces.iter().filter(|face| face.distance < self.limit);
-        if self.near.is_empty() && met().next().is_none() {
-            found.add(self.user([0.0, 0.0, self.limit]), witnesses);
+        let faces_met = || faces.iter().filter(|face| face.distance < self.limit);
+        if self.near.is_empty() && faces_met().next().is_none() {
+            found.add(self.place_at([0.0, 0.0, self.limit]), witnesses);
             return;
         }
 
@@ -380,7 +383,8 @@ impl Sphere<'_> {
         for other in self.near.iter().filter(|other| other.index > self.index) {
             let direction = other.offset.map(|value| value / other.distance);
             let circle = Circle::of_sphere(self.limit, direction, other.distance / 2.0);
-            // Images of one sample are balls of their own: by the offset only the other ball itself is left out.
+            // The other ball is known by its offset. By its index its images would be left out as well, and they may
+            // cover a part of the circle.
             let thirds = self
                 .near
                 .iter()
@@ -390,18 +394,18 @@ impl Sphere<'_> {
                 .iter()
                 .map(|face| circle.share_beyond(face, self.limit));
             if let Some(angle) = bare_angle(balls.chain(beyond), &mut arcs) {
-                found.add(self.user(circle.place(angle)), witnesses);
+                found.add(self.place_at(circle.place(angle)), witnesses);
             }
         }
         // On a face the sphere's circle is bare unless balls or the half-spaces beyond other faces cover it.
-        for face in met() {
+        for face in faces_met() {
             let circle = Circle::of_sphere(self.limit, face.normal, face.distance);
             let near = self.near.iter();
             let balls = near.map(|other| circle.share_of_ball(other.offset, self.limit));
             let others = faces.iter().filter(|other| other.normal != face.normal);
             let beyond = others.map(|other| circle.share_beyond(other, self.limit));
             if let Some(angle) = bare_angle(balls.chain(beyond), &mut arcs) {
-                found.add(self.user(circle.place(angle)), witnesses);
+                found.add(self.place_at(circle.place(angle)), witnesses);
             }
         }
     }
@@ -427,7 +431,7 @@ impl Sphere<'_> {
     }
 
     /// Returns the place of the region at an offset from the center.
-    fn user(&self, offset: [f64; 3]) -> [f64; 3] {
+    fn place_at(&self, offset: [f64; 3]) -> [f64; 3] {
         let size = self.region.size();
         [0, 1, 2].map(|axis| {
             let (value, extent) = (self.center[axis] + offset[axis], size[axis]);

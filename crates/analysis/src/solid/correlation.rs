@@ -64,8 +64,9 @@ impl SolidCorrelation {
 
         let (samples, volume) = (count as f64, region.volume());
         let bin_width = most / bins as f64;
-        // Noise has N (N - 1) / 2 pairs. One factor of the volume spreads them evenly over all offsets; the other is the weight
-        // by which each pair counts.
+        // Noise has N (N - 1) / 2 pairs. At an offset their density is `pairs * room / volume^2`, where `room` is the
+        // volume in which a pair with this offset fits. Each pair has the weight `1 / room`, so that `room` drops out.
+        // In a periodic region `room` is the whole volume.
         let density = 0.5 * samples * (samples - 1.0) / (volume * volume);
         let shell = |bin: usize| {
             let [inner, outer] = [bin, bin + 1].map(|end| (end as f64 * bin_width).powi(3));

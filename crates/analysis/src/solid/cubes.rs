@@ -119,8 +119,9 @@ impl Task<'_> {
                 spare_lists: Vec::new(),
                 found: CubesFound::default(),
             };
-            // The cube itself is judged as the only part of itself.
-            search.judge(&CubeParts::only(cube), near, false);
+            // The cube itself is judged as the only part of itself, so that no other part follows a first gap.
+            let is_first_enough = false;
+            search.judge(&CubeParts::only(cube), near, is_first_enough);
             // By volume, since samples near the cube are near others, too.
             let share = cube.volume() / self.region_volume;
             self.monitor.advance((self.count * share) as u64)?;
@@ -161,8 +162,10 @@ impl CubeSearch {
         let is_small = self.rule.is_small(longest(parts.half));
 
         let mut has_gap = false;
-        // The others are proven: a sample is within the limit of every place of them.
+        // Proven parts are left out: one sample is within the limit of every place of such a part.
         for (number, part) in parts.of(parts.present & !found.proven) {
+            // A large part whose middle is not covered is cut nevertheless: it may have several holes, and each is to
+            // be counted.
             if is_small && found.covered >> number & 1 == 0 {
                 self.found.add(part.middle);
                 has_gap = true;
@@ -183,9 +186,12 @@ impl CubeSearch {
     /// Returns whether one was found.
     fn cut(&mut self, cube: &Cube, near: &[SampleGroup]) -> bool {
         let is_small = self.rule.is_small(cube.longest_half());
-        // So few samples are compared at once: those that do not reach into a part cost nothing.
+        // In a small cube the first gap is enough.
+        let is_first_enough = is_small;
+        // A single group of samples is compared in one step, however many of them reach into the cube: a shorter list
+        // would save nothing. A large cube needs the list, which shows below whether any sample reaches into it.
         if is_small && near.len() <= 1 {
-            return self.judge(&cube.parts(), near, true);
+            return self.judge(&cube.parts(), near, is_first_enough);
         }
 
         let (limit, mut listed) = (
@@ -193,12 +199,12 @@ impl CubeSearch {
             self.spare_lists.pop().unwrap_or_default(),
         );
         dispatch!(self.level, simd => groups::list(simd, cube, limit, near, &mut listed));
-        // A large cube may have several holes, and is cut as long as samples reach into it.
+        // If no sample reaches into the cube, all of it is one gap. Otherwise it is cut further.
         let has_gap = if listed.is_empty() {
             self.found.add(cube.middle);
             true
         } else {
-            self.judge(&cube.parts(), &listed, is_small)
+            self.judge(&cube.parts(), &listed, is_first_enough)
         };
 
         listed.clear();

@@ -14,7 +14,8 @@ use super::{SolidError, SolidQuestion, SolidRegion, SolidReport, error, pairs};
 /// samples of the part, `region` is the box that the part fills, and `radius` that of the set.
 ///
 /// Conflicts and the smallest distance are those of the whole part, since no sample is moved by the cut. Gaps are looked for in the
-/// window alone, by cubes. The part needs a margin of more than the radius around the window, or gaps of the cut count.
+/// window alone, by cubes. The part needs a margin of more than the radius around the window.
+/// With a smaller margin, samples that cover places of the window may be cut off, and these places count as gaps.
 ///
 /// # Errors
 ///
@@ -46,6 +47,7 @@ pub fn verify_solid_cut(
         }
     }
 
+    // The searches for pairs and for gaps each count all samples once.
     let monitor = Monitor::begin(control, 2 * points.len() as u64)?;
     let pairs = pairs::search(&question, &monitor)?;
     let window = Cube {
