@@ -16,7 +16,8 @@ use super::SolidQuestion;
 use super::cubes::{Cube, TASK_SAMPLES};
 use super::error::SolidError;
 
-/// A squared distance counts as larger only if it is so by this share: half of it, 2^-30, in a distance.
+/// A squared distance counts as larger than another one only if it is larger by this share. For the distances
+/// themselves the share is half as large: 2^-30.
 const SHARE: f64 = 1.0 / (1 << 29) as f64;
 
 /// The sketch cuts cubes until at most this many samples may be nearest to a place of one; then the four nearest to its
@@ -122,7 +123,7 @@ struct RankedCube {
     cube: Cube,
     /// No place of it has a larger squared distance from its nearest sample.
     bound: f64,
-    /// That of its middle.
+    /// The squared distance of its middle from the sample nearest to it.
     middle: f64,
 }
 

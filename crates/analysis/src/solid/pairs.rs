@@ -30,7 +30,9 @@ const CHUNK: usize = 512;
 /// Chunks between two questions whether there are conflicts enough.
 const CHUNKS: usize = 64;
 
-/// With more samples in a bin, pairs are too many to look at all of them. A conflict-free set has at most seven.
+/// With more samples in a bin, pairs are too many to look at all of them. In the first search bins are at most 2.01 r
+/// wide, and a conflict-free set has at most 51 samples in a bin: the balls of r / 2 around them do not overlap, and lie
+/// in a cube of 3.01 r.
 const CROWD: usize = 64;
 
 /// The conflicts among pairs, and the distance of the nearest one.
@@ -145,7 +147,9 @@ pub(super) fn pairs_by_distance(
     Ok(all)
 }
 
-/// Returns the smallest distance of two samples, and infinity of one sample alone. `reach` is where the search begins.
+/// Returns the smallest distance of two samples, and infinity of one sample alone. The first search is certain to find
+/// pairs within `reach`; the following searches have a shorter reach in a crowd and a longer one where nothing was
+/// found.
 fn smallest_distance(
     points: &[[f64; 3]],
     region: &SolidRegion,

@@ -107,7 +107,8 @@ impl SolidSpectrum {
     ) -> Result<Self, SolidError> {
         check_points(points, region)?;
         let unit = (points.len() as f64 / region.volume()).cbrt();
-        // In a longer box a cycle along the short side would be more of them along the long one.
+        // The first shell has frequencies of about one cycle along the shortest side. Along the longest side they have
+        // up to `ratio` cycles, for which the tables of waves must have rows.
         let ratio = region.longest() / region.shortest();
         check_range("the ratio of two sides", ratio, [1.0, MOST_CYCLES])?;
         let limits = [1.0 / region.shortest(), MOST_CYCLES / region.longest()];
@@ -118,8 +119,8 @@ impl SolidSpectrum {
         )?;
 
         let last = (most * unit * region.shortest()).floor() as usize;
-        let draws = (WORK / (points.len() as f64 * last as f64)) as usize;
-        let draws = draws.clamp(FEWEST_DRAWN, MOST_DRAWN);
+        let affordable = (WORK / (points.len() as f64 * last as f64)) as usize;
+        let draws = affordable.clamp(FEWEST_DRAWN, MOST_DRAWN);
         let shells = (1..=last).map(|number| Shell { region, number });
         let chosen: Vec<Vec<Frequency>> = shells.map(|shell| shell.frequencies(draws)).collect();
 
@@ -187,7 +188,7 @@ impl Shell {
             return self.drawn(draws);
         }
 
-        // Of two opposite frequencies the shell has one with z from 0 on.
+        // Of two opposite frequencies `has` takes one that has 0 or more cycles along z.
         let [x, y, z] = size.map(|side| (end * side / shortest).floor() as i64);
         let rows = (0..=z).flat_map(|z| (-y..=y).map(move |y| [y, z]));
         let all = rows.flat_map(|[y, z]| (-x..=x).map(move |x| [x, y, z]));
@@ -215,8 +216,8 @@ impl Shell {
                 let cycles = cubed.cbrt() * direction[axis] * size[axis] / shortest;
                 cycles.round() as i64
             });
-            // Only half of the cell of a frequency without cycles along z is drawn from. Places that belong to its opposite
-            // make up for that.
+            // Places have a z from 0 on: of the cell of a frequency with z = 0 they reach the upper half alone. The lower
+            // half mirrors the upper half of the opposite frequency's cell, whose places count for this frequency, too.
             let frequency = if (z, y, x) < (0, 0, 0) {
                 [-x, -y, -z]
             } else {
@@ -270,7 +271,8 @@ fn shell(
         nu: magnitudes.sum::<f64>() / count / unit,
         count: powers.len(),
         power,
-        // The exponential law of powers has its mean as its deviation, which one frequency cannot show.
+        // A single power does not show how powers scatter. They mostly follow an exponential law, whose standard
+        // deviation is its mean: so the power itself stands for the error.
         standard_error: if powers.len() > 1 {
             (variance / count).sqrt()
         } else {

@@ -4,7 +4,8 @@ use std::ops::RangeInclusive;
 
 use super::{Binned, Bins, key};
 
-/// A row around a bin is looked for one by one in so many samples from where it began before. Chosen, not measured.
+/// The start of a row is first looked for among this many samples, one by one, from the start of that row around the
+/// bin before. Chosen, not measured.
 const NEAR: usize = 8;
 
 /// The samples around one bin after another.
@@ -36,7 +37,7 @@ impl<'a> Around<'a> {
             for y in rows.iter().cloned().flatten() {
                 for x in columns.iter().filter(|columns| !columns.is_empty()) {
                     let (low, high) = (key(*x.start(), y, z), key(*x.end(), y, z));
-                    // The first bin of all has no rows before it.
+                    // No bin before had so many rows around it. This row is searched from the front of all samples.
                     if self.starts.len() == self.rows.len() {
                         self.starts.push(0);
                     }
