@@ -129,7 +129,8 @@ fn chooser(ui: &mut Ui, context: &TimeContext<'_>, commands: &mut Vec<Command>) 
     let combo = ComboBox::from_id_salt("curve").width(ui.available_width().min(230.0));
     let selected = ui.words(named(number));
     let shown = combo.selected_text(selected).show_ui(ui, |ui| {
-        // Those of the run's kind, with what they mean there.
+        // A number that runs of this kind do not have is left out. Some numbers have another meaning in space:
+        // `of_runs` gives each number with its meaning in this run.
         let is_in_space = is_in_space(context);
         let of_run = CurveNumber::all().filter_map(|number| number.of_runs(is_in_space));
         for other in [None].into_iter().chain(of_run.map(Some)) {
@@ -317,7 +318,7 @@ impl CurveFrame<'_> {
                 Sense::hover(),
             );
 
-            // The segments of nested levels are their levels, which have numbers in place of names.
+            // In a nested set each segment is a level. Levels have a number and no name.
             let events = &segment.events;
             let name = match session.nested {
                 Some(_) => format!("Level {index}"),

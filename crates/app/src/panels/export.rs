@@ -92,6 +92,8 @@ impl Sheet<'_> {
                 self.ink(ui);
                 self.width(ui);
             }
+            // Balls are shown without charts beside them. Their animation is one turn of the set, during which no
+            // events happen: there is no part of the run to choose.
             kind if self.source.shows_balls(kind) => {
                 self.scale(ui);
                 self.colours(ui);
@@ -100,6 +102,8 @@ impl Sheet<'_> {
                     self.delay(ui);
                 }
             }
+            // A passage of the plane shows one moment, without charts. No events happen during it, so that no number of
+            // events lies between two frames.
             ExportKind::Animation if self.source.shows_passage(self.form) => {
                 self.scale(ui);
                 self.colours(ui);
@@ -486,7 +490,8 @@ impl Sheet<'_> {
         self.named(ui, "A frame every", |sheet, ui, label| {
             let enabled = true;
             sheet.number(ui, NumberField::Every, enabled, label);
-            // A run's GPU passes have no events.
+            // Each frame is at a cursor of the events. GPU passes are at no cursors, so that frames cannot follow their
+            // clock.
             let clocks = Clock::ALL.into_iter().filter(|&c| c != Clock::Pass);
             for clock in clocks {
                 let plural = ui.words(format!("{}s", clock.name()));

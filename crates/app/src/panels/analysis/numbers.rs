@@ -107,6 +107,7 @@ fn numbers(
     columns: &[Column],
     heads: &[&str],
 ) {
+    // As in `show`: a difference, the reference and the file are never of an earlier moment.
     let is_outdated = false;
 
     // The file keeps its own unit. It is judged by this run's r, whose length in that unit is `sets.unit`.

@@ -77,6 +77,7 @@ fn status(run: &RunView, shown: &ShownMoment<'_>, live: Option<&MeasuredSet>) ->
         count => counted(count as usize, "conflict", "conflicts"),
     };
     let samples = counted(live.samples, "sample", "samples");
+    // A run in space without recorded events has no moment but its end.
     if shown.debugger.is_none() {
         return format!("At the end: {samples}, {conflicts}.");
     }
