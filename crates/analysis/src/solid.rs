@@ -128,8 +128,9 @@ impl SolidReport {
 ///
 /// Distances are exact up to the rounding of their `f64` formula, and a conflict is a distance strictly below `radius`. Of
 /// `options` the judges, the tolerance and the number of witnesses count. By default sets of up to a million samples are
-/// judged twice, by cubes (`subdivision`) and by covered circles, which share nothing. Sets with conflicts and with very few
-/// samples are declined by the latter, and the report says so.
+/// judged twice, by cubes (`subdivision`) and by covered circles, which share nothing. A set with
+/// conflicts, with too few samples for its region, or whose samples are all far apart is judged by cubes alone: the report
+/// names its judges.
 ///
 /// `control` is called now and then, from any thread of the current rayon pool; `Break` cancels. The report does not depend
 /// on the number of threads. Besides the samples, memory holds some 150 bytes for each.
