@@ -165,7 +165,7 @@ pub(crate) fn sample(subject: &Subject<'_>, id: u32) -> [String; 2] {
         .flatten()
         .unwrap_or_default();
 
-    // Where the radius depends on the place, it is named in the unit of the domain.
+    // In a field or a shape, a sample's radius is named, as radii may differ there. It is in the unit of the domain.
     let radius = shown.session.ground.as_ref().map_or_else(String::new, |_| {
         let in_units = shown.session.radius_of(id) * shown.session.run().domain.radius();
         let text = tilescope_session::words::significant(in_units);
@@ -214,6 +214,7 @@ pub(crate) fn has_gaps(subject: &Subject<'_>) -> bool {
 fn gap(subject: &Subject<'_>, position: DVec2) -> Option<(String, f32)> {
     let shown = &subject.shown;
     let size = shown.session.size_radii();
+    // Only places of the domain have to be covered: beyond its borders nothing is a gap.
     let is_inside = (position.cmpge(DVec2::ZERO) & position.cmplt(size)).all();
     if !has_gaps(subject) || !is_inside {
         return None;

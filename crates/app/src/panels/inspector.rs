@@ -165,6 +165,7 @@ fn place(
     // The nearest sample is looked for far beyond its disk, so that in a gap, too, its distance is shown: up to 3.5 r
     // away (chosen), or up to twice the largest radius. No sample covers a place farther away than the largest radius.
     let reach = f64::max(3.5, 2.0 * shown.session.largest_radius());
+    // Samples within `reach` of a rectangle are visited. Here the rectangle is the place alone, from `at` to `at`.
     shown.session.index.visit(at, at, reach, |seen| {
         let distance = seen.position.distance(at);
         // Only samples that cover their disks at this moment count.
@@ -199,7 +200,8 @@ fn place_in_plane(
     commands: &mut Vec<Command>,
 ) {
     let mut covering: Vec<(u32, String)> = Vec::new();
-    // A ball reaches r, which is 1 here, from its middle.
+    // A ball reaches r, which is 1 here, from its middle. The rectangle from `at` to `at`, around which balls are
+    // visited, is the place alone.
     shown.session.index.visit(at, at, 1.0, |seen| {
         let distance = seen.position.distance(at);
         // Only balls that are there at this moment count.
@@ -259,7 +261,8 @@ fn sample(
     if let Some(nested) = &session.nested {
         let level = nested.level_of(id as usize);
         row(ui, "Added by level", &level.to_string(), palette);
-        // Files of levels have ranks in a column that is not read with the points. An open question may be about ranks.
+        // Levels that were read from a file have no ranks here, as the file's column of ranks is not read. While a
+        // question of a lesson is open, ranks are hidden, as the answer may follow from them.
         let rank = nested.ranks.get(id as usize);
         if let Some(rank) = rank.filter(|_| !context.is_veiled) {
             row(ui, "Rank", &format!("{rank:.6}"), palette);
@@ -273,8 +276,8 @@ fn sample(
 
     let own_radius = || significant(session.radius_of(id) * run.domain.radius());
     match run.samples.origins[id as usize] {
-        // A large set of darts in a field or a shape keeps nothing but its samples: the origin is a placeholder, which is
-        // not shown.
+        // A large set of darts in a field or a shape keeps nothing but its samples, and so does an exact tiling of a
+        // shape from a file. The origin is then a placeholder, which is not shown.
         Origin::Tiled { .. } if session.is_in_field() => {
             row(ui, "Radius", &own_radius(), palette);
         }
@@ -297,7 +300,8 @@ fn sample(
             row(ui, "Lies", lies, palette);
         }
         Origin::Inserted { iteration, sites } => {
-            // By darts in a field or a shape, iterations are their throws, and samples have radii of their own.
+            // In a field or a shape that darts fill, `iteration` is the number of the throw. The radius is shown, as it
+            // may differ from sample to sample.
             if session.is_in_field() {
                 row(ui, "Radius", &own_radius(), palette);
                 row(ui, "From throw", &iteration.to_string(), palette);
@@ -331,7 +335,8 @@ fn sample_in_space(
     row(ui, "z", &format!("{:.4} r", radii(z)), palette);
     let in_files = significant(solid.users_from_plane(z));
     row(ui, "z in files", &in_files, palette);
-    // A sample that has not arrived yet is cut as it will be then.
+    // The cut depends on where the sample and the plane lie, and not on the moment. So it is shown before the sample
+    // arrives, too.
     let cut = match shown.cut(id) {
         Some(cut) => format!("radius {:.4} r", cut.radius),
         None => "none: over r away".to_owned(),

@@ -22,6 +22,10 @@ use tilescope_workbench::draft::{
 };
 use tilescope_workbench::link::link_key;
 
+/// The id by which tests and assistive tools find the error of choices that exclude each other. Other errors belong to
+/// one field and have its name.
+const ERROR_OF_CHOICES: &str = "refusal-0";
+
 /// Shows the fields of all parameters.
 pub(super) fn show(ui: &mut Ui, context: &FormContext<'_>, commands: &mut Vec<Command>) {
     let mut fields = Fields {
@@ -54,8 +58,9 @@ pub(super) fn show(ui: &mut Ui, context: &FormContext<'_>, commands: &mut Vec<Co
             ui.label(RichText::new(text).color(context.palette.muted))
                 .known_as("no-tiling");
         }
-        fields.error(ui, FormPart::Choices, "refusal-0");
-        // Nested levels and darts exclude each other: the choice of levels stays, so that they can be taken back.
+        fields.error(ui, FormPart::Choices, ERROR_OF_CHOICES);
+        // Darts make no nested levels. If levels were chosen before, their choice is still shown, so that it can be
+        // taken back.
         if context.form.draft.levels.is_some() {
             fields.nested(ui);
         }
@@ -64,7 +69,7 @@ pub(super) fn show(ui: &mut Ui, context: &FormContext<'_>, commands: &mut Vec<Co
 
     fields.group(ui, "Tiling", ParameterGroup::Tiling);
     fields.group(ui, "Elimination and insertion", ParameterGroup::Algorithm);
-    fields.error(ui, FormPart::Choices, "refusal-0");
+    fields.error(ui, FormPart::Choices, ERROR_OF_CHOICES);
     engine::show(ui, context, fields.commands);
     fields.nested(ui);
 }
@@ -142,6 +147,8 @@ impl Fields<'_> {
             RadiusBy::Stipple => {
                 self.image_name(ui);
                 self.stipple(ui);
+                // The number of dots is typed, so that none is estimated below. The brush is not offered, as a
+                // stipple's radii follow from its image.
                 return self.costs(ui);
             }
         }
