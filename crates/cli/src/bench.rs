@@ -84,7 +84,8 @@ fn names(row: &EngineRate) -> (&'static str, String) {
 }
 
 /// The heading of the table. The first ratio is to the reference sampler; that "of KDRT" is to the parallel engine on
-/// one thread.
+/// one thread. "From nothing" is the time of making a set and, before it, the pattern that it is tiled with; for exact
+/// tiling also the pattern's tables. The reference sampler needs no pattern.
 const HEADING: &str = "\
 method                             samples Msamples/s    ratio  \
 of KDRT from nothing N r2/area  min dist/r  covering/r verifier Ms/s  valid\n";

@@ -114,7 +114,7 @@ fn passes_text(run: &GpuRun, copy_rate: f64) -> String {
     let all = milliseconds(total);
     let _ = writeln!(out, "{:<10} {:<14} {times:>5} {all:>10}\n", "all", "");
     let alone = or_dash(total.map(|s| run.samples as f64 / s / 1e6), 3, "");
-    // Without a sample all bytes would be those of one.
+    // Where there is no sample, the bytes are divided by 1 instead of 0.
     let _ = writeln!(
         out,
         "passes alone: {alone} Msamples/s; buffers: {:.1} bytes a sample; copies: {:.1} GB/s (read and written)",

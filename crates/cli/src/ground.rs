@@ -147,8 +147,8 @@ impl GroundArguments {
     ) -> Result<Option<VaryingRecipe>> {
         Ok(match stated.filter(|stated| stated.is_varying()) {
             Some(stated) => {
-                // The certificate has the digests of the field's and the mask's values in its own domain: with another
-                // domain or radius they could only be found to differ.
+                // The certificate has digests of the values of the field and the mask in its own domain. In another
+                // domain or with another radius these values have other digests, so that the check could only fail.
                 set.refuse_domain("to which its field and its shape belong")?;
                 let given = self.given(set.planar)?;
                 Some(VaryingRecipe::of_certificate(stated, given)?)
@@ -169,7 +169,8 @@ impl GroundArguments {
         let certificate = set.certificate(file)?;
         let stated = certificate.as_ref().filter(|stated| stated.is_varying());
         if let Some(mut recipe) = self.recipe(set, stated)? {
-            // No certificate says by which method a mask was filled, and so on which lattice: the positions show it.
+            // A mask is filled by darts or by exact tiling, and each method has a lattice of its own. Where no
+            // certificate states the method, the positions show on which of the two lattices they lie.
             if stated.is_none() && recipe.has_two_lattices() {
                 let (positions, format) = first_points(file, overrides).in_file(file)?;
                 recipe = recipe.fitted_to(&positions, format).in_file(file)?;
@@ -215,7 +216,8 @@ impl GroundArguments {
             size: [set.width, set.height],
             origin: set.origin(),
             boundary: Boundary::of(boundary == Border::Periodic),
-            // A seed and a count are for making a set; to judge one, only the field and the shape are taken.
+            // A seed, a count and the blocks of exact tiling are for making a set. To judge one, only the field and the
+            // shape are taken; `judge_in` finds out from the positions whether a mask was tiled exactly.
             seed: 0,
             count: None,
             exact: None,

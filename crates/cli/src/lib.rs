@@ -251,8 +251,10 @@ fn plain(word: OsString) -> OsString {
     number.map_or(word, |number| number.to_string().into())
 }
 
-/// Joins a direction behind `--orbit` to it, which clap would take for an option where it begins with a minus. Its own setting for
-/// that would take `--turn` for a direction.
+/// Returns the words with a direction behind `--orbit` joined to that word by `=`.
+///
+/// A direction may begin with a minus, and clap takes a word that begins with a minus for an option. clap has a setting
+/// that allows such values; with it, clap would take `--turn` in `--orbit --turn` for the direction.
 fn with_direction(words: Vec<OsString>) -> Vec<OsString> {
     let is_direction = |word: &OsString| {
         let text = word.to_string_lossy();

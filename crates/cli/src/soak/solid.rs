@@ -43,13 +43,14 @@ pub fn round(parameters: &Parameters, dice: &Dice, options: &VerifyOptions) -> R
     let base = Region::new([size[0], size[1]], boundary == Boundary::Periodic);
     let positions = domain.users_from_lattice(&made.places);
     let (region, control) = (in_space(base, size[2]), |_| interrupt::flow());
-    // A side has a whole number of lattice units, no shorter than those of the radius. Along a short side they may be
-    // so much longer that the tolerance of certificates is a little too small; the domain's own bound is not.
+    // A side is divided into a whole number of lattice units, each at least as long as the radius over R.
+    // The shorter the side, the longer its units may be. In a box with a short side the covering radius may therefore
+    // exceed the tolerance of certificates by a hair. The domain's own bound is computed from the units that it has.
     let options = VerifyOptions {
         covering_tolerance: domain.covering_bound() / radius - 1.0,
         ..options.clone()
     };
-    // Cubes, circles and the covering radius are three searches, which have to agree.
+    // The judges and the search for the covering radius have to agree; otherwise the outcome is an error.
     let is_prefix = false;
     let verdict = measure_solid(&positions, region, radius, is_prefix, &options, &control)?;
 

@@ -25,7 +25,12 @@ use super::{box_text, hinted, is_in_space, overrides};
 /// Hundredths of a second for a frame of a turn, which takes 5.8 seconds: slow enough to follow a ball. Chosen by eye.
 const FRAME_DELAY: u16 = 8;
 
-/// Reads `30,20`.
+/// Whether a line below the picture says what the colours mean.
+const HAS_LEGEND: bool = true;
+
+/// Reads a view: `30,20` are the degrees around and above. A magnification may follow, as in `30,20,1.5`, and behind it
+/// `whole` for a box that is not cut open. Fails for other texts, and for an elevation or a magnification beyond its
+/// limits.
 pub fn parse(text: &str) -> Result<OrbitView, String> {
     let wrong = || {
         format!(
@@ -35,7 +40,8 @@ pub fn parse(text: &str) -> Result<OrbitView, String> {
     };
     let view = OrbitView::read(text).ok_or_else(wrong)?;
 
-    // Links and files are put within the limits. A typed number gives the picture that it asks for, or none.
+    // `OrbitView::read` is also for links and files, and puts numbers beyond the limits within them. Here such a number
+    // is refused, as its picture would not be the one that was typed.
     let typed = |part: usize| {
         let part = text.split(',').nth(part)?;
         part.trim().parse::<f64>().ok()
@@ -74,7 +80,7 @@ pub fn read(file: &Path, set: &SetArguments) -> Result<Balls> {
         "{}: --orbit draws a set in space, and this one has no third side: neither its certificate nor --depth states one",
         named(file)
     );
-    // As for a plane: the picture shows what the set is, valid or not.
+    // The set is not verified: the picture shows it as it is, valid or not.
     let given = overrides(set, file)?;
     let read = tilescope_formats::read_solid(file, &given, set.depth)
         .map_err(hinted)
@@ -140,7 +146,7 @@ impl<'a> Drawn<'a> {
     /// Returns the picture.
     pub fn scene(&self) -> Result<Scene> {
         let picture = self.picture()?;
-        let drawn = orbit_scene(&picture, &self.balls.caption, true, &interrupt::flow);
+        let drawn = orbit_scene(&picture, &self.balls.caption, HAS_LEGEND, &interrupt::flow);
         if drawn == Err(OrbitError::Cancelled) {
             interrupt::check("the picture")?;
         }
@@ -154,10 +160,11 @@ impl<'a> Drawn<'a> {
             "View".to_owned(),
             described(still.set.points.len(), still.set.size, still.view),
         )];
-        // The corner that is cut out stays that of the first frame, and turns with the set.
+        // Every frame has the `open` corner of the first one. So the same corner of the set is cut out throughout, and
+        // turns with the set.
         let frames = self.view.turn().map(|view| {
             let frame = OrbitPicture { view, ..still };
-            let scene = orbit_scene(&frame, &self.balls.caption, true, &interrupt::flow);
+            let scene = orbit_scene(&frame, &self.balls.caption, HAS_LEGEND, &interrupt::flow);
             let cancelled_or_wrong = |error| match error {
                 OrbitError::Cancelled => FigureError::Cancelled,
                 other => FigureError::Chart(other.to_string()),

@@ -53,7 +53,7 @@ pub fn run(arguments: &SampleArguments, corners: [f64; 6]) -> Result<u8> {
         );
     }
 
-    // Sides that were not typed have defaults, which a window of space does not use.
+    // Only the radius and the seed are used. `refuse_planar` has refused all other parameters that were typed.
     let asked = &arguments.run.asked;
     let space = SolidSpace::new(asked.radius, asked.seed)?;
     let [x0, y0, z0, x1, y1, z1] = corners;
