@@ -88,7 +88,8 @@ impl<G: Copy> Chains<G> {
     /// Adds a group before `next`, in the place of a free one if there is any, and returns its number.
     fn add_group(&mut self, next: u32, empty: &G) -> u32 {
         if self.free == NO_GROUP {
-            // Twice as much room as before, which a vector takes by itself, would be wasted: few groups are still to come.
+            // The room at first is an estimate of all groups, so that only a few do not fit. A vector would double its
+            // room by itself, and most of it would stay empty. An eighth is added instead, and 8 for small vectors.
             if self.groups.len() == self.groups.capacity() {
                 let more = self.groups.len() / 8 + 8;
                 self.groups.reserve_exact(more);

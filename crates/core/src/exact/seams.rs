@@ -201,6 +201,10 @@ impl<'a> SeamTiling<'a> {
             }
         }
 
+        // The history keeps the refused darts of levels before `LATE_LEVEL`: they are looked up where the sample that
+        // refused them is missing. Refused darts of later levels are not kept, and are thrown again in the cells that
+        // may be bare. Cells along the borders of blocks are among these cells, since samples that the pattern has
+        // beyond a border are missing in the block.
         for level in 0..=LAST_LEVEL {
             if level == LATE_LEVEL {
                 self.open_borders();

@@ -101,7 +101,7 @@ impl SeamTiling<'_> {
         }
     }
 
-    /// Keeps account of a lost sample, which has been removed from the lists. Returns `true`.
+    /// Keeps account of a lost sample, which has been removed from the lists. Returns `true`: the sample has changed.
     #[inline(never)]
     fn lose(&mut self, id: u32) -> bool {
         let sample = &mut self.samples[id as usize];
@@ -136,8 +136,9 @@ impl SeamTiling<'_> {
         // Cells that another sample covers stay closed; should it be lost, its disk marks them.
         let (history, tile) = (self.history, &self.tiles[tile as usize]);
         for piece in tile.first_piece..tile.end_piece {
-            // The disk does not touch a piece that is more than R away, as most pieces of a block are that crosses the
-            // pattern's end. Outside of the piece its `depth` is the negative distance.
+            // The disk does not touch a piece that is more than R away. A block that crosses the pattern's end has
+            // several pieces, and most of them are so far away. `depth` is less than -R where the place is more than R
+            // away along an axis.
             if self.bounds[piece as usize].depth(place) < -R {
                 continue;
             }
