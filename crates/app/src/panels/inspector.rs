@@ -147,8 +147,8 @@ fn coordinates(ui: &mut Ui, shown: &ShownMoment<'_>, at: DVec2, palette: &Palett
     row(ui, "In files", &format!("{x:.6}, {y:.6}"), palette);
 }
 
-/// Shows a place: its coordinates, the nearest sample that is in the set at this moment, and whether one covers the place. Of
-/// a set in space all samples that cover it.
+/// Shows a place: its coordinates, the nearest sample that is in the set at this moment, and whether a sample covers the
+/// place. In the plane through a set in space, all samples that cover the place are shown instead of the nearest one.
 fn place(
     ui: &mut Ui,
     shown: &ShownMoment<'_>,

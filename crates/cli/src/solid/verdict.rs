@@ -46,7 +46,8 @@ pub fn text(verdict: &SolidVerdict) -> String {
     // more where that shows whether a length or its limit is larger.
     let report = &verdict.report;
     let r = report.radius;
-    let (closest, _) = compared(report.min_distance / r, 1.0, 9);
+    // The limit of distances is 1 in radii, which need not be shown beside them.
+    let (closest, _limit) = compared(report.min_distance / r, 1.0, 9);
     // Positions are rounded to a lattice, and maximality has a tolerance for it.
     let limit = 1.0 + report.covering_tolerance;
     let (farthest, most) = compared(verdict.covering_radius / r, limit, 9);
