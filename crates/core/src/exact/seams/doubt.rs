@@ -110,7 +110,9 @@ impl SeamTiling<'_> {
             self.reached.clear();
             self.disks.each_from(cell, from.when(), |id| {
                 let sample = &samples[id as usize];
-                // Earlier samples stay, whatever darts the zone has.
+                // Samples that arrived before `from` stay, whatever darts the zone has. `each_from` compares the first
+                // bits of arrivals; here all bits are compared. Samples that the pattern lacks are inserted in their
+                // turn, so that none of them is later than `from` yet.
                 let is_later = |pattern| from <= history.arrival(pattern);
                 if is_near(sample.place, &rect) && sample.pattern().is_some_and(is_later) {
                     self.reached.push(id);

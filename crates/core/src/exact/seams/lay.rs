@@ -31,8 +31,8 @@ impl SeamTiling<'_> {
         let symmetry = Symmetry(block.symmetry);
         // Late darts at places that something unknown may cover are not thrown.
         if let Some(core) = Rect64::from(rect).within(&self.ground.core()) {
-            // Where the turned pattern has the lowest corner of `core` enlarged by r. `block.start` is the same for the whole
-            // block.
+            // `block.start` is where the turned pattern has the lowest place of the block enlarged by r. `pieces` needs
+            // where the turned pattern has the lowest place of `core` enlarged by r.
             let start = I64Vec2::from(block.start) + I64Vec2::from(core.min) - block.rect.min;
             let pattern_rect = self.history.pattern().domain().rect();
             for piece in pieces(tile, &core, start, symmetry, &pattern_rect) {
@@ -78,6 +78,7 @@ impl SeamTiling<'_> {
         for part in Rect64::from(whole).without(&interior) {
             clipper.clip(block, &part, &target, |x, y, pattern| {
                 let place = Point::new(x, y);
+                // A sample outside of the shape counts as lost: the darts that it refused are decided again.
                 if self.is_outside(tile, place) {
                     self.release(tile, place, pattern);
                     return;
@@ -146,10 +147,10 @@ impl SeamTiling<'_> {
         let placed = self.tiles[tile as usize].placed;
         let min = Point::new(place.x & -R, place.y & -R);
         // Samples beyond the frame are in no list.
-        let ground = self.ground.rect().max;
+        let end = self.ground.rect().max;
         let around = Rect {
             min: Point::new((min.x - R).max(0), (min.y - R).max(0)),
-            max: Point::new((min.x + 2 * R).min(ground.x), (min.y + 2 * R).min(ground.y)),
+            max: Point::new((min.x + 2 * R).min(end.x), (min.y + 2 * R).min(end.y)),
         };
         // Most cells that are asked about lie near the border.
         let interior = self.interior(tile);
@@ -166,7 +167,9 @@ impl SeamTiling<'_> {
                 return;
             }
 
-            // It may be lost, or have become doubtful while other cells alone listed it. Few are, and the filter has all of them.
+            // The sample may be lost, or have become doubtful while only other cells listed it. Both are rare. The
+            // filter `missing` has all such samples. Where a tile has several copies of the pattern, the sample has a
+            // place in each copy: only fates of this place count.
             let mut is_doubtful = false;
             if self.tiles[tile as usize].missing.may_have(pattern) {
                 let fates = self.fates.of(tile, pattern);

@@ -98,9 +98,10 @@ impl SeamTiling<'_> {
         }
     }
 
-    /// Cuts a cell of a level into quarters. Only samples of levels earlier than the level of `from` count. A quarter
-    /// that one certain sample covers whole is left out, since it refuses every dart there. A quarter that only a
-    /// doubtful sample covers whole becomes a zone. The others are appended to the open cells.
+    /// Cuts a cell of a level into quarters. Only samples of levels earlier than the level of `from` count: a sample of
+    /// that level may arrive after a dart of the quarter, and then does not refuse that dart. A quarter that one
+    /// certain sample covers whole is left out, since the sample refuses every dart there. A quarter that only a
+    /// doubtful sample covers whole becomes a zone. All other quarters are appended to the open cells.
     #[inline(always)]
     fn quarter<S: Simd>(
         &mut self,
@@ -245,9 +246,9 @@ impl SeamTiling<'_> {
                     continue;
                 }
 
-                // A filter: samples of earlier levels are final, and a dart that one of them covers need not wait for its turn.
-                // Samples with the `when` of this level's first arrival are of this level, and do not count: none is
-                // earlier, as the closure says.
+                // A filter: samples of earlier levels are final, and a dart that one of them covers need not wait for
+                // its turn. `coverage` asks the closure about samples whose `when` is that of the level's first
+                // arrival. Such samples are of this level, and do not count.
                 let list = self.whole_cell(clipper, place, piece.tile);
                 let coverage = self
                     .disks
