@@ -41,6 +41,7 @@ pub fn varying_recorded<T: Recorder>(
         radius: locality.field.domain().radius(),
         ..*parameters
     };
+    // `ended` also reports the end of the run, and makes the parameters say uniform insertion.
     let parameters = ended(parameters, points.len(), recorder);
     Ok(Run::of_darts(parameters, locality, points, iterations))
 }

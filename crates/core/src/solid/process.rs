@@ -51,7 +51,8 @@ impl SolidProcess {
         stage: Stage,
         observer: &mut dyn Observer,
     ) -> Result<Vec<Place>, SampleError> {
-        // A cube counts when it throws, and when it is cut after the level's last throw.
+        // A cube counts when it throws, and again when it is cut, which happens only after the level's last throw. All
+        // other throws count half of the total, and `Meter::end` then reports all of it.
         let mut meter = Meter::begin(observer, stage, 2 * self.active.len() as u64)?;
         let throw = SolidThrow::new(self.key, self.level, self.throw);
         self.throw += 1;
@@ -88,7 +89,8 @@ impl SolidProcess {
         observer: &mut dyn Observer,
         recorder: &mut T,
     ) -> Result<Vec<Place>, SampleError> {
-        // A cube counts when it throws, and when it is cut after the level's last throw.
+        // A cube counts when it throws, and again when it is cut, which happens only after the level's last throw. All
+        // other throws count half of the total, and `Meter::end` then reports all of it.
         let cube_count = self.active.len() as u64;
         let mut meter = Meter::begin(observer, Stage::Iterate(number), 2 * cube_count)?;
         let throw = SolidThrow::new(self.key, self.level, self.throw);

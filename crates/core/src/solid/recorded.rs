@@ -77,6 +77,7 @@ pub fn solid_recorded<T: Recorder>(
         });
     }
 
+    // `ended` also reports the end of the run, and makes the parameters say uniform insertion.
     let parameters = ended(*parameters, points.len(), recorder);
     Ok(SolidRun {
         projected: Run::of_throws(parameters, planar, points, iterations),

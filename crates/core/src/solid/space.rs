@@ -171,6 +171,7 @@ impl SolidSpace {
         observer: &mut dyn Observer,
     ) -> Result<SolidArrivals, SampleError> {
         let count = SOLID_DENSITY * window.volume_radii();
+        // TODO: the bytes a sample of a sweep were measured of planar sets, and not of windows of space.
         memory::ask_for(count, Making::Sweep.bytes_a_sample())?;
 
         let key = Key::from_seed(self.seed);
@@ -185,7 +186,8 @@ impl SolidSpace {
                 .collect();
             arrived.extend(made?.into_iter().flatten());
             meter.count(batch.len() as u64)?;
-            // A piece takes as long as thousands of those after which the meter asks by itself.
+            // By itself the meter asks the observer only after thousands of counted pieces. A piece takes so long that
+            // the observer is asked after each batch.
             meter.ask()?;
         }
         meter.end()?;

@@ -101,8 +101,8 @@ impl BallLists {
         false
     }
 
-    /// Returns which octants of a cube one sample of a list covers as a whole, as bits. Of some whose farthest place is covered by
-    /// little it does not say so.
+    /// Returns which octants of a cube one sample of a list covers as a whole, as bits. An octant may be missing if its
+    /// farthest place is almost R from the sample: see [`SURELY`].
     #[inline(always)]
     pub fn covered_octants<S: Simd>(&self, simd: S, list: Chain, cube: &[Halves; 3]) -> u8 {
         // The least squared distance to the farthest place of each octant.

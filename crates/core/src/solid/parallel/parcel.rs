@@ -201,8 +201,8 @@ impl CellParcel {
         let mut starts = vec![0; CELL_COUNT + 1];
         for contender in &self.contenders {
             let place = IVec3::from(contender.ball.place);
-            let cell = (place - self.min) >> R.ilog2() as i32;
-            let cell = cell_number([cell.x as usize, cell.y as usize, cell.z as usize]);
+            let IVec3 { x, y, z } = (place - self.min) >> R.ilog2() as i32;
+            let cell = cell_number([x as usize, y as usize, z as usize]);
             // Each cell counts its own one place too late, where the next one begins.
             starts[cell + 1] += 1;
         }
@@ -241,17 +241,17 @@ impl ActiveCube {
         } else {
             self.cut_by_domain(half, last)
         };
-        let covered = beyond | covered(&halves);
+        let closed = beyond | covered(&halves);
 
         let [x, y, z] = self.at;
-        let half = half as u16;
+        let step = half as u16;
         for octant in 0..8 {
-            if covered >> octant & 1 == 0 {
+            if closed >> octant & 1 == 0 {
                 let [right, up, deep] = octant_halves(octant);
                 let at = [
-                    x + half * right as u16,
-                    y + half * up as u16,
-                    z + half * deep as u16,
+                    x + step * right as u16,
+                    y + step * up as u16,
+                    z + step * deep as u16,
                 ];
                 open.push(Self { at, ..self });
             }

@@ -64,7 +64,9 @@ pub(super) struct SpacePiece<'a> {
 }
 
 impl<'a> SpacePiece<'a> {
-    /// Returns the samples of a window in the order of their arrival. The window has a place.
+    /// Returns the samples of a window in the order of their arrival. The window must hold at least one place.
+    ///
+    /// Fails when the window is still in doubt with a halo of [`MAX_HALO`] cells.
     pub fn made(key: Key, window: &'a SolidWindow) -> Result<Vec<Arrived>, SampleError> {
         let is_small = (0..3).all(|axis| window.max[axis] - window.min[axis] <= SMALL * R);
         let mut halo = if is_small { HALO } else { WIDE_HALO };
@@ -137,6 +139,7 @@ impl<'a> SpacePiece<'a> {
     fn throw(&mut self, level: u32, throw: u32) {
         let throw_key = throw_key(self.key, level, throw);
         let mut darts: Vec<Arrived> = Vec::new();
+        // No cube lies at `i32::MIN`, so that the first cube derives its plane's key.
         let (mut plane, mut plane_key) = (i32::MIN, throw_key);
         for &cube in &self.active {
             let [x, y, z] = self.in_space(cube);
