@@ -346,10 +346,11 @@ impl RadiusField {
 
         let last = i64::from(cell.side) - 1;
         let min = [i64::from(cell.min.x), i64::from(cell.min.y)];
-        let columns =
+        let cell_of =
             |value: i64, axis: usize| ((value >> self.bits) as usize).min(self.cells[axis] - 1);
-        let first = [0, 1].map(|axis| columns(min[axis], axis));
-        self.cells_range(first, [0, 1].map(|axis| columns(min[axis] + last, axis)))
+        let first_cell = [0, 1].map(|axis| cell_of(min[axis], axis));
+        let last_cell = [0, 1].map(|axis| cell_of(min[axis] + last, axis));
+        self.cells_range(first_cell, last_cell)
     }
 
     /// Returns the range of all radii if they are the same everywhere.
@@ -421,8 +422,8 @@ impl RadiusField {
         // last level has a single block, which always does.
         let spread =
             |size: usize| (0..2).all(|axis| (last[axis] >> size) - (first[axis] >> size) <= 2);
-        // Blocks no longer than a quarter of the cells' extent are too many for `spread`. Sizes below the largest of them need
-        // not be tried.
+        // `least` is the largest size whose blocks are at most a quarter as long as `longest`, or 0 if there is none.
+        // Smaller blocks are not tried: more than three of them would be needed on the longer axis.
         let longest = (last[0] - first[0]).max(last[1] - first[1]);
         let least = (longest / 4).checked_ilog2().unwrap_or(0) as usize;
         let size = (least..self.levels.len())

@@ -79,7 +79,7 @@ impl NearSamples {
 
         if !self.has_one_radius {
             if group == self.radii.len() {
-                // A free lane has a radius, too: it is so far away that none is near it.
+                // A lane without a sample needs some radius, too. Any will do: its offset is far beyond all reaches.
                 self.radii.push([1.0; GROUP_LANES]);
             }
             self.radii[group][number] = radius as f32;
@@ -149,7 +149,8 @@ impl NearSamples {
                     let product = radius * (least * (2.0 - 2.0 * ROUNDED));
                     (squared * (sum * sum)).simd_le(product * product)
                 } else {
-                    // The reach of two equal radii is that radius.
+                    // The reach of two equal radii is that radius. Squaring doubles the margin above: here it is
+                    // twice `ROUNDED`, too.
                     squared.simd_le(least * least * (1.0 - 2.0 * ROUNDED))
                 };
                 covered |= u32::from(is_covered.any_true()) << quarter;
@@ -188,11 +189,12 @@ impl NearSamples {
             let dy = f32x8::simd_from(simd, group.y) - y;
             let squared = dx * dx + dy * dy;
 
-            let (is_near, may_be) = if let Some(&radii) = radii {
+            let (surely_near, perhaps_near) = if let Some(&radii) = radii {
                 let other = f32x8::simd_from(simd, radii);
                 let sum = other + own;
                 let product = other * (2.0 * own);
-                // As above; the reach is rounded up, by less than 1.
+                // Multiplied by a + b, as in `quarters_near`. The reach is rounded up by less than 1, so that a sample
+                // may be near up to a distance of 2ab / (a + b) + 1.
                 let squared = squared * (sum * sum);
                 let surely = product * (1.0 - ROUNDED);
                 let perhaps = (product + sum) * (1.0 + ROUNDED);
@@ -201,16 +203,17 @@ impl NearSamples {
                     squared.simd_le(perhaps * perhaps),
                 )
             } else {
+                // Without radii few numbers are rounded, so that `ROUNDED` itself is margin enough for squares.
                 let limit = own * own;
                 (
                     squared.simd_le(limit * (1.0 - ROUNDED)),
                     squared.simd_le(limit * (1.0 + ROUNDED)),
                 )
             };
-            if is_near.any_true() {
+            if surely_near.any_true() {
                 return true;
             }
-            is_doubtful |= may_be.any_true();
+            is_doubtful |= perhaps_near.any_true();
         }
         // Rounding decides nothing: a sample that is nearly as far as its reach is compared in integers, which is rare.
         is_doubtful && self.any_near_exactly::<ONE_RADIUS>(list, place, radius)

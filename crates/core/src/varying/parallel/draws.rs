@@ -33,14 +33,15 @@ impl DrawnDarts {
     /// For how many parts darts are drawn at a time.
     pub const PARTS: usize = 8 * DRAW_LANES;
 
-    /// Draws the darts of at most [`Self::PARTS`] parts with the key of a throw. A part is two to the power `bits` wide.
+    /// Draws the darts of at most [`Self::PARTS`] parts with the key of a throw. A part is two to the power
+    /// `bits_of(part)` wide.
     #[inline(always)]
     pub fn draw<S: Simd>(
         &mut self,
         simd: S,
         throw_key: Key,
         parts: &[ActivePart],
-        bits: impl Fn(&ActivePart) -> u32,
+        bits_of: impl Fn(&ActivePart) -> u32,
     ) {
         self.darts.clear();
         for (held, first) in parts.chunks(DRAW_LANES).zip((0..).step_by(DRAW_LANES)) {
@@ -52,7 +53,7 @@ impl DrawnDarts {
 
             for ((part, words), number) in held.iter().zip(words).zip(first..) {
                 let cell_key = Key::from_words(words);
-                let bits = bits(part);
+                let bits = bits_of(part);
                 for index in 0..dart_count(cell_key, 1 << bits) {
                     self.darts.push(PartDart {
                         part: number,
@@ -66,7 +67,7 @@ impl DrawnDarts {
             }
         }
 
-        // Their numbers are drawn by now, and their ranks and places follow.
+        // All darts are listed by now. Their ranks and places are drawn here.
         for held in self.darts.chunks_mut(DRAW_LANES) {
             let (mut keys, mut counters) = ([throw_key; DRAW_LANES], [[0; 2]; DRAW_LANES]);
             for ((key, counter), dart) in keys.iter_mut().zip(&mut counters).zip(&*held) {

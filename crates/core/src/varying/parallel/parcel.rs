@@ -243,7 +243,7 @@ impl Parcel {
                 darts.push(OpenDart::new(dart.rank, dart.at, radius, family.sight));
             }
         }
-        // As many parcels have darts as have parts, and most of all after the first throw.
+        // Exactly as much memory as is needed, as in `cut`: all parcels keep their darts until the throw is decided.
         self.darts = darts.drain(..).collect();
     }
 }
@@ -286,12 +286,12 @@ impl Family {
             half,
             least,
         };
-        let covered = covered(&test);
+        let covered_bits = covered(&test);
 
         let rect = field.domain().rect();
         for (index, quarter) in cell.quarters().into_iter().enumerate() {
             // A quarter that begins beyond the domain has no place of it.
-            if covered >> index & 1 == 1 || !rect.contains(quarter.min) {
+            if covered_bits >> index & 1 == 1 || !rect.contains(quarter.min) {
                 continue;
             }
             // A part that lies inside as a whole has no quarter outside.
