@@ -96,6 +96,7 @@ pub(super) fn read(bytes: &[u8], format: Format) -> SolidColumns {
         }
     };
 
+    // PLY has these numbers as 32-bit integers with a sign.
     let numbers = whole(ARRIVAL, i32::MAX as u32).into_iter();
     let levels = whole(LEVEL, LAST_LEVEL.into()).into_iter();
     SolidColumns {

@@ -65,7 +65,8 @@ pub(crate) fn read_solid_bytes(
     overrides: &Overrides,
     depth: Option<f64>,
 ) -> Result<SolidSet, CheckError> {
-    // As for planar sets: what shows without a judge has to be true of a set that is only read.
+    // No judge runs here. The certificate is refused all the same if the file's content, or the certificate's other
+    // numbers, contradict one of its statements. Planar sets that are only read are treated in the same way.
     let file = SolidFile::read(data, name, certificate, overrides, depth)?;
     let wrong = (file.stated.as_ref())
         .and_then(|stated| contradictions(stated, &file.found).into_iter().next());
@@ -128,8 +129,8 @@ impl SolidFile {
         let judged = SolidJudged::new(format, stated.as_ref(), overrides, depth)?;
         let mapping = SolidMapping::new(format, &judged.region, precision);
 
-        // The positions are digested as they are in the file; the judges get those in the domain. A certificate beside
-        // a file always states the file's digest, so that one is needed.
+        // The positions are digested as they are in the file; the judges get those in the domain. The file's bytes are
+        // digested only to be compared with a certificate, which always states their digest.
         let found = Contents {
             format,
             precision,
