@@ -135,8 +135,8 @@ impl Run {
             Source::Tiled { block, pattern } => Origin::Tiled {
                 block,
                 pattern,
-                // Only the place in the domain is known. A sample from the margin that lies in its own block beyond a
-                // periodic border counts as the block's own here.
+                // Only the place in the domain is known. A block's margin may reach across a periodic border into the
+                // block itself: samples in that overlap count as the block's own here.
                 own: self.blocks.leaves[block as usize].rect.contains(*point),
             },
             Source::Inserted { iteration } => Origin::Inserted {

@@ -97,8 +97,8 @@ impl SolidThrow {
         self.thrown(cubes, balls, out, |_, _| {});
     }
 
-    /// Like [`Self::uncovered`], and passes each dart to `report` with the place where it lands and its verdict. The process keeps
-    /// no ids, so that none is named.
+    /// Like [`Self::uncovered`], and passes each dart to `report` with the place where it lands and its verdict. A
+    /// verdict names no sample that covers the dart, since the process keeps no ids.
     #[inline]
     pub fn thrown(
         &self,

@@ -385,8 +385,9 @@ impl RadiusField {
         range
     }
 
-    /// Returns the cells of an axis from the first to the last of a span that may leave the domain; if that is
-    /// periodic, the span goes on at the other side.
+    /// Returns the first and the last cell of a span along an axis, which may leave the domain. If the domain is
+    /// periodic, what lies beyond its end is returned as a second span at the other side. Without such a rest, the
+    /// second one is `None`.
     fn cell_spans(&self, [first, last]: [i64; 2], axis: usize) -> [Option<[usize; 2]>; 2] {
         let count = self.cells[axis] as i64;
         let cells = |first: i64, last: i64| Some([first as usize, last as usize]);
@@ -398,7 +399,7 @@ impl RadiusField {
             ];
         }
 
-        // A span longer than the axis meets all cells, and names each once.
+        // A span that is at least as long as the axis meets all cells. Each is returned once.
         if last - first + 1 >= count {
             return [cells(0, count - 1), None];
         }

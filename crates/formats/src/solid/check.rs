@@ -58,6 +58,8 @@ pub struct SolidSet {
 }
 
 /// Returns the set in the bytes of a file, without a verdict.
+///
+/// Fails as [`SolidFile::read`], and when the certificate contradicts the file or itself.
 pub(crate) fn read_solid_bytes(
     data: &[u8],
     name: &str,
@@ -101,6 +103,9 @@ struct SolidFile {
 impl SolidFile {
     /// Reads a file, and what its certificate and the overrides say about it. `certificate` has the bytes of that
     /// beside the file; a `depth` that is given takes the place of the third side that it states.
+    ///
+    /// Fails when the file or the certificate cannot be read, when the set is a thinned one, and when neither the
+    /// overrides nor the certificate state the rectangle, the radius or the depth.
     fn read(
         data: &[u8],
         name: &str,

@@ -41,6 +41,8 @@ impl SeamTiling<'_> {
             }
         }
 
+        // A block's border may be far outside 32 bits. A border beyond `FAR` is near no place of the frame, so that it
+        // does not matter where exactly the border lies.
         let cut_off = |at: I64Vec2| {
             let at = at.clamp(I64Vec2::splat(-FAR), I64Vec2::splat(FAR));
             Point::new(at.x as i32, at.y as i32)

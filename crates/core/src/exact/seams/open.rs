@@ -204,8 +204,8 @@ impl SeamTiling<'_> {
         });
     }
 
-    /// Throws the darts of a level into the open cells from the index `first` on, and puts on the agenda those later
-    /// than `after`, or all, but not those that are surely covered.
+    /// Throws the darts of a level into the open cells from the index `first` on, and puts darts on the agenda that no
+    /// certain sample of an earlier level covers: all of them if `after` is `None`, otherwise those later than `after`.
     #[inline(always)]
     pub(super) fn throw<S: Simd>(
         &mut self,

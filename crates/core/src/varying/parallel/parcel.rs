@@ -310,7 +310,8 @@ impl Family {
     }
 }
 
-/// Returns the number of the family in each part of a square that is two to the power `bits` wide, row by row.
+/// Returns the family of each small square of a square, row by row, or [`NO_FAMILY`] where there is none. Small squares
+/// are two to the power `bits` units wide.
 fn map_of(families: &[Family], square: Cell, bits: u32) -> Vec<u16> {
     // A parcel without families is finished from the start, and nothing is looked up in its map.
     if families.is_empty() {
