@@ -154,7 +154,8 @@ impl Course {
     ///
     /// # Errors
     ///
-    /// As [`Self::of_run`]. The sides of the plane of projections must have at least the length that planar domains need.
+    /// As [`Self::of_run`], and when width or height is shorter than a planar domain may be: the samples are recorded
+    /// as a planar run of their projections.
     pub fn of_space(
         domain: SolidDomain,
         seed: u64,
@@ -162,6 +163,7 @@ impl Course {
     ) -> Result<Self, CourseError> {
         Self::check_space(&domain)?;
         let ([width, height, _], radius) = (domain.size(), domain.radius());
+        // The projections of the samples lie in this domain.
         let planar = Domain::from_size([width, height], radius, domain.boundary())?;
         // Of the parameters the seed alone changes the set.
         let parameters = Parameters {

@@ -111,10 +111,10 @@ fn named<K: AsRef<str>>(
 ) -> Result<Vec<&'static SetNumber>, NumberError> {
     let known = || {
         let is_of_run = |number: &&SetNumber| number_of_run(number.key, is_in_space).is_some();
-        let keys = all_live_numbers()
+        let known_keys = all_live_numbers()
             .filter(is_of_run)
             .map(|number| number.key);
-        keys.collect::<Vec<&str>>().join(", ")
+        known_keys.collect::<Vec<&str>>().join(", ")
     };
     if keys.is_empty() {
         return Err(NumberError::None { known: known() });

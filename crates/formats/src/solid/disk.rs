@@ -61,9 +61,9 @@ pub fn export_solid_unverified(
     Ok(left_out)
 }
 
-/// Re-verifies the file `path` with a set in space, as [`check_solid_bytes`] does. `depth` is the third side, which
-/// overrides lack, as they are those of planar sets; without it the certificate's counts. Returns the points
-/// with the check.
+/// Re-verifies the file `path` with a set in space, as [`check_solid_bytes`] does. The overrides are those of planar
+/// sets and have no third side, so that `depth` gives it. Without `depth` the certificate's third side is used. Returns
+/// the points with the check.
 ///
 /// # Errors
 ///

@@ -43,6 +43,7 @@ impl SolidContext {
         control: Control<'_>,
     ) -> Result<SolidVerdict, ExportError> {
         let planar = &self.planar;
+        // `made` is given only if the points are the first of a larger set.
         let is_prefix = planar.made.is_some();
         let options = &planar.verify;
         measure_solid(
@@ -143,7 +144,7 @@ pub(crate) fn export_through(
             found: "others".to_owned(),
         });
     }
-    // Three copies of a large set are enough.
+    // A large set takes much memory, and its written positions are no longer needed.
     drop(written);
     let stored = mapping.positions(&decoded.points);
     let verdict = context.judge(&stored, format, control)?;
@@ -151,6 +152,7 @@ pub(crate) fn export_through(
 
     let digests = [solid_digest(&decoded.points), bytes_digest(&data)];
     let stated = certificate(name, format, context, &verdict, rounded, digests);
+    // Sets in space have no provenance, so that no warning says that it was left out.
     let has_provenance = false;
     let mut warnings = warnings(has_provenance, format, &stated);
     warnings.extend(left_out(&columns, format));
@@ -281,7 +283,8 @@ fn certificate(
         depth: Some(Depth(context.depth)),
         shape: None,
         radius: CertifiedRadius::Constant(report.radius),
-        // Not the report's, which for a prefix is that of its factor: the factor is stated by itself.
+        // This is the tolerance that was asked for. For a prefix the report has a larger one, which includes its
+        // factor: `prefix` states the factor by itself.
         covering_tolerance: planar.verify.covering_tolerance,
 
         count,
@@ -294,7 +297,8 @@ fn certificate(
         valid: verdict.valid(),
         judges: report.judges.clone(),
         levels: Vec::new(),
-        // A set that covers within no factor that is measured is no prefix, and not valid as a whole either.
+        // If a place is too far from the points, no factor is measured. The points are then judged and certified as a
+        // whole set.
         prefix: (planar.made.zip(verdict.covering_factor)).map(|(made, factor)| CertifiedPrefix {
             made,
             kept: count,

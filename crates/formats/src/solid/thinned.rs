@@ -40,7 +40,8 @@ impl ThinnedSolidFacts<'_> {
     #[must_use]
     pub fn certificate(&self) -> Certificate {
         let (raw, region) = (self.read, &self.region);
-        // All that is about the file and the choice is stated as of the points seen from above; what has a third side is replaced.
+        // Facts about the file and the choice are the same for the points seen from above, so that a planar certificate
+        // states them. What depends on the third axis is replaced below.
         let from_above = raw.points.iter().map(|&[x, y, _]| [x, y]).collect();
         let read = ReadSet {
             set: PointSet::from_points(from_above),
@@ -57,6 +58,7 @@ impl ThinnedSolidFacts<'_> {
             data: self.data,
             read: &read,
             region: base(region),
+            // An origin of 0 is not stated.
             origin: [0.0; 2],
             radius: CertifiedRadius::Constant(self.radius),
             parameters: self.parameters.clone(),
@@ -70,7 +72,7 @@ impl ThinnedSolidFacts<'_> {
             positions_digest: solid_digest(&raw.points),
             ..planar
         };
-        // In a box there are samples to a cubed radius, and not to a squared one.
+        // The planar density is `N r^2 / area`. Since `stated` has a depth, this one is `N r^3 / volume`.
         stated.density = stated.implied_density(stated.count);
         stated.with_version()
     }
