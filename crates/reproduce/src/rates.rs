@@ -223,7 +223,8 @@ fn row(rounds: &[&[EngineTime]], key: &Key<'_>, baseline: Key<'_>) -> Option<Eng
     let summary_of = |value: fn(&EngineTime) -> f64| Summary::of(times.iter().map(value));
     let median_of = |value| summary_of(value).map(|summary| summary.quartiles[1]);
 
-    // The ratio to one thread shows how much faster more threads are, and exact tiling, which runs on one thread.
+    // For several threads the ratio to one thread shows what the other threads gain. Exact tiling runs on one thread,
+    // so that for it the ratio compares the two methods.
     let is_compared = match key.0 {
         Engine::Parallel { threads } => *threads > 1,
         Engine::Exact => true,

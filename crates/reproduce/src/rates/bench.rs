@@ -98,15 +98,16 @@ impl Bench {
     pub fn cpu(&self, watch: &dyn Watch) -> Result<CpuRates> {
         let base = self.base()?;
         let of_plane = sized(self.plane, self.seed)?;
-        let control = Control::new(watch, 0, "the pattern".to_owned());
+        let units_done = 0;
+        let control = Control::new(watch, units_done, "the pattern".to_owned());
 
         // The time to make a pattern is reported: it is generated here and not taken from those that the program keeps.
         let generate = || Pattern::generate(&base.pattern, &mut control.observer());
         let (pattern, pattern_seconds) = timed(generate);
         let pattern = Arc::new(pattern?);
 
-        // The pattern of exact tiling has the side that the method chooses. It is not among the kept patterns at this time, so
-        // that the seconds are those of making it and its tables.
+        // The pattern of exact tiling has the side that the method chooses. A bench is the first work of the program,
+        // so that no such pattern is kept yet: the seconds include making the pattern and its tables.
         let of_exact = PatternSpec::for_exact(self.samples as f64, self.seed);
         let tables = || PatternHistory::of_spec(&of_exact, &mut control.observer());
         let (history, history_seconds) = timed(tables);

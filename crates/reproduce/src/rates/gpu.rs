@@ -107,12 +107,13 @@ impl Bench {
         let of_exact = PatternSpec::for_exact(self.samples as f64, self.seed);
         let arrivals = PatternArrivals::of_spec(&of_exact, &mut control.observer())?;
         let mut open = open.with_arrivals(arrivals);
-        let too_large = match open.make(&exact[1], &first, &pattern, &control) {
+        let why_too_large = match open.make(&exact[1], &first, &pattern, &control) {
             Ok(_) => None,
             Err(error) => Some(too_large(error)?),
         };
-        if too_large.is_none() {
-            // The CPU's engine needs tables, too, that take longer to make.
+        if why_too_large.is_none() {
+            // The CPU's engine also needs tables. They take longer to make, and are only needed if the tiling fits the
+            // GPU.
             let history = PatternHistory::of_spec(&of_exact, &mut control.observer())?;
             open = open.with_history(history);
         }
@@ -121,10 +122,10 @@ impl Bench {
         let once: &[&[Engine]] = &[];
         let both: &[&[Engine]] = &[&engines, &exact];
         // What does not fit is not tried again.
-        let by_leaf = &both[..if too_large.is_none() { 2 } else { 1 }];
+        let by_leaf = &both[..if why_too_large.is_none() { 2 } else { 1 }];
         let times = self.rounds(&open, once, by_leaf, &base, &pattern, watch)?;
         // Each of the two methods has a baseline of its own.
-        let rows_of = |engines| rows_of(&times, engines);
+        let rates_of = |engines| rows_of(&times, engines);
 
         let run = run_timed(gpu, &first, &pattern, &control, |report| {
             // Passes of all iterations are added up.
@@ -136,9 +137,9 @@ impl Bench {
         })?;
 
         Ok(GpuRates {
-            rows: rows_of(&engines),
-            exact: match too_large {
-                None => ExactGpuRates::Measured(rows_of(&exact)),
+            rows: rates_of(&engines),
+            exact: match why_too_large {
+                None => ExactGpuRates::Measured(rates_of(&exact)),
                 Some(why) => ExactGpuRates::TooLarge(why),
             },
             first_seconds,

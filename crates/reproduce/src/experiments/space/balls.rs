@@ -177,12 +177,13 @@ impl Balls {
     /// Returns the same with the power by frequency.
     pub fn with_spectrum(&self, control: &Control<'_>) -> Result<MeasuredBalls> {
         let (points, region) = (&self.points, self.region);
-        // Sets of one side get equal shells. The frequency between the last one and the next is asked for, as sets of
-        // some more or fewer samples have another unit of frequency.
-        let roots = (points.len() as f64).cbrt();
-        let cycles =
+        // A shell is as wide as one cycle along a side. Means over sets are taken shell by shell, so that all sets of
+        // one side need the same number of shells. The number of cycles therefore follows from the side alone.
+        let last_cycle =
             (SolidSpectrum::USUAL * tilescope_core::SOLID_DENSITY.cbrt() * region.width).floor();
-        let most = (cycles + 0.5) / roots;
+        // The unit of frequency depends on the number of samples. Half a cycle more keeps rounding from losing a shell.
+        let cycles_in_unit = (points.len() as f64).cbrt();
+        let most = (last_cycle + 0.5) / cycles_in_unit;
         let spectrum = SolidSpectrum::of(points, region, most, &control.analysis())?;
 
         let shells = spectrum.shells.iter().map(|shell| ShellPower {

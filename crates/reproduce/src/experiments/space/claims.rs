@@ -187,16 +187,17 @@ fn pairs_by_distance(found: &SpaceResults) -> Claim {
         .iter()
         .map(|one| one.mean)
         .collect();
-    let off = g
+    let differences = g
         .iter()
         .zip(EXPECTED_PAIRS)
         .map(|(here, expected)| here / expected - 1.0);
-    let [low, high] = ends(off);
+    let [low, high] = ends(differences);
 
-    let ((valley, least), (top, peak)) = (least(&found.large), peak(&found.large));
+    let (valley_bin, valley) = least(&found.large);
+    let (top_bin, top) = peak(&found.large);
     let values = json!({
         "limit": PAIRS, "g": g, "low": low, "high": high, "expected": EXPECTED_PAIRS,
-        "least": least.mean, "least_at": middle(valley), "peak": peak.mean, "peak_at": middle(top),
+        "least": valley.mean, "least_at": middle(valley_bin), "peak": top.mean, "peak_at": middle(top_bin),
         "expected_least": EXPECTED_LEAST, "expected_peak": EXPECTED_PEAK,
         "sets": found.large.len(), "side": found.side,
         "stopped": pairs(&found.stopped, BINS_IN_R).mean,

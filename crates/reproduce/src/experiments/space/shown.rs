@@ -46,8 +46,7 @@ fn densities(found: &SpaceResults) -> LineChart {
     let sets = &found.large;
     let each = sets.iter().enumerate();
     let each = each.map(|(index, set)| [(index + 1) as f64, set.density()]);
-    // Of fewer than four sets the interval is far wider than the differences between sets: it would press all else
-    // flat.
+    // Of fewer than four sets the interval is far wider than the axis below: its band would fill the chart.
     let so_far = (4..=sets.len()).map(|count| {
         let mean = SetMean::of(&sets[..count], MeasuredBalls::density);
         (count as f64, mean)
@@ -67,16 +66,16 @@ fn densities(found: &SpaceResults) -> LineChart {
         ],
     );
 
-    // Densities of sets differ in the third digit: an axis from 0 on would show one line. The interval of four sets
-    // may reach farther than the sets themselves, and is cut off.
-    let off = sets.iter().map(|set| (set.density() - PUBLISHED).abs());
-    let reach = 1.2 * largest(off);
+    // Densities of sets differ in the third digit, so that on an axis from 0 on all curves would be one line. The axis
+    // shows each set, with a margin of a fifth. An interval that reaches farther than the axis is cut off.
+    let differences = sets.iter().map(|set| (set.density() - PUBLISHED).abs());
+    let reach = 1.2 * largest(differences);
     drawn.x.range = Some([1.0, last]);
     drawn.y.range = Some([PUBLISHED - reach, PUBLISHED + reach]);
     drawn
 }
 
-/// Returns the chart of g(r), from a little before contact on.
+/// Returns the chart of g(r), from contact on, which is at r: maximal sets have no nearer pairs.
 fn pair_chart(found: &SpaceResults) -> LineChart {
     let bins = found.large.first().map_or(0, |set| set.pairs.len());
     let mean = |sets: &[MeasuredBalls], name, look| {
@@ -178,7 +177,8 @@ fn pair_table(found: &SpaceResults) -> Table {
 /// Returns the table of the radial mean power, for data files.
 fn power_table(found: &SpaceResults) -> Table {
     let here = powers(&found.small);
-    // All three have the same shells, as their cubes have one side.
+    // The cubes of all three kinds have the same side, so that they have the same shells. In units of samples their
+    // frequencies differ a little: the rows have those of maximal sets.
     let controls = powers(&found.stopped).zip(powers(&found.scattered));
     table(
         "space/power",
