@@ -121,7 +121,7 @@ impl Incoming {
     pub fn varying_set(&self) -> Option<ReadSet> {
         self.within(MAX_PATTERN_BYTES).ok()?;
         let file = self.certificate()?;
-        // Certificates of version 1 state one radius in a rectangle. The set is not read for their sake.
+        // A certificate of version 1 states one radius in a rectangle, so that its set need not be read here.
         let stated: Value = serde_json::from_slice(&file.bytes).ok()?;
         if stated["version"] == 1 {
             return None;

@@ -274,7 +274,7 @@ impl Session {
     /// Returns those of the layers that can be drawn of it.
     #[must_use]
     pub fn drawable(&self, layers: Layers) -> Layers {
-        // Dots need not cover every place, and the fewer there are, the more of their image gaps would hide.
+        // The dots of a stipple need not cover every place. With few dots, gaps would be drawn over most of the image.
         let layers = match self.stipple() {
             Some(_) => layers.without(Layer::Gaps),
             None => layers,
@@ -289,18 +289,20 @@ impl Session {
         }
     }
 
-    /// Prepares a run of the GPU. If all its stages are kept, the CPU records the same run with its events. If
-    /// the two differ, the GPU's run is shown as it is, without events.
+    /// Prepares a run of the GPU. If it is small enough to keep every stage, the CPU records the same run with its
+    /// events. If the two differ, the GPU's run is shown as it is, without events.
     pub fn of_gpu(
         run: Run,
         recipe: &Recipe,
         generation: u64,
         observer: &mut Reporter<'_>,
     ) -> Result<Self, SampleError> {
-        // A GPU reports no events. Those of the CPU are taken if its run is the same, as it must be. Of an exact tiling a GPU
-        // keeps the result alone, which is compared for runs whose events the CPU would keep.
+        // A GPU reports no events. Those of the CPU are taken if its run is the same, as it must be. A run without
+        // `counted` has all its stages to compare. Of an exact tiling the GPU keeps only the result, so that `counted`
+        // does not tell how large the run is: `keeps_everything` decides, and the results are compared.
         let is_exact = run.parameters.method == TilingMethod::Exact;
-        if run.counted.is_none() || is_exact && keeps_everything(&run.parameters)? {
+        let has_stages = run.counted.is_none();
+        if has_stages || is_exact && keeps_everything(&run.parameters)? {
             let recording = recipe.record(observer)?;
             let twin = recording.run();
             let is_same = if is_exact {

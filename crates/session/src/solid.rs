@@ -182,7 +182,8 @@ impl MadeSolid {
             let end = (self.sorted).partition_point(|&height| i64::from(height) <= to);
             end - (self.sorted).partition_point(|&height| i64::from(height) < from)
         };
-        // The plane and its images: a sample is cut by one of them at most.
+        // In a periodic box the images of the plane cut balls, too. A box is at least four radii deep, so that no ball
+        // is cut by more than one of these planes.
         let shifts: &[i64] = match self.asked.boundary {
             Boundary::Periodic => &[-1, 0, 1],
             Boundary::Bounded => &[0],

@@ -86,7 +86,8 @@ fn tiled(
     let parameters = &recipe.parameters;
     let history = PatternHistory::of_spec(&parameters.pattern, observer)?;
     let made = exact_in_shape_parallel(parameters, &history, &locality.shape, observer)?;
-    // The estimate was that of the whole domain, of which the shape may have no place.
+    // The number of samples was estimated for the whole domain, so that the shape may still be empty. Every place of
+    // the shape is covered, so that only an empty shape has no sample.
     if made.result.is_empty() {
         return Err(of_ground(VaryingError::Nothing));
     }
@@ -164,7 +165,7 @@ fn certified(
     let domain = *field.domain();
     let lattice = points.iter().map(|&at| domain.lattice_from_user(at));
 
-    // The radius of the form: that of black, of an image, and otherwise the one radius or the least.
+    // If an image gives the radii, the form shows the radius of black. Otherwise it shows the one radius, or the least.
     let radius = match &recipe.radius {
         RadiusSource::Image { radii, .. } => radii[0],
         RadiusSource::Density { black, .. } => *black,
@@ -244,7 +245,8 @@ fn stated_stipple(
         None => 0.0,
         Some(ShapeSource::Polygon(_) | ShapeSource::Mask(_)) => return None,
     };
-    // The request has the image as it is in its file, and its tone apart. The usual tone is in range.
+    // The request has the tone apart, and the image in the usual tone, as it is in its file. `toned` fails only for a
+    // tone that is out of range.
     let stipple = StippleRequest {
         tone: image.tone(),
         image: image.toned(Tone::default()).ok()?,

@@ -57,7 +57,7 @@ impl SolidRecipe {
         };
 
         // For a wanted number of samples, whole sets with different radii are made until one has about as many.
-        let (found, is_beginning) = match balls {
+        let (found, may_be_beginning) = match balls {
             BallSize::Radius(radius) => {
                 // With a given radius there is nothing to search for: one set is made.
                 let domain = SolidDomain::from_size(size, radius, boundary)?;
@@ -74,9 +74,9 @@ impl SolidRecipe {
             BallSize::Exactly(count) => (request.of_exactly(count, observer)?, true),
         };
 
-        // A set that happens to have as many samples as were wanted is whole.
+        // If the made set happens to have exactly the wanted number of samples, it is taken whole.
         let arrived = found.arrived;
-        let is_beginning = is_beginning && found.made > arrived.places.len();
+        let is_beginning = may_be_beginning && found.made > arrived.places.len();
         Ok(SolidMade {
             points: found.domain.users_from_lattice(&arrived.places),
             levels: arrived.levels,

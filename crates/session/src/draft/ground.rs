@@ -268,9 +268,9 @@ impl Draft {
         self.ground.by = by;
     }
 
-    /// Covers a shape in a bounded domain. With a polygon the domain becomes the rectangle around it, and a radius that
-    /// does not suit that, or was not chosen for it, becomes one that does. With another shape the sides and the radius
-    /// stay.
+    /// Covers a shape in a bounded domain. With a polygon the domain becomes the rectangle around it. The radius is
+    /// then replaced by one for this rectangle if it is not allowed there, if it is the default one, or if a stipple
+    /// was chosen. With another shape the sides and the radius stay.
     pub fn set_shape(&mut self, shape: ShapeSource) {
         // A stipple has a shape of its own, so that its image no longer gives the radius.
         let was_stipple = self.ground.by == RadiusBy::Stipple;
@@ -567,8 +567,8 @@ impl Draft {
             return self.ground.stipple.refusal(stipple).or_else(of_frame);
         }
 
-        // The blocks and the pattern of an exact tiling are those of the form. Its own glance is the first error's, so that this
-        // one is that of a parameter which darts do not have.
+        // An exact tiling also needs blocks and a pattern, whose parameters are those of the form. They are checked
+        // only if `glance` below finds no error in the field and the shape.
         let of_tiling = || {
             let error = self.parameters.validate_sequential().err()?;
             let (part, reason) = (

@@ -77,12 +77,14 @@ impl Draft {
         let used = |field: &Parameter| self.uses(*field);
         let mut refusals: Vec<DraftRefusal> =
             numbers().filter(used).filter_map(unreadable).collect();
+        // Only a page limits the number of samples, as a tab has little memory.
+        let is_page = cfg!(target_arch = "wasm32");
         // Sets in space and on a ground get at most one refusal of the core, once all texts can be read.
         if self.is_in_space() {
             refusals.extend(self.solid_refusal().filter(|_| refusals.is_empty()));
             let part = FormPart::Field(Parameter::Radius);
-            let too_many = too_many(part, self.expected_samples(), MAX_ON_A_PAGE);
-            refusals.extend(too_many.filter(|_| cfg!(target_arch = "wasm32")));
+            let above_limit = too_many(part, self.expected_samples(), MAX_ON_A_PAGE);
+            refusals.extend(above_limit.filter(|_| is_page));
             return refusals;
         }
         if self.ground.is_asked() {
@@ -95,8 +97,8 @@ impl Draft {
                     FormPart::Field(Parameter::Radius)
                 }
             };
-            let too_many = too_many(part, self.expected_samples(), MAX_ON_A_PAGE);
-            refusals.extend(too_many.filter(|_| cfg!(target_arch = "wasm32")));
+            let above_limit = too_many(part, self.expected_samples(), MAX_ON_A_PAGE);
+            refusals.extend(above_limit.filter(|_| is_page));
             return refusals;
         }
 
@@ -116,14 +118,15 @@ impl Draft {
             refusals.push(refusal);
         }
 
-        // Only a page has these limits. Algorithm 4 as printed always records events, so that fewer samples fit.
+        // Above `MAX_STAGED` samples the staged variant keeps its result alone. Algorithm 4 as printed always keeps all
+        // its stages, so that no more samples fit.
         let most = match self.parameters.variant {
             Variant::Staged => MAX_ON_A_PAGE,
             Variant::AsPrinted => MAX_STAGED,
         };
         let part = FormPart::Field(Parameter::Radius);
-        let too_many = too_many(part, self.expected_samples(), most);
-        refusals.extend(too_many.filter(|_| cfg!(target_arch = "wasm32")));
+        let above_limit = too_many(part, self.expected_samples(), most);
+        refusals.extend(above_limit.filter(|_| is_page));
         refusals
     }
 
@@ -147,7 +150,8 @@ impl Draft {
             return refused(FormPart::Depth, sentence(&error.to_string()));
         };
         let part = match of_parameters {
-            // For a side in r `part_of` tests whether another radius would do, but only in a planar domain.
+            // `part_of` judges sides as those of a planar domain, which has no depth. An error of the depth stays at
+            // its field.
             ParameterError::Side { name: "depth", .. }
             | ParameterError::SideTooShort { name: "depth", .. }
             | ParameterError::SideTooLong { name: "depth", .. } => FormPart::Depth,
