@@ -7,8 +7,8 @@ use tilescope_core::{
     Observer, R, SOLID_DENSITY, SampleError, SolidArrivals, SolidSpace, SolidWindow,
 };
 
-/// How far around a window samples are judged, in lattice units: whether a place of it is covered may depend on samples a radius
-/// away, and a hair more.
+/// How far around a window samples are judged, in lattice units. A place of the window may be covered by a sample that
+/// is a radius away, and the judge asks for more than a radius around the window. Two radii are enough.
 const MARGIN: i32 = 2 * R;
 
 /// The samples in a window of space and around it.
@@ -65,8 +65,9 @@ impl SolidSurroundings {
     ///
     /// [`SolidError`] when there is no verdict.
     pub fn judge(&self, control: Control<'_>) -> Result<SolidReport, SolidError> {
-        // From the corner of the part on, where positions are not rounded.
-        // In doubles: two places may be farther apart than the largest 32-bit integer.
+        // The judge gets positions from the lower corner of `wide` on. There they are small, so that doubles round them
+        // little, however far from 0 the window lies. They are subtracted as doubles, as the difference of two places
+        // may be larger than the largest 32-bit integer.
         let unit = self.radius / f64::from(R);
         let low = self.wide.min;
         let local = |place: [i32; 3], axis: usize| f64::from(place[axis]) - f64::from(low[axis]);

@@ -164,7 +164,8 @@ pub fn thin(cloud: &Cloud<'_>, control: Control<'_>) -> Result<Vec<bool>, ThinEr
         return Err(ThinError::TooMany { count });
     }
 
-    // NaN, which is in no range, would be neither the least nor the greatest.
+    // Every radius is checked, and not the least and the greatest alone: NaN is in no range, but it would be neither of
+    // them.
     let is_refused = |radius: &&f64| !RADII.contains(*radius);
     let refused = match &cloud.radii {
         CloudRadii::Constant(radius) => Some(radius).filter(is_refused),

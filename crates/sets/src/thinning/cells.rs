@@ -213,7 +213,8 @@ impl Layer {
     fn cells_in_row(&self, row: u32, (low, high): Span) -> std::ops::Range<u32> {
         match &self.finder {
             Finder::Places { columns, begins } => {
-                // Spans may end beyond the last column, and rows beyond the last row, where there are no points.
+                // A span that ends beyond the last column ends where the next row begins. Beyond the last row there are
+                // no points, so that all cells lie before it.
                 let begin = |column: u32| {
                     let place = row as usize * columns + (column as usize).min(*columns);
                     begins.get(place).copied().unwrap_or(self.cells())
@@ -247,7 +248,8 @@ impl Layer {
 /// How the cell of a place is found among those that have points.
 #[derive(Debug)]
 enum Finder {
-    /// Where the cells from each place of the grid on begin, row by row; a row has `columns` places.
+    /// For each place of the grid, row by row, the first cell that lies at this place or behind it. A row has `columns`
+    /// places.
     Places { columns: usize, begins: Vec<u32> },
     /// Where the cells of each row begin.
     Rows(Vec<u32>),
@@ -256,13 +258,14 @@ enum Finder {
 }
 
 impl Finder {
-    /// Returns the quickest way whose table is no larger than what the cells themselves take. `cells` is how many whole
-    /// ones the grid has along x and y.
+    /// Returns the quickest way whose table is not much larger than the list of the cells' keys, which takes 8 bytes a
+    /// cell. `cells` is how many whole cells the grid has along x and y.
     fn of(keys: &[u64], cells: [u32; 2]) -> Self {
         // The rests at the upper borders are a column and a row of their own.
         let [columns, most_rows] = cells.map(|count| count as usize + 1);
 
-        // Two places a cell take 8 bytes. The constants here (chosen, not measured) let small clouds have tables.
+        // A table of two places for each cell takes 8 bytes a cell. The 1024 entries more (chosen, not measured) let
+        // small clouds have a table, too, wherever their points lie.
         if columns.saturating_mul(most_rows) <= 2 * keys.len() + 1024 {
             let place = |key| {
                 let Place { column, row } = Place::of(key);
@@ -271,8 +274,8 @@ impl Finder {
             let begins = begins(keys, columns * most_rows, place);
             return Self::Places { columns, begins };
         }
-        // Most rows would be empty where a point lies far from all others. Up to four rows a cell take 16 bytes, which
-        // `BYTES_A_POINT` counts.
+        // A table of four rows for each cell takes 16 bytes a cell, which `BYTES_A_POINT` counts. A grid has more rows
+        // than that where a point lies far from all others; most of its rows are then empty.
         if most_rows < 4 * keys.len() + 1024 {
             let row = |key| Place::of(key).row as usize;
             return Self::Rows(begins(keys, most_rows, row));

@@ -187,7 +187,8 @@ impl<'a> PointFile<'a> {
     {
         *rows = keep_rows(self.bytes, &self.hint, kept)?;
         let chosen = PointFile::new(&rows.bytes, self.hint_of_chosen(name))?;
-        // With fewer rows another format may be recognised than before, which a first look at the name could not show.
+        // The format is recognised by the rows, too. With fewer rows it may be another one than that of the given file,
+        // which `check_name`, given all rows, cannot foresee.
         let found_format = chosen.read.detection.format;
         if found_format != self.read.detection.format {
             return Err(self.misnamed(name, found_format));
@@ -322,7 +323,8 @@ pub struct Thinning {
 }
 
 impl ThinRecipe {
-    /// Returns the parts of a certificate's thinned set that a judge needs, with the radius that is given for it.
+    /// Returns the recipe by which the thinned set of a certificate is judged. `given` is the field of a radius that
+    /// varies: certificates hold no field.
     ///
     /// # Errors
     ///
@@ -359,7 +361,7 @@ impl ThinRecipe {
         with_ranks: bool,
     ) -> Result<Thinning, ThinFileError> {
         let points = file.points();
-        // A column is read before the rectangle is made, as its least radius is the least side of that.
+        // A column is read before the rectangle is made: no side of the rectangle is shorter than the least radius.
         let read = self.radius.read(file)?;
 
         // The rectangle around the points takes the place of a domain that is not given. It need not be covered: points are
@@ -374,11 +376,17 @@ impl ThinRecipe {
             ReadRadii::Column(stated, radii) => (CertifiedRadius::Column(stated), Some(radii)),
             ReadRadii::Source(source) => match source.constant() {
                 Some(radius) => (CertifiedRadius::Constant(radius), None),
-                None => of_field(source, points, region, origin)?,
+                None => {
+                    let (radius, radii) = of_field(source, points, region, origin)?;
+                    (radius, Some(radii))
+                }
             },
         };
-        let of_file = || ranks_in(file.bytes, &file.hint, &self.priority, points.len());
-        let in_order = with_ranks.then(of_file).transpose()?;
+        let ranks = if with_ranks {
+            ranks_in(file.bytes, &file.hint, &self.priority, points.len())?
+        } else {
+            None
+        };
 
         let (name, value) = self.radius.stated();
         Ok(Thinning {
@@ -386,20 +394,21 @@ impl ThinRecipe {
             origin,
             radius,
             radii,
-            ranks: in_order.flatten(),
+            ranks,
             priority: self.priority.clone(),
             parameters: Stated::from([(name.to_owned(), value)]),
         })
     }
 }
 
-/// Returns the radius at each point, by the field that sets are made and judged with.
+/// Returns the field as certificates state it, and its radius at each point. Sets are made and judged with the same
+/// field.
 fn of_field(
     source: &RadiusSource,
     points: &[[f64; 2]],
     region: Region,
     origin: [f64; 2],
-) -> Result<(CertifiedRadius, Option<Vec<f64>>), ThinFileError> {
+) -> Result<(CertifiedRadius, Vec<f64>), ThinFileError> {
     let recipe = VaryingRecipe {
         radius: source.clone(),
         shape: None,
@@ -419,7 +428,7 @@ fn of_field(
         varying.judged.radius_at(place)
     };
     let radii = points.par_iter().map(radius).collect();
-    Ok((varying.radius.clone(), Some(radii)))
+    Ok((varying.radius.clone(), radii))
 }
 
 /// Returns what a certificate states of the radii in a column.
@@ -560,7 +569,7 @@ impl Thinning {
         self.certificate_of(chosen, report, positions_digest(given), given.len() as u64)
     }
 
-    /// Returns the certificate of points that were chosen from a source of that digest and that many points.
+    /// Returns the certificate of points that were chosen from `given_count` points, whose digest is `source_digest`.
     ///
     /// # Errors
     ///
@@ -569,8 +578,8 @@ impl Thinning {
         &self,
         chosen: &PointFile<'_>,
         report: &ThinnedReport,
-        source: String,
-        given: u64,
+        source_digest: String,
+        given_count: u64,
     ) -> Result<Certificate, ThinFileError> {
         // Of radii in a column the certificate states those of the kept points, which a reader of their file has.
         let radius = match &self.radius {
@@ -589,8 +598,8 @@ impl Thinning {
             radius,
             parameters: self.parameters.clone(),
             thinned: Thinned {
-                source,
-                given,
+                source: source_digest,
+                given: given_count,
                 priority: self.priority.to_string(),
             },
             report,

@@ -110,7 +110,7 @@ fn layers(cloud: &Cloud<'_>, low: [f64; 2], size: [f64; 2]) -> Vec<Layer> {
         CloudRadii::Each(radii) => radii,
     };
 
-    // In the order of the indices; each layer sorts its points again.
+    // An octave lists its points in the order of the cloud. `Layer::new` then sorts them by cell and rank.
     let least = radii.iter().copied().fold(f64::INFINITY, f64::min);
     let mut octaves: Vec<Vec<u32>> = Vec::new();
     for index in all {
@@ -182,7 +182,8 @@ struct Visitor<'a> {
     choice: &'a Choice<'a>,
     band: Option<Band>,
     around: Vec<Cell>,
-    /// Cells that wait, each for the one above it. The ranks of their open points fall, so that it ends.
+    /// Cells that wait, each for the cell that was pushed after it. The first open point of the later cell has the
+    /// earlier rank, so that the list ends.
     waiting: Vec<Cell>,
     /// Points decided since the last report.
     decided: u64,
@@ -284,6 +285,7 @@ impl Visitor<'_> {
     fn meets(&self, layer: &Layer, open: u32) -> Meeting {
         let (choice, open) = (self.choice, open as usize);
         let (point, rank) = (layer.points[open], layer.ranks[open]);
+        // The rank and the cell of the earliest open point that comes before this one.
         let mut earliest: Option<(u32, Cell)> = None;
         for &cell in &self.around {
             let layer_there = &choice.layers[cell.layer];

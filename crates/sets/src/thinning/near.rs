@@ -65,12 +65,13 @@ fn is_below(sides: &[f64], distance: f64) -> bool {
     let squares = sides.iter().map(|&side| halves(side));
     let negative = [-limit[0], -limit[1]];
 
-    // An expansion (Shewchuk 1997): its parts do not overlap, so that the largest one has the sign of the sum. Small terms come
-    // first.
+    // An expansion (Shewchuk 1997): its parts do not overlap, so that the largest one has the sign of the sum. The
+    // small halves, at index 1, are added before the large ones; the sign would be the same in any order.
     let squares: Vec<[f64; 2]> = squares.chain([negative]).collect();
     let terms = [1, 0]
         .into_iter()
         .flat_map(|half| squares.iter().map(move |square| square[half]));
+    // Two halves of each of up to three sides and of the limit.
     let mut parts = [0.0; 8];
     for (count, term) in terms.enumerate() {
         let mut carried = term;

@@ -91,8 +91,9 @@ impl FromStr for ThinningPriority {
     }
 }
 
-/// Returns the place of each of `count` points in the order of a priority; nothing if it is that of the points. `column` has the
-/// values of a priority by column. Equal values are taken in the order of the points.
+/// Returns for each of `count` points its place in the order of a priority; `None` if that is the order of the file.
+/// `column` has the values of a priority by column, and is not read for the others. Equal values are taken in the order
+/// of the file.
 ///
 /// # Panics
 ///

@@ -49,7 +49,7 @@ impl SpaceCells {
             CellPlace { plane, row, column }
         };
         let count = cloud.points.len() as u32;
-        // Beside its cell a point has its rank, by which its cell takes it.
+        // An entry has no index. Ranks differ, so that each index is found from its rank after the entries are sorted.
         let mut entries: Vec<(CellPlace, u32)> = (0..count)
             .into_par_iter()
             .map(|index| {

@@ -101,7 +101,8 @@ struct SpaceVisitor<'a> {
     /// Whether no other thread works: no cell is then stuck.
     is_last: bool,
     around: Vec<u32>,
-    /// Cells that wait, each for the one above it. The ranks of their open points fall, so that it ends.
+    /// Cells that wait, each for the cell that was pushed after it. The first open point of the later cell has the
+    /// earlier rank, so that the list ends.
     waiting: Vec<u32>,
     /// Points decided since the last report.
     decided: u64,
@@ -168,6 +169,7 @@ impl SpaceVisitor<'_> {
     fn meets(&self, open: u32) -> SpaceMeeting {
         let SpaceChoice { cells, reach, .. } = self.choice;
         let (point, rank) = (cells.points[open as usize], cells.ranks[open as usize]);
+        // The rank and the cell of the earliest open point that comes before this one.
         let mut earliest: Option<(u32, u32)> = None;
         for &cell in &self.around {
             // The head is read before the kept points, since another thread may decide points of the cell meanwhile.

@@ -57,7 +57,8 @@ impl<'a> SpaceFile<'a> {
     {
         *rows = keep_rows(self.bytes, &self.hint, kept)?;
         let chosen = SpaceFile::new(&rows.bytes, hint_of_chosen(&self.hint, name))?;
-        // With fewer rows another format may be recognised than before, which a first look at the name could not show.
+        // The format is recognised by the rows, too. With fewer rows it may be another one than that of the given file,
+        // which `check_name`, given all rows, cannot foresee.
         let (found, format) = (chosen.read.detection.format, self.read.detection.format);
         if found != format {
             let name = name.to_owned();
@@ -84,9 +85,10 @@ impl<'a> SpaceFile<'a> {
             Some(_) => format,
             None => detect(self.bytes, name.as_ref())?.format,
         };
-        // Three numbers in a line are taken for XYZ, unless the name says that they are UTK's, as `decode_solid` does.
-        let is_named = found == Format::Xyz && Format::from_path(name.as_ref()) == Some(format);
-        if found == format || is_named {
+        // `detect` takes lines of three numbers for XYZ. `decode_solid` reads such lines as UTK's if the name says so:
+        // under a name that says so again they are read in the same way.
+        let is_as_named = found == Format::Xyz && Format::from_path(name.as_ref()) == Some(format);
+        if found == format || is_as_named {
             return Ok(());
         }
         Err(ThinFileError::Misnamed {
@@ -151,20 +153,23 @@ impl SpaceRecipe {
             None => around(points, self.radius)?,
         };
 
-        let of_file = || ranks_in(file.bytes, &file.hint, &self.priority, points.len());
-        let in_order = with_ranks.then(of_file).transpose()?;
+        let ranks = if with_ranks {
+            ranks_in(file.bytes, &file.hint, &self.priority, points.len())?
+        } else {
+            None
+        };
         Ok(SpaceThinning {
             region,
             radius: self.radius,
-            ranks: in_order.flatten(),
+            ranks,
             priority: self.priority.clone(),
             parameters: Stated::from([("radius".to_owned(), self.radius.into())]),
         })
     }
 }
 
-/// Returns the sides of a box around some points. A side is at least a radius, so that points in a plane have a box, too, and not
-/// shorter beside the others than a box may be.
+/// Returns the sides of a box around some points. No side is shorter than a radius, so that points in a plane have a
+/// box, too. Nor is a side so short that the ratio of the longest side to it exceeds what a box may have.
 fn around(points: &[[f64; 3]], radius: f64) -> Result<SolidRegion, ThinFileError> {
     let (_, size) = bounds(points);
     let longest = size.into_iter().fold(0.0, f64::max);
@@ -254,14 +259,14 @@ impl SpaceThinning {
         self.certificate_of(chosen, report, solid_digest(given), given.len() as u64)
     }
 
-    /// Returns the certificate of points that were chosen from a source of that digest and that many points.
+    /// Returns the certificate of points that were chosen from `given_count` points, whose digest is `source_digest`.
     #[must_use]
     pub fn certificate_of(
         &self,
         chosen: &SpaceFile<'_>,
         report: &ThinnedReport,
-        source: String,
-        given: u64,
+        source_digest: String,
+        given_count: u64,
     ) -> Certificate {
         let facts = ThinnedSolidFacts {
             name: chosen.hint.name,
@@ -271,8 +276,8 @@ impl SpaceThinning {
             radius: self.radius,
             parameters: self.parameters.clone(),
             thinned: Thinned {
-                source,
-                given,
+                source: source_digest,
+                given: given_count,
                 priority: self.priority.to_string(),
             },
             report,
