@@ -141,7 +141,8 @@ impl VaryingRecipe {
             // Nothing is made by this recipe, so that neither seed nor count has a meaning.
             seed: 0,
             count: None,
-            // Exact tiling has a lattice of its own, in which masks are judged.
+            // Exact tiling has a lattice of its own, in which masks are judged. The lattice is the same for all blocks,
+            // so that the default ones stand here.
             exact: (stated.method == "exact").then(|| ExactBlocks::from(&Parameters::default())),
         })
     }
@@ -199,7 +200,8 @@ impl VaryingRecipe {
             if found.abs_diff(count) < count.abs_diff(nearest) {
                 nearest = found;
             }
-            // The count goes with the square of the scale, but for borders and steep places.
+            // A radius that is s times as large gives 1 / s^2 of the samples, but not quite: along borders and where
+            // the radius changes steeply it gives another share. So the next set is counted again.
             radius = radius.scaled(scale_for(found as f64));
         }
         Err(VaryingError::Count { count, nearest })

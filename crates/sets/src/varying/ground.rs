@@ -269,8 +269,10 @@ impl VaryingRecipe {
         let by_darts = of(self.nodes(&frame, &self.radius));
         let by_tiling = of(self.single(&frame, radius));
 
-        // Coordinates that have nothing to do with a lattice have a mean of 1/12, and those of a file of single precision less,
-        // unless its steps are longer than units. A quarter of that was chosen: by chance less is rare from some ten positions on.
+        // Positions that have nothing to do with a lattice have a mean of 1/12. Positions of a lattice that a file
+        // holds in single precision have less than 1/12, unless two neighbouring numbers of the file are more than a
+        // unit apart. The limit is a quarter of 1/12 (chosen): the mean of ten positions or more is rarely below it by
+        // chance.
         let is_tiled = by_tiling < by_darts && by_tiling < 1.0 / 48.0;
 
         // The lattice depends on the method, but not on its blocks.
@@ -450,7 +452,8 @@ impl VaryingRecipe {
         let least = asked.iter().copied().fold(f64::INFINITY, f64::min);
         let greatest = asked.iter().copied().fold(0.0, f64::max);
 
-        // The coarsest lattice in which the least radius has R units: sides have at most 2^31 units.
+        // The coarsest lattice in which the least radius has R units or more. A side has at most 2^31 units, so that a
+        // finer lattice would allow only smaller domains.
         let in_units = |bits: u32, length: f64| length / pitch * f64::from(1_u32 << bits);
         let bits = (0..=MAX_PITCH_BITS)
             .find(|&bits| in_units(bits, least) >= f64::from(R))
@@ -458,12 +461,12 @@ impl VaryingRecipe {
 
         // The least radius may have up to 2^16 units, so that 64 times as much may be beyond the lattice's limit.
         let most = f64::from(MAX_FIELD_RADIUS);
-        let limit = MAX_CONTRAST.min(most / in_units(bits, least));
-        if greatest > limit * least && !radius.is_capped() {
+        let contrast_limit = MAX_CONTRAST.min(most / in_units(bits, least));
+        if greatest > contrast_limit * least && !radius.is_capped() {
             return Err(VaryingError::Contrast {
                 least,
                 greatest,
-                limit,
+                limit: contrast_limit,
             });
         }
 
@@ -473,14 +476,14 @@ impl VaryingRecipe {
         // density, as others were refused.
         let unit = |&length: &f64| {
             in_units(bits, length)
-                .min(limit * in_units(bits, least))
+                .min(contrast_limit * in_units(bits, least))
                 .floor() as i32
         };
         Ok(Nodes {
             domain,
             bits,
             units: asked.iter().map(unit).collect(),
-            limit: limit * least,
+            limit: contrast_limit * least,
         })
     }
 
