@@ -33,12 +33,12 @@ pub(crate) fn parameter_map(session: &Session) -> Stated {
     }
 
     if let Some(made) = &session.ground {
-        // How often a tiling uses each sample of its pattern, its run says. That of a file has the pattern no longer, and states
-        // what its certificate said.
+        // The run of a tiling that was made here also says how often the tiling uses each sample of its pattern.
         if session.is_exact() {
             return made.recipe().facts_of_tiling(session.run()).parameters;
         }
-        // The set was made on this ground, so that it is not refused here.
+        // A tiling from a file has no pattern: `ground` returns what the file's certificate states, and for a set of
+        // darts what its recipe states. The set was made on this ground, so that the ground is not refused here.
         return made.ground().map(|(_, stated)| stated).unwrap_or_default();
     }
 
@@ -86,11 +86,12 @@ pub(crate) fn parameter_map(session: &Session) -> Stated {
 #[must_use]
 pub fn provenance(session: &Session) -> Vec<(String, String)> {
     let run = session.run();
-    // Combinations and nested levels clip from no pattern of this kind, and sets of darts from none.
-    let pattern = session.kind().is_run();
+    // The run of a combination or of nested levels holds no pattern that the set was clipped from. Darts need no
+    // pattern.
+    let has_pattern = session.kind().is_run();
     let recording = json!({
         "digest": digest(run),
-        "pattern_digest": pattern.then(|| pattern_digest(&run.pattern)),
+        "pattern_digest": has_pattern.then(|| pattern_digest(&run.pattern)),
         "samples": run.result.len(),
         "events": session.recording().map(|recording| recording.len()),
         "engine": session.engine,

@@ -516,9 +516,9 @@ fn animate(job: &ExportJob, out: &mut dyn Write, monitor: &Monitor) -> Result<()
         ExportContent::Balls {
             shown,
             delay: Some(delay),
-        } => return balls::turn(job, (shown, *delay), out, monitor),
+        } => return balls::turn(job, shown, *delay, out, monitor),
         ExportContent::Passage { shown, delay } => {
-            return balls::passage(job, (shown, *delay), out, monitor);
+            return balls::passage(job, shown, *delay, out, monitor);
         }
         _ => {}
     }

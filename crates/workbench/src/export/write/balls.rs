@@ -96,10 +96,11 @@ pub(super) fn picture(
     }
 }
 
-/// Writes an animation in which the set turns once.
+/// Writes an animation in which the set turns once. A frame is shown for `delay` hundredths of a second.
 pub(super) fn turn(
     job: &ExportJob,
-    (shown, delay): (&BallsView, u16),
+    shown: &BallsView,
+    delay: u16,
     out: &mut dyn Write,
     monitor: &Monitor,
 ) -> Result<(), WriteError> {
@@ -112,13 +113,15 @@ pub(super) fn turn(
         let scale = 1.0;
         to_pixels(&balls.scene(&frame, monitor)?, scale)
     });
-    written(job, frames, (delay, balls.metadata()), out, monitor)
+    written(job, frames, delay, &balls.metadata(), out, monitor)
 }
 
-/// Writes an animation in which the plane passes through the set, from one end of the box to the other.
+/// Writes an animation in which the plane passes through the set, from one end of the box to the other. A frame is
+/// shown for `delay` hundredths of a second.
 pub(super) fn passage(
     job: &ExportJob,
-    (shown, delay): (&PassageView, u16),
+    shown: &PassageView,
+    delay: u16,
     out: &mut dyn Write,
     monitor: &Monitor,
 ) -> Result<(), WriteError> {
@@ -136,14 +139,16 @@ pub(super) fn passage(
         at.view.plane = Some(solid.plane_at(place));
         to_pixels(&scene_of_moment(session, &at, None), shown.scale)
     });
-    written(job, frames, (delay, metadata), out, monitor)
+    written(job, frames, delay, &metadata, out, monitor)
 }
 
-/// Writes frames as the format that the extension chooses.
+/// Writes frames as GIF if the extension says so, and otherwise as animated PNG. A frame is shown for `delay`
+/// hundredths of a second.
 fn written(
     job: &ExportJob,
     frames: impl ExactSizeIterator<Item = Result<Pixels, FigureError>>,
-    (delay, metadata): (u16, Vec<(String, String)>),
+    delay: u16,
+    metadata: &[(String, String)],
     out: &mut dyn Write,
     monitor: &Monitor,
 ) -> Result<(), WriteError> {
@@ -153,8 +158,8 @@ fn written(
         flow(monitor)
     };
     match extension(&job.path).as_deref() {
-        Some("gif") => write_gif(frames, delay, &metadata, out, &mut report)?,
-        _ => write_apng(frames, delay, &metadata, out, &mut report)?,
+        Some("gif") => write_gif(frames, delay, metadata, out, &mut report)?,
+        _ => write_apng(frames, delay, metadata, out, &mut report)?,
     }
     Ok(())
 }
