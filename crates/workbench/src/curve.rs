@@ -295,9 +295,10 @@ impl RunCurve {
 
     /// Takes a finished curve, and starts that of `number` unless it is known or at work; `None` stops the work.
     pub fn want(&mut self, session: &Arc<Session>, number: Option<CurveNumber>, wake: &Wake) {
-        // Its unit and its meaning are those that it has in this run.
+        // Some numbers have one variant for the plane and one for space: this run's variant is followed. A number that
+        // this run lacks stays, and `refused` says why there is no curve of it.
         let is_in_space = session.solid.is_some();
-        let of_run = |number: CurveNumber| number.of_runs(is_in_space).unwrap_or(number);
+        let of_run = |asked: CurveNumber| asked.of_runs(is_in_space).unwrap_or(asked);
         let number = number.map(of_run);
         let wanted = number.map(|number| (session.generation, number));
         if self.of != wanted {
@@ -355,8 +356,8 @@ fn refused(session: &Session, number: Option<CurveNumber>) -> Option<String> {
         };
         return Some(why.to_owned());
     }
-    let is_local = session.ground.is_some();
-    is_local
+    let is_in_field_or_shape = session.ground.is_some();
+    is_in_field_or_shape
         .then(|| ONE_RADIUS.to_owned())
         .or_else(|| refusal(session))
 }

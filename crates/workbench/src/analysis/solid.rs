@@ -152,7 +152,8 @@ impl SolidMeasuring {
             self.take(outcome);
         }
         let key = key_of(shown);
-        // In play each frame would start work that the next one drops.
+        // In play each frame would start work that the next one drops. `wake` asks for one more frame, in which the
+        // cursor may rest.
         if self.at != Some(key) {
             (self.at, self.work) = (Some(key), None);
             wake();
@@ -237,7 +238,7 @@ impl Task for MeasureSolidTask {
             SolidError::Cancelled => None,
             error => Some(sentence(&error.to_string())),
         })?;
-        // A run with events has its numbers at every moment, and also at rest.
+        // A run with events has these numbers at every moment already: `crate::live` moves them with the run.
         let numbers = match session.recording() {
             Some(_) => None,
             None => Some(numbers(session, solid)?),
@@ -262,7 +263,8 @@ fn numbers(session: &Session, solid: &MadeSolid) -> Result<MeasuredSet, String> 
     };
     let events = course.events();
     let mut moment = LiveMoment::new(Arc::new(course));
-    let moved = moment.seek(events, wanted, u64::MAX);
+    let no_limit_of_steps = u64::MAX;
+    let moved = moment.seek(events, wanted, no_limit_of_steps);
     moved.map_err(|error| sentence(&error.to_string()))?;
     Ok(moment.measured())
 }

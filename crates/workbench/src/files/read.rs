@@ -218,10 +218,11 @@ fn ground_file(incoming: &Incoming) -> Option<Made> {
 
     let value: Value = serde_json::from_slice(bytes).ok()?;
     holds_polygon(&value).then(|| {
-        // Corners that may be degrees are refused, with what to do about it.
-        let planar = false;
-        let polygon =
-            PlanarPolygon::from_geojson(name, bytes, planar).map_err(|error| error.to_string())?;
+        // GeoJSON has corners in degrees, unless its writer meant lengths in a plane. The file does not say which, so
+        // that corners that may be degrees are refused; the error says what to do.
+        let is_surely_planar = false;
+        let polygon = PlanarPolygon::from_geojson(name, bytes, is_surely_planar)
+            .map_err(|error| error.to_string())?;
         Ok(Done::Shape(Box::new(polygon)))
     })
 }
@@ -414,7 +415,8 @@ fn session_on_ground(
         .map_err(|error| refused(error.to_string()))?;
     let request = asked.ok_or_else(|| refused("it asks for neither".to_owned()))?;
 
-    // Only a shape of one radius is tiled: whatever the file says, darts make a field.
+    // Only a shape of one radius is tiled exactly. Every other set is made by darts, even if the file names exact
+    // tiling. No `TilingMethod` stands for darts, so that the parameters name the default one.
     if !request.is_tiled(&saved.parameters) {
         saved.parameters.method = TilingMethod::Kdrt;
     }

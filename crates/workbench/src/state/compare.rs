@@ -202,7 +202,7 @@ impl Runs {
         let Some(session) = self.first.session.clone() else {
             return;
         };
-        let cursor = self.first.cursor();
+        let cursor_and_end = self.first.cursor();
         context.ask(Effect::OpenPanel(Panel::Compare));
 
         let (side, _) = self.second.get_or_insert_default();
@@ -213,7 +213,7 @@ impl Runs {
         // The two runs share the recording, and each has its own cursor.
         let recording = session.recording().map(Arc::clone);
         side.debugger = recording.map(|recording| Debugger::new(recording, DEFAULT_BUDGET));
-        if let (Some(debugger), Some((cursor, _))) = (&mut side.debugger, cursor) {
+        if let (Some(debugger), Some((cursor, _))) = (&mut side.debugger, cursor_and_end) {
             debugger.jump(cursor);
         }
         side.rows = session.outline.as_ref().map(OutlineRows::new);
@@ -242,7 +242,9 @@ impl Runs {
         let stops = self.first.take_stops();
         std::mem::swap(&mut self.first, &mut side);
         (self.first.viewport, side.viewport) = viewports;
-        // The second run's plane was put to where the first one's lay, which may follow the events.
+        // With linked cameras the second run's plane was pinned at the place of the first run's plane. After the swap,
+        // the plane of the run that is now the first one follows the events exactly if that of the first run did so
+        // before.
         if comparison.linked_cameras {
             self.first.pin_as(&side);
         }
@@ -262,7 +264,7 @@ impl Runs {
                     .with_ground(recipe.ground.as_deref())
                     .with_depth(recipe.depth),
                 own_pattern: session.own.clone(),
-                // The effect does not take the rest: whether runs start at once, and the brush stay as they are.
+                // The effect takes only the draft and the pattern of this form (`Form::take`).
                 ..Form::default()
             })));
             // The steps to undo belong to the run that was the first one before.
@@ -411,7 +413,7 @@ impl Runs {
                 };
                 let [index_a, index_b] = [first, second].map(index_in);
                 self.first.show_stage(index_a);
-                // With linked playback it would follow anyway.
+                // The second run is moved here, as it follows the first one only with linked playback.
                 if let Some((side, _)) = &mut self.second {
                     side.show_stage(index_b);
                 }

@@ -97,8 +97,9 @@ pub fn session_to_keep(state: &State) -> Option<String> {
     }
 
     if run.save_refusal().is_some() {
-        // A session without events can be kept as a link alone, unless that leaves out a part of the set: another one would be
-        // reopened. Without layouts and the second run it is still the same.
+        // A session without events can be kept as a link alone. A link that leaves out a part of the set would reopen
+        // another set, so that it is not kept. A link may leave out window layouts and the second run: the set is still
+        // the same.
         let is_same_set = LinkSource::of(state).left_out_of_set().is_empty();
         return is_same_set.then(|| json!({ "link": state.link().fragment }).to_string());
     }

@@ -81,6 +81,7 @@ impl Form {
                 SessionKind::Combination => "A combination is",
                 SessionKind::Varying if is_tiled => "An exact tiling of a file is",
                 SessionKind::Varying => "A set of a lesson is",
+                // Runs, exact tilings made here and sets in space always have a recipe: only nested levels come here.
                 SessionKind::Run
                 | SessionKind::Exact
                 | SessionKind::Nested
@@ -116,8 +117,8 @@ impl Form {
         if self.draft.depth_asked() != made.depth {
             names.push("depth");
         }
-        let is_tiled = ground.is_none() && !self.draft.is_in_space();
-        if is_tiled && self.own_pattern != session.own {
+        let may_have_pattern_file = ground.is_none() && !self.draft.is_in_space();
+        if may_have_pattern_file && self.own_pattern != session.own {
             names.push("pattern file");
         }
         if gpu.differs(run, &self.draft) {

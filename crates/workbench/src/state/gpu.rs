@@ -226,8 +226,10 @@ impl GpuState {
             return Some(text.to_owned());
         }
 
-        // Algorithm 4 as printed has no passes, either, but it is refused only when they are to begin. On a page
-        // the CPU computes its passes, with which those of the GPU are compared, on the thread that draws the window.
+        // Algorithm 4 as printed has no passes, either. It is refused later, when its passes are to begin.
+
+        // The passes of the GPU are compared with the same passes computed by the CPU. On a page the thread that draws
+        // the window computes those of the CPU, and the window would stand still for long in a large run.
         if cfg!(target_arch = "wasm32") && session.summary.count > MAX_PASSES_ON_A_PAGE {
             let most = grouped(MAX_PASSES_ON_A_PAGE);
             return Some(format!(

@@ -30,7 +30,7 @@ impl SavedView {
         // return to is.
         let (camera, fitted) = first.before_pattern.unwrap_or((first.camera, first.fitted));
         let second = runs.second.as_ref();
-        // Without a second run the links are those with which one begins.
+        // Without a second run the view states the links that every new comparison begins with.
         let links = second.map(|(_, comparison)| comparison.links());
         Self {
             camera: (!fitted).then_some(camera),

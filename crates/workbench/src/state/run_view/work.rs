@@ -56,7 +56,7 @@ impl RunView {
         self.reset_plane(is_same_box);
 
         let selection = match (self.selected, self.place) {
-            // An id is that of a sample of one run, but a place is also one of another run on the same domain.
+            // An id means the same sample only in the same run. A place means the same in every run on the same domain.
             (Some(id), _) if self.is_same_run(session) => Selection::Sample(id),
             (_, Some(place)) if same_domain => Selection::Place(place),
             _ => Selection::Nothing,
@@ -106,7 +106,7 @@ impl RunView {
             self.show_stage(usize::MAX);
             self.fit(context);
         } else {
-            // The tour has made another run since.
+            // The tour has made another run since, or is making one.
             context.ask(Effect::Sample(Which::First, Box::new(typed), engine));
         }
     }
@@ -178,18 +178,18 @@ impl RunView {
             // The panel of the analysis shows all measures; a part of the frequencies will do while all would take too many steps.
             // Of a set in space distances alone are followed.
             let is_in_space = session.solid.is_some();
-            let is_analysed = asked.is_analysed && !is_in_space;
+            let is_analysed_in_plane = asked.is_analysed && !is_in_space;
             // The measures of circles are those of one radius in a rectangle.
             let has_circles = session.ground.is_none() && !is_in_space;
             let wanted = Wanted {
-                spectrum: is_analysed,
-                thinned: is_analysed,
+                spectrum: is_analysed_in_plane,
+                thinned: is_analysed_in_plane,
                 pairs: asked.is_analysed,
                 // Where disks have radii of their own, and in a shape, gaps are looked for pixel by pixel.
-                cover: is_analysed || layers.has_gaps() && has_circles,
+                cover: is_analysed_in_plane || layers.has_gaps() && has_circles,
             };
             live.follow(session, &shown, wanted, asked.steps, &context.wake);
-            if is_analysed && has_circles {
+            if is_analysed_in_plane && has_circles {
                 measuring.want(session, &shown, &context.wake);
             }
             if asked.is_analysed && is_in_space {
