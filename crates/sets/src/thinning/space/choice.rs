@@ -53,9 +53,9 @@ pub(super) fn choose(
     let border = |band: u64| (u64::from(all) * band / bands) as u32;
     (0..bands)
         .into_par_iter()
-        .for_each(|band| choice.settle(&(border(band)..border(band + 1)), all));
+        .for_each(|band| choice.settle(Some(border(band)..border(band + 1))));
     // After the bands, one thread decides the points that waited for those of other bands.
-    choice.settle(&(0..all), all);
+    choice.settle(None);
     if choice.is_cancelled.into_inner() {
         return Err(ThinError::Cancelled);
     }
@@ -72,18 +72,18 @@ impl SpaceChoice<'_> {
         }
     }
 
-    /// Decides the points of a band of the cells, as far as they do not wait for other bands; in the band of `all` cells, every
-    /// point that is left.
-    fn settle(&self, band: &Range<u32>, all: u32) {
+    /// Decides the points of a band of the cells, as far as they do not wait for other bands. Without a band, decides
+    /// all points that are left.
+    fn settle(&self, band: Option<Range<u32>>) {
+        let cells = band.clone().unwrap_or(0..self.cells.count());
         let mut visitor = SpaceVisitor {
             choice: self,
             band,
-            is_last: *band == (0..all),
             around: Vec::new(),
             waiting: Vec::new(),
             decided: 0,
         };
-        for cell in band.clone() {
+        for cell in cells {
             // Without this, each band would go on to its next report.
             if self.is_cancelled.load(Ordering::Relaxed) {
                 return;
@@ -97,9 +97,8 @@ impl SpaceChoice<'_> {
 /// What a thread needs to visit cells.
 struct SpaceVisitor<'a> {
     choice: &'a SpaceChoice<'a>,
-    band: &'a Range<u32>,
-    /// Whether no other thread works: no cell is then stuck.
-    is_last: bool,
+    /// The cells that this thread may visit; `None` for all cells, once no other thread works.
+    band: Option<Range<u32>>,
     around: Vec<u32>,
     /// Cells that wait, each for the cell that was pushed after it. The first open point of the later cell has the
     /// earlier rank, so that the list ends.
@@ -136,10 +135,13 @@ impl SpaceVisitor<'_> {
         }
     }
 
-    /// Returns whether a cell is of this band and does not wait for another one.
+    /// Returns whether a cell is of this band and does not wait for another band.
     fn may_visit(&self, cell: u32) -> bool {
-        let is_stuck = || self.choice.cells.turns.stuck[cell as usize].load(Ordering::Relaxed);
-        self.is_last || (self.band.contains(&cell) && !is_stuck())
+        let Some(band) = &self.band else {
+            return true;
+        };
+        let is_stuck = self.choice.cells.turns.stuck[cell as usize].load(Ordering::Relaxed);
+        band.contains(&cell) && !is_stuck
     }
 
     /// Decides the open points of a cell until one waits for an earlier one; returns the cell of that, or nothing when all points
