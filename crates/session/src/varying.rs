@@ -53,9 +53,13 @@ pub fn sample(
         return tiled(&locality, recipe, request, generation, observer);
     }
 
-    // A run that is too large for events keeps its samples alone, in the order of their arrival. It is too large to be empty.
+    // A run that is too large for events keeps its samples alone, in the order of their arrival.
     let Locality { field, shape } = &*locality;
     let points = varying_sample(field, shape, parameters.seed, observer)?;
+    // The number of samples was estimated for the whole domain, so that the shape may still be empty.
+    if points.is_empty() {
+        return Err(of_ground(VaryingError::Nothing));
+    }
     let domain = *field.domain();
     let run = Run {
         locality: Some(Arc::clone(&locality)),

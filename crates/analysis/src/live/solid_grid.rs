@@ -44,7 +44,10 @@ impl SolidGrid {
         let counts_of = |edge: f64| extent.map(|side| (side / edge).floor().max(1.0) as u64);
         let mut edge = edge;
         // Twice the edge gives at most half as many cells, unless there is only one: the loop ends.
-        while counts_of(edge).iter().product::<u64>() > MAX_CELLS {
+        // The product of three counts may exceed 64 bits, but not the range of `f64`.
+        let product =
+            |edge: f64| -> f64 { counts_of(edge).iter().map(|&count| count as f64).product() };
+        while product(edge) > MAX_CELLS as f64 {
             edge *= 2.0;
         }
 

@@ -163,13 +163,12 @@ fn check_region(region: SolidRegion) -> Result<(), SolidError> {
 /// or that of the first point that is at fault.
 pub(super) fn check_points(points: &[[f64; 3]], region: SolidRegion) -> Result<(), SolidError> {
     check_region(region)?;
-    // Samples are numbered in 32 bits, of which the judges keep the largest number for no sample. The limit itself
-    // would still fit, and is refused as well.
+    // Samples are numbered in 32 bits from 0, of which the judges keep the largest number for no sample.
     let (count, most) = (points.len(), u32::MAX as usize);
     if count == 0 {
         return Err(SolidError::Empty);
     }
-    if count >= most {
+    if count > most {
         return Err(SolidError::TooMany { count, limit: most });
     }
 
