@@ -13,6 +13,10 @@ use crate::view::{SavedView, SceneCamera};
 /// The longest title, in characters: a longer first sentence becomes a part of the text. Chosen, not measured.
 const TITLE: usize = 70;
 
+/// Why the scenes of a run in a field or a shape are no lesson: it would be one of the rectangle.
+pub(crate) const NO_GROUND: &str =
+    "The run is in a field or a shape, which a lesson of scenes does not name.";
+
 /// Returns the text of a lesson with a step for each scene: the first sentence of its caption as title, the rest as text,
 /// and what follows a line of three hyphens as the speaker's note.
 ///
@@ -110,6 +114,9 @@ pub fn lesson_of_session(text: &str) -> Result<String, String> {
             .map_err(|error| error.to_string())?;
     }
 
+    if !saved.ground.is_null() {
+        return Err(NO_GROUND.to_owned());
+    }
     let has_own_pattern = saved.pattern.is_some();
     lesson_of(
         &saved.scenes,

@@ -9,7 +9,7 @@ use super::effects::{Context, Effect};
 use super::{RunView, Runs, WindowState};
 use crate::command::Command;
 use crate::layout::{Layout, Panel};
-use crate::scene_lesson::lesson_of;
+use crate::scene_lesson::{NO_GROUND, lesson_of};
 use crate::scenes::{SceneCommand, SceneList, ShownScene, split_caption};
 use crate::thumbnails::Thumbnails;
 use crate::tour::tour;
@@ -371,6 +371,9 @@ impl RunView {
         let (Some(session), Some(debugger)) = (&self.session, &self.debugger) else {
             return Err("There is no session with events.".to_owned());
         };
+        if session.ground.is_some() {
+            return Err(NO_GROUND.to_owned());
+        }
         // The run of a set in space has the insertion by darts, which its form does not name.
         let solid = session.solid.as_ref();
         let parameters = solid.map_or(&session.run().parameters, |solid| &solid.asked);
