@@ -231,21 +231,23 @@ impl<'a> LinkSource<'a> {
         (content.lacks_ground, content.moment) = (true, NamedMoment::End);
         let is_painted = matches!(&request.radius, Some(RadiusSource::Image { image, .. }) if image.name() == PAINTED);
         let before = self.form.draft.before_painting().filter(|_| is_painted);
-        let Some((radius, field)) = before else {
-            let what = "the field or the shape, which has an image or is too long for a link, so that it leads to another set";
-            return left_out.push(what.to_owned());
+        let unpainted = before.map(|(radius, field)| {
+            content.parameters.radius = radius;
+            GroundRequest {
+                radius: field,
+                ..request
+            }
+        });
+        // Without its radii the request is that of the shape alone, or of nothing. What was painted may itself be an image.
+        let is_asked = |ground: &GroundRequest| ground.radius.is_some() || ground.shape.is_some();
+        let unpainted = unpainted.filter(|ground| !is_asked(ground) || link::carries(ground));
+        let what = if unpainted.is_some() {
+            "the painted radii: it leads to those from before they were painted"
+        } else {
+            "the field or the shape, which has an image or is too long for a link, so that it leads to another set"
         };
-        left_out
-            .push("the painted radii: it leads to those from before they were painted".to_owned());
-
-        // Without its radii the request is that of the shape alone, or of nothing.
-        let unpainted = GroundRequest {
-            radius: field,
-            ..request
-        };
-        let is_asked = unpainted.radius.is_some() || unpainted.shape.is_some();
-        content.parameters.radius = radius;
-        content.ground = Some(unpainted).filter(|ground| is_asked && link::carries(ground));
+        left_out.push(what.to_owned());
+        content.ground = unpainted.filter(is_asked);
     }
 
     /// Returns the name of the moment that is shown: its event, or without events its stage. At the end of the run it is the end, as

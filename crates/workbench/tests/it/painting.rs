@@ -252,6 +252,32 @@ fn a_link_of_painted_radii_leads_to_those_before_and_says_so_on_both_sides() {
 }
 
 #[test]
+fn a_link_of_radii_that_were_painted_over_an_image_leads_to_neither() {
+    let mut state = State::new(Arc::new(|| {}));
+    state.settle();
+    let image = GrayImage::from_grey(4, (0..16).map(|pixel| pixel * 4_000).collect()).unwrap();
+    let file = NamedBytes::new("grey.png", image.to_png().unwrap());
+    state.apply(Command::File(FileCommand::DroppedBytes(
+        vec![file],
+        Vec::new(),
+    )));
+    state.settle();
+    state.settle();
+    let before = session_digest(&state);
+    paint(&mut state, PaintCommand::Tool(true));
+    stroke(&mut state);
+    assert_ne!(session_digest(&state), before, "{}", notice_text(&state));
+
+    let link = state.link();
+    let left_out = link.left_out.concat();
+    assert!(
+        left_out.contains("another set") && !left_out.contains("before they were painted"),
+        "{left_out}"
+    );
+    assert!(link.fragment.contains("lacks=ground"));
+}
+
+#[test]
 fn a_domain_without_square_pixels_says_so() {
     let mut state = painting();
     let height = FormCommand::Type(tilescope_core::Parameter::Height, "0.7071".to_owned());
