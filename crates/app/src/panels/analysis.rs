@@ -268,6 +268,10 @@ fn status(
 fn status_text(run: &RunView, shown: &ShownMoment<'_>, measures: &RunMeasures<'_>) -> String {
     let measuring = &run.measuring;
     let name = capital(&name_of(shown));
+    // Beside a planar run A, the table has the numbers of planar sets, and no spectrum follows.
+    if shown.session.solid.is_some() {
+        return format!("{name}: a set in space, whose numbers are shown where it is run A.");
+    }
     if let Some(why) = measuring.failure(shown) {
         return format!("{name}: {why}");
     }
