@@ -83,7 +83,7 @@ const HOSTILE = {
   "numbers that are none": ["v=1&radius=NaN&leaf=-inf&seed=abc&camera=NaN,1e999,0", /radius.*NaN/],
   "a billion samples": ["v=1&radius=0.00000001&width=100000&height=100000", /radius|samples/],
   "a pattern of a million r": ["v=1&pattern=1000000", /pattern.*1,?000,?000/i],
-  "a newer version with keys of its own": ["v=999&seed=4&hologram=yes", /hologram.*version 999.*knows version 1/],
+  "a newer version with keys of its own": ["v=999&seed=4&hologram=yes", /hologram.*version 999.*knows version 2/],
   "thousands of bookmarks": [`v=1&mark=${"1:a;".repeat(12_000)}`, /12,001 of the kind "mark"; the first 64 were read/],
   "more bytes than are read": [
     `v=1&radius=0.02&mark=${"1:a;".repeat(20_000)}`,

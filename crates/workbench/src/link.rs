@@ -22,8 +22,12 @@ pub use text::{name as choice_name, named as choice_named};
 pub use warnings::LinkWarnings;
 pub use write::{Link, write};
 
-/// The version of links that this program writes, and the newest that it reads.
-pub const VERSION: u32 = 1;
+/// The newest version of links that this program reads, and that of exact tilings of a shape, which it writes. In links before
+/// these tilings, darts make every shape, whatever the method.
+pub const VERSION: u32 = 2;
+
+/// The version of all other links, which programs before exact tilings of a shape read.
+pub(crate) const VERSION_OF_OTHERS: u32 = 1;
 
 /// The most characters of a fragment that this program writes. Chosen, not measured, like the limits below.
 pub const MAX_CHARACTERS: usize = 8_000;

@@ -8,7 +8,9 @@ use glam::DVec2;
 
 use tilescope_classroom::lessons::WantedLesson;
 use tilescope_core::combine::file::{Layout as Combination, PieceSource, PlacedPiece};
-use tilescope_core::{MAXIMAL_DENSITY, NestedRequest, Parameters, PatternSpec, WithinLevel};
+use tilescope_core::{
+    MAXIMAL_DENSITY, NestedRequest, Parameters, PatternSpec, TilingMethod, WithinLevel,
+};
 use tilescope_debugger::{Listings, SavedBreakpoint, SavedScene};
 use tilescope_drawing::camera::Camera;
 use tilescope_drawing::orbit::OrbitView;
@@ -26,7 +28,10 @@ use super::text::{finite, from_base64, items, named, numbers, pairs, rings_of};
 use super::view::{read_layers, read_scene_view, read_selection};
 use super::warnings::LinkWarnings;
 use super::write::{GROUND, LACKS, LACKS_GROUND, LINKS, NESTED, NINE_SETS};
-use super::{MAX_BYTES, MAX_COMBINATION, MAX_SAMPLES, MAX_SCENES, MAX_STOPS, MAX_TEXT, VERSION};
+use super::{
+    MAX_BYTES, MAX_COMBINATION, MAX_SAMPLES, MAX_SCENES, MAX_STOPS, MAX_TEXT, VERSION,
+    VERSION_OF_OTHERS,
+};
 use crate::clock::Clock;
 use crate::curve::ShownCurve;
 use crate::layout;
@@ -57,7 +62,7 @@ pub fn read(text: &str) -> (LinkContent, LinkWarnings) {
         warnings: LinkWarnings::default(),
     };
     reader.split(text);
-    reader.version();
+    let version = reader.version();
     let mut content = LinkContent::default();
     reader.lesson(&mut content);
     reader.run(&mut content);
@@ -65,6 +70,12 @@ pub fn read(text: &str) -> (LinkContent, LinkWarnings) {
     reader.selection(&mut content);
     // After the run, from which the parameters of the second one differ.
     reader.second(&mut content);
+    // An older link leads to the same samples as when it was copied. The method is replaced only here, as the second run's
+    // parameters are given by their differences from those of the link.
+    let is_tiled = |ground: &GroundRequest| ground.is_tiled(&content.parameters);
+    if version < VERSION && content.ground.as_ref().is_some_and(is_tiled) {
+        content.parameters.method = TilingMethod::Kdrt;
+    }
     reader.stops(&mut content);
     (content, reader.warnings)
 }
@@ -152,15 +163,16 @@ impl LinkReader {
         });
     }
 
-    /// Warns if the link is not of this version.
-    fn version(&mut self) {
+    /// Returns the version by which the link is read: the newest, unless it names an older one. Warns if it names one that is
+    /// not known.
+    fn version(&mut self) -> u32 {
         let Some(text) = self.pairs.get("v") else {
-            return;
+            return VERSION;
         };
         let shown = quoted(text);
         // The parts of a link do not depend on each other, so that a newer link is read as far as its parts are known.
         match tidy(text).parse::<u32>() {
-            Ok(VERSION) => {}
+            Ok(known @ VERSION_OF_OTHERS..=VERSION) => return known,
             Ok(newer) if newer > VERSION => self.warnings.add(format!(
                 "The link is of version {newer}, and this program knows version {VERSION}; what it knows was read."
             )),
@@ -168,6 +180,7 @@ impl LinkReader {
                 "The link says that its version is \"{shown}\"; it was read as version {VERSION}."
             )),
         }
+        VERSION
     }
 
     /// Returns the value of a key, read by `read`; warns if it is invalid.

@@ -15,7 +15,9 @@ use super::content::{LinkContent, NamedMoment};
 use super::parameters::differing;
 use super::text::{base64, escaped, exact, item, name, rings_text, rounded};
 use super::view::{layers_text, scene_view_text, selection_text};
-use super::{MAX_CHARACTERS, MAX_COMBINATION, MAX_SCENES, MAX_STOPS, MAX_TEXT, VERSION};
+use super::{
+    MAX_CHARACTERS, MAX_COMBINATION, MAX_SCENES, MAX_STOPS, MAX_TEXT, VERSION, VERSION_OF_OTHERS,
+};
 use crate::layout;
 
 /// A permalink, as it was written.
@@ -51,7 +53,15 @@ pub fn write(content: &LinkContent) -> Link {
         reserved,
         ..Writer::default()
     };
-    writer.put("v", VERSION.to_string());
+    // The lowest version that holds the run, so that older programs read the link where they can. A lesson makes its own runs.
+    let ground = content.ground.as_ref().filter(|_| content.lesson.is_none());
+    let tiles_shape = ground.is_some_and(|ground| ground.is_tiled(&content.parameters));
+    let version = if tiles_shape {
+        VERSION
+    } else {
+        VERSION_OF_OTHERS
+    };
+    writer.put("v", version.to_string());
 
     if let Some(lesson) = &content.lesson {
         // A lesson makes its own runs, and its steps choose the view.

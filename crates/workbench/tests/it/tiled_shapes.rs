@@ -11,11 +11,13 @@ use tilescope_session::incoming::NamedBytes;
 use tilescope_session::layers::{Layer, Layers, SessionKind};
 use tilescope_session::session::Session;
 use tilescope_sets::{ExactBlocks, GrayImage, RadiusSource, ShapeSource, VaryingRecipe};
-use tilescope_workbench::command::{FormCommand, TimeCommand};
+use tilescope_workbench::command::{FormCommand, TimeCommand, WindowCommand};
 use tilescope_workbench::compare::ComparePreset;
 use tilescope_workbench::draft::{Choice, FormPart};
 use tilescope_workbench::export::ExportKind;
 use tilescope_workbench::files::{FileCommand, Purpose};
+use tilescope_workbench::layout::Panel;
+use tilescope_workbench::scene_lesson::lesson_of_session;
 use tilescope_workbench::{Command, State, link};
 
 use crate::exporting::{notice_text, write};
@@ -203,6 +205,7 @@ fn links_sessions_and_undo_carry_it() {
     assert_eq!(written.left_out, Vec::<String>::new());
     let (content, warnings) = link::read(&written.fragment);
     assert_eq!(warnings.text(), "");
+    assert!(written.fragment.starts_with("v=2&"));
     // A link has the corners of the park, but not the name of its file.
     assert_eq!(content.parameters, tiled.parameters);
     assert!(content.ground.expect("a shape").is_tiled(&tiled.parameters));
@@ -233,6 +236,10 @@ fn links_sessions_and_undo_carry_it() {
     assert_eq!(other.runs().first.cursor().unwrap().0, 2_000);
     assert_eq!(other.form().recipe(), session(&other).recipe());
 
+    // The lesson of its scenes would be one of the rectangle.
+    let text = std::str::from_utf8(&saved).unwrap();
+    assert!(lesson_of_session(text).unwrap_err().contains("shape"));
+
     // Programs before these tilings made a shape by darts whatever the method: their sessions are still made so.
     let mut older: Value = serde_json::from_slice(&saved).unwrap();
     assert_eq!(older["version"], 6);
@@ -241,6 +248,53 @@ fn links_sessions_and_undo_carry_it() {
     drop_all(&mut other, vec![NamedBytes::new("older.json", bytes)]);
     let said = notice_text(&other);
     assert!(said.contains("not the same run"), "{said}");
+}
+
+#[test]
+fn its_conflicts_and_open_places_move_with_it_in_both_directions() {
+    let mut state = made();
+    state.apply(Command::Window(WindowCommand::OpenPanel(Panel::Analysis)));
+    state.settle();
+    let counts_at = |state: &mut State, cursor: usize| {
+        state.apply(Command::Time(TimeCommand::Jump(cursor)));
+        state.settle();
+        let run = &state.runs().first;
+        let measured = run.live.of(&run.shown().unwrap()).expect("measures");
+        let report = measured.report.as_ref().unwrap().as_ref().unwrap();
+        [report.conflicts, report.gaps]
+    };
+    let events = session(&state).recording().unwrap().len();
+    let is_insertion = |event: usize| {
+        let event = session(&state).recording()?.event(event)?.run_event()?;
+        matches!(event, RunEvent::Insert { .. }).then_some(())
+    };
+    let first = (0..events).find(|&event| is_insertion(event).is_some());
+    let first = first.expect("the border of the shape is a seam");
+
+    let open = counts_at(&mut state, first);
+    assert!(open[0] == 0 && open[1] > 0, "{open:?}");
+    assert_eq!(counts_at(&mut state, events), [0, 0]);
+    assert_eq!(counts_at(&mut state, first), open);
+}
+
+#[test]
+fn a_link_from_before_leads_to_the_darts_that_it_showed() {
+    let mut state = asked();
+    let by_darts = session(&state).digest().to_owned();
+    assert!(state.link().fragment.starts_with("v=1&"));
+    run(&mut state);
+    let tiled = session(&state).digest().to_owned();
+
+    let now = state.link().fragment;
+    let unnamed = now.replace("v=2&", "");
+    let before = now.replace("v=2&", "v=1&");
+    assert!(before.contains("method=exact"), "{before}");
+    for (fragment, digest) in [(&before, by_darts), (&unnamed, tiled)] {
+        let mut other = self::state();
+        other.open_link(fragment);
+        other.settle();
+        assert_eq!(session(&other).digest(), digest, "{fragment}");
+    }
 }
 
 #[test]

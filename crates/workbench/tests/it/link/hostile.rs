@@ -179,7 +179,7 @@ fn invalid_parts_are_named_and_the_rest_is_read() {
         ("method=best", "method best; kdrt is used instead: there is"),
         ("b=love", "cannot be linked by \"love\""),
         ("b.seed=3", "but not the run (\"b\")"),
-        ("v=999", "version 999, and this program knows version 1"),
+        ("v=999", "version 999, and this program knows version 2"),
         ("v=", "its version is \"\""),
         ("v=-1", "its version is \"-1\""),
         ("fireworks=on", "\"fireworks\" is unknown in links"),
@@ -248,7 +248,7 @@ fn parts_are_read_independently() {
     let text = notice_text(&state);
     assert_eq!(
         text,
-        "\"novel\" is unknown in links and was left out. The link is of version 7, and this program knows version 1; \
+        "\"novel\" is unknown in links and was left out. The link is of version 7, and this program knows version 2; \
          what it knows was read. The link asked for radius NaN; 0.00836 is used instead. The link's camera \"\" is \
          invalid and was left out."
     );
