@@ -4,7 +4,9 @@ use std::path::{Path, PathBuf};
 use std::sync::Arc;
 
 use serde_json::{Value, json};
-use tilescope_core::{Boundary, Parameter, Parameters, RunEvent, TilingMethod, Unobserved};
+use tilescope_core::{
+    Boundary, Parameter, Parameters, Point, R, RunEvent, TilingMethod, Unobserved,
+};
 use tilescope_debugger::{EventKind, why};
 use tilescope_session::ground::MadeGround;
 use tilescope_session::incoming::NamedBytes;
@@ -264,17 +266,40 @@ fn its_conflicts_and_open_places_move_with_it_in_both_directions() {
         [report.conflicts, report.gaps]
     };
     let events = session(&state).recording().unwrap().len();
-    let is_insertion = |event: usize| {
-        let event = session(&state).recording()?.event(event)?.run_event()?;
-        matches!(event, RunEvent::Insert { .. }).then_some(())
+    let insertions: Vec<usize> = (0..events)
+        .filter(|&event| {
+            let found = session(&state).recording().unwrap().event(event);
+            let run_event = found.and_then(tilescope_debugger::Event::run_event);
+            matches!(run_event, Some(RunEvent::Insert { .. }))
+        })
+        .collect();
+    let [first, .., last] = insertions[..] else {
+        panic!("the border of the shape is a seam");
     };
-    let first = (0..events).find(|&event| is_insertion(event).is_some());
-    let first = first.expect("the border of the shape is a seam");
 
-    let open = counts_at(&mut state, first);
-    assert!(open[0] == 0 && open[1] > 0, "{open:?}");
+    // Darts arrive in the order of their ranks, so that at the first insertion later samples are still in conflict.
+    let early = counts_at(&mut state, first);
+    let shown = state.runs().first.shown().unwrap();
+    let covering = shown.moment().covering(shown.session);
+    let points = &shown.session.run().samples.points;
+    let places: Vec<_> = covering
+        .iter()
+        .map(|&(_, id)| points[id as usize])
+        .collect();
+    let is_near = |a: Point, b: Point| {
+        let [x, y] = [a.x - b.x, a.y - b.y].map(i64::from);
+        x * x + y * y < i64::from(R) * i64::from(R)
+    };
+    let pairs = (0..places.len()).flat_map(|a| (0..a).map(move |b| (a, b)));
+    let near = pairs.filter(|&(a, b)| is_near(places[a], places[b]));
+    assert_eq!(early[0], near.count() as u64);
+    assert!(early[0] > 0);
+
+    // Before the last insertion its place is open.
+    let late = counts_at(&mut state, last);
+    assert!(late[0] == 0 && late[1] > 0, "{late:?}");
     assert_eq!(counts_at(&mut state, events), [0, 0]);
-    assert_eq!(counts_at(&mut state, first), open);
+    assert_eq!(counts_at(&mut state, first), early);
 }
 
 #[test]
