@@ -374,13 +374,14 @@ impl ThinRecipe {
 
         let (radius, radii) = match read {
             ReadRadii::Column(stated, radii) => (CertifiedRadius::Column(stated), Some(radii)),
-            ReadRadii::Source(source) => match source.constant() {
-                Some(radius) => (CertifiedRadius::Constant(radius), None),
-                None => {
+            ReadRadii::Source(source) => {
+                if let Some(radius) = source.constant() {
+                    (CertifiedRadius::Constant(radius), None)
+                } else {
                     let (radius, radii) = of_field(source, points, region, origin)?;
                     (radius, Some(radii))
                 }
-            },
+            }
         };
         let ranks = if with_ranks {
             ranks_in(file.bytes, &file.hint, &self.priority, points.len())?
