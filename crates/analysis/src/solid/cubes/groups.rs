@@ -149,3 +149,69 @@ pub(super) fn compare<S: Simd>(
     }
     found
 }
+
+#[cfg(test)]
+mod tests {
+    use fearless_simd::{Level, dispatch};
+
+    use super::*;
+
+    /// Returns places all over the unit cube.
+    fn samples(count: u32) -> Vec<[f64; 3]> {
+        let steps = [0.819_172_513_396, 0.671_043_606_703, 0.549_700_477_901];
+        let place = |index: u32| steps.map(|step| (f64::from(index) * step).fract());
+        (1..=count).map(place).collect()
+    }
+
+    /// Returns the finite coordinates of some groups: those of samples.
+    fn members(groups: &[SampleGroup]) -> Vec<[f64; 3]> {
+        let lanes = groups
+            .iter()
+            .flat_map(|group| (0..LANES).map(|lane| [0, 1, 2].map(|axis| group.0[axis][lane])));
+        lanes.filter(|place| place[0].is_finite()).collect()
+    }
+
+    /// Limits are exactly the distances of the formula for one sample, and the next numbers below them: a lane that is rounded in
+    /// another way gives another answer to one of the two.
+    #[test]
+    fn lanes_are_rounded_as_the_formula_for_one_sample() {
+        // Two full groups and one with free lanes. The box is not cut along z.
+        let samples = samples(21);
+        let groups = SampleGroup::all_of(&samples);
+        let cube = Cube {
+            middle: [0.43, 0.51, 0.58],
+            half: [0.13, 0.11, 0.07],
+        };
+        let parts = cube.parts();
+        assert_eq!(parts.present, 0b1111);
+
+        for level in [Level::baseline(), Level::new()] {
+            for distance in samples.iter().map(|&at| cube.distances(at).nearest) {
+                for limit in [distance, distance.next_down()] {
+                    let mut listed = Vec::new();
+                    dispatch!(level, simd => list(simd, &cube, limit, &groups, &mut listed));
+                    let reaching = |&at: &[f64; 3]| cube.distances(at).nearest <= limit;
+                    let expected: Vec<_> = samples.iter().copied().filter(reaching).collect();
+                    assert_eq!(members(&listed), expected, "{limit}");
+                }
+            }
+
+            for (number, part) in parts.of(parts.present) {
+                let all = samples.iter().map(|&at| part.distances(at));
+                let [middle, farthest] = all.fold([f64::INFINITY; 2], |[middle, far], one| {
+                    [middle.min(one.middle), far.min(one.farthest)]
+                });
+                let found = |limit: f64| -> PartFindings {
+                    dispatch!(level, simd => compare(simd, &parts, limit, &groups))
+                };
+                let bits = |limit: f64| {
+                    let PartFindings { proven, covered } = found(limit);
+                    [proven, covered].map(|bits| bits >> number & 1 == 1)
+                };
+                assert!(bits(farthest)[0] && !bits(farthest.next_down())[0]);
+                // Not proven with this limit, as no sample is at the middle.
+                assert!(bits(middle)[1] && !bits(middle.next_down())[1]);
+            }
+        }
+    }
+}
