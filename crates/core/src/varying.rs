@@ -34,8 +34,8 @@ pub use shape::{Shape, ShapeError};
 ///
 /// No two samples are near each other, and *no lattice point* of the shape is without a sample near it. Equal seeds, fields
 /// and shapes give equal sequences. The first samples of a sequence are spread over the whole shape, the denser the smaller
-/// the radius. Fails only when `observer` stops it; progress is reported as [`crate::Stage::Iterate`], one iteration for each
-/// throw.
+/// the radius. Fails when `observer` stops it, or the system does not give the memory for grids as fine as the smallest radius.
+/// Progress is reported as [`crate::Stage::Iterate`], one iteration for each throw.
 pub fn varying_sample(
     field: &RadiusField,
     shape: &Shape,

@@ -15,6 +15,7 @@ use super::octaves::{Sight, octave_of};
 use super::rule::{is_near, reach};
 use crate::fate::Fate;
 use crate::lattice::Point;
+use crate::memory::{NoMemory, ask};
 use crate::stages::cells::CellGrid;
 
 /// A sample of the last throw.
@@ -70,6 +71,12 @@ struct OctaveDarts {
     heads: Vec<AtomicU64>,
 }
 
+/// Returns how many bytes the heads of the chains of some grids take.
+fn heads_bytes(grids: &[CellGrid]) -> u64 {
+    let cells: u64 = grids.iter().map(|grid| grid.count() as u64).sum();
+    cells * size_of::<AtomicU64>() as u64
+}
+
 /// Returns heads of chains without darts.
 fn empty_heads(count: usize) -> Vec<AtomicU64> {
     // All threads make them, as the memory is used for the first time.
@@ -92,21 +99,24 @@ const fn linked(link: u64) -> Option<(usize, usize)> {
 }
 
 impl Crowd {
-    /// Returns empty grids for darts of the field's radii.
-    pub fn new(field: &RadiusField) -> Self {
+    /// Returns empty grids for darts of the field's radii. Fails if the system does not give the memory for them.
+    pub fn new(field: &RadiusField) -> Result<Self, NoMemory> {
         let domain = field.domain();
-        let octave = |bits: u8| {
-            let grid = CellGrid::new(domain.rect(), domain.is_periodic(), bits.into());
-            OctaveDarts {
-                heads: empty_heads(grid.count()),
-                grid,
-            }
-        };
+        let grid = |bits: u8| CellGrid::new(domain.rect(), domain.is_periodic(), bits.into());
         let [first, last] = field.extremes().map(octave_of);
-        Self {
+        let grids: Vec<CellGrid> = (first..=last).map(grid).collect();
+
+        // The grid of the smallest radii covers the whole domain, even if few samples have them. So the number of samples
+        // does not bound the memory: where nearly all radii were 30 times the smallest, grids took 37 KB a sample.
+        ask(heads_bytes(&grids))?;
+        let octave = |grid: CellGrid| OctaveDarts {
+            heads: empty_heads(grid.count()),
+            grid,
+        };
+        Ok(Self {
             first,
-            octaves: (first..=last).map(octave).collect(),
-        }
+            octaves: grids.into_iter().map(octave).collect(),
+        })
     }
 
     /// Returns the darts that become samples, by parcels as the darts are.
@@ -227,7 +237,18 @@ mod tests {
         let dart = |x: i32| OpenDart::new(3, Point::new(x, 5), R, sight);
         // The last one is near neither of the others.
         let darts = [dart(7), dart(7), dart(3 * R)];
-        let kept = Crowd::new(&field).kept(&[&darts[..1], &darts[1..]]);
+        let kept = Crowd::new(&field)
+            .unwrap()
+            .kept(&[&darts[..1], &darts[1..]]);
         assert_eq!(kept, [vec![darts[0].sample], vec![darts[2].sample]]);
+    }
+    /// Beside a few large radii a small one has a grid over the whole domain, and a set of one radius has that of its own.
+    #[test]
+    fn grids_of_all_octaves_are_counted() {
+        let domain = Domain::from_size([64.0, 48.0], 1.0, Boundary::Periodic).unwrap();
+        let grid = |octave: u32| CellGrid::new(domain.rect(), true, R.ilog2() + octave);
+        let cells = 64 * 48;
+        assert_eq!(heads_bytes(&[grid(0)]), 8 * cells);
+        assert_eq!(heads_bytes(&[grid(0), grid(1)]), 8 * (cells + cells / 4));
     }
 }

@@ -59,7 +59,8 @@ struct Surroundings<'a> {
     shape: &'a Shape,
 }
 
-/// Returns the samples of a seed in the order of their arrival. Fails only when `observer` stops it.
+/// Returns the samples of a seed in the order of their arrival. Fails when `observer` stops it, or
+/// the system does not give the memory.
 pub(super) fn sample(
     field: &RadiusField,
     shape: &Shape,
@@ -67,7 +68,7 @@ pub(super) fn sample(
     observer: &mut dyn Observer,
 ) -> Result<Vec<Point>, SampleError> {
     let surroundings = Surroundings { field, shape };
-    let crowd = Crowd::new(field);
+    let crowd = Crowd::new(field)?;
     let mut parcels = Parcels::new(surroundings);
     let mut points = Vec::new();
 
