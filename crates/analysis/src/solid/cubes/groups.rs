@@ -171,8 +171,8 @@ mod tests {
         lanes.filter(|place| place[0].is_finite()).collect()
     }
 
-    /// Limits are exactly the distances of the formula for one sample, and the next numbers below them: a lane that is rounded in
-    /// another way gives another answer to one of the two.
+    /// Limits are exactly the distances of the formula for one sample, and the next numbers below them: a lane that is
+    /// rounded in another way gives another answer to one of the two.
     #[test]
     fn lanes_are_rounded_as_the_formula_for_one_sample() {
         // Two full groups and one with free lanes. The box is not cut along z.
