@@ -107,7 +107,7 @@ impl Bench {
         let of_exact = PatternSpec::for_exact(self.samples as f64, self.seed);
         let arrivals = PatternArrivals::of_spec(&of_exact, &mut control.observer())?;
         let mut open = open.with_arrivals(arrivals);
-        let why_too_large = match open.make(&exact[1], &first, &pattern, &control) {
+        let why_too_large = match open.make(&exact[1], &self.most_seams(base), &pattern, &control) {
             Ok(_) => None,
             Err(error) => Some(too_large(error)?),
         };
@@ -146,6 +146,16 @@ impl Bench {
             run,
             copy_rate: copy_rate(gpu)?,
         })
+    }
+
+    /// Returns the parameters of the smallest leaf.
+    fn most_seams(&self, base: Parameters) -> Parameters {
+        // An exact tiling with more seams has more pieces and takes more memory. If this one fits a GPU, those of all leaves do.
+        let smallest = self.leaves.iter().copied().reduce(f64::min);
+        Parameters {
+            leaf: smallest.unwrap_or(base.leaf),
+            ..base
+        }
     }
 }
 
@@ -263,6 +273,23 @@ mod tests {
         };
         assert!(too_large(lost.into()).is_err());
         assert!(too_large(ReproduceError::Cancelled).is_err());
+    }
+
+    #[test]
+    fn the_smallest_leaf_decides_whether_exact_tiling_fits() {
+        let of_leaves = |leaves: &[f64]| Bench {
+            samples: 1_000,
+            leaves: leaves.to_vec(),
+            threads: Vec::new(),
+            sequential: false,
+            rounds: 1,
+            seed: 1,
+            plane: 1_000,
+        };
+        let base = Parameters::default();
+        let leaf = |leaves: &[f64]| of_leaves(leaves).most_seams(base).leaf.to_bits();
+        assert_eq!(leaf(&[80.0, 20.0, 40.0]), 20.0_f64.to_bits());
+        assert_eq!(leaf(&[]), base.leaf.to_bits());
     }
 
     #[test]
