@@ -251,12 +251,12 @@ fn plain(word: OsString) -> OsString {
     number.map_or(word, |number| number.to_string().into())
 }
 
-/// Returns the words with a direction behind `--orbit` joined to that word by `=`.
+/// Returns the words with a direction behind `--orbit` that begins with a minus joined to that word by `=`.
 ///
 /// A direction may begin with a minus, and clap takes a word that begins with a minus for an option. clap has a setting
 /// that allows such values; with it, clap would take `--turn` in `--orbit --turn` for the direction.
 fn with_direction(words: Vec<OsString>) -> Vec<OsString> {
-    let is_direction = |word: &OsString| {
+    let is_negative_direction = |word: &OsString| {
         let text = word.to_string_lossy();
         let degrees = text.strip_prefix('-').unwrap_or_default();
         // `-20,5`: no option has a digit or a point behind its minus.
@@ -266,7 +266,7 @@ fn with_direction(words: Vec<OsString>) -> Vec<OsString> {
     let mut joined: Vec<OsString> = Vec::with_capacity(words.len());
     for word in words {
         match joined.last_mut() {
-            Some(last) if *last == "--orbit" && is_direction(&word) => {
+            Some(last) if *last == "--orbit" && is_negative_direction(&word) => {
                 last.push("=");
                 last.push(word);
             }

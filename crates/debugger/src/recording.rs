@@ -93,7 +93,8 @@ pub struct Recording {
     pub(crate) splits: Vec<u32>,
     pub(crate) leaves: Vec<u32>,
     pub(crate) clips: Vec<u32>,
-    /// The first event that accepted each set of sites, sorted.
+    /// The events that accepted candidates, each with the candidate's sites: by sites, and then by event. Several events
+    /// may have the same sites.
     gaps: Vec<(Sites, u32)>,
     /// Of exact tiling, the darts that are to arrive, by place and then by event.
     expected: Vec<ExpectedDart>,

@@ -72,8 +72,8 @@ impl Moment {
             Status::Undecided => Standing::Tiled,
             Status::Kept => Standing::Valid,
             Status::Dropped => Standing::Dropped,
-            // The run has the sample that eliminated it, as a sample is eliminated only once. Without one to name, it
-            // counts as dropped.
+            // The recording does not say by which sample. The fate at the end of the run does: a sample is eliminated
+            // only once. Every such fate names one, and `Dropped` stands for one that does not.
             Status::Eliminated => match run.samples.fates[id as usize] {
                 Fate::Eliminated { by } => Standing::Eliminated { by },
                 _ => Standing::Dropped,

@@ -441,6 +441,8 @@ impl LiveCover {
                 // The offset is 0 for the cell's own sample. Its copies have cut the cell at the beginning.
                 if offset != [0, 0] && self.cell.cuts(index, offset) {
                     let distance = DVec2::from(offset.map(|value| value as f64)) - at;
+                    // Only samples within the present radius are passed to this closure. So the sample that is found
+                    // last is the nearest, but for rounding, which must not make the radius larger.
                     *nearest_square = nearest_square.min(distance.length_squared());
                     found = Some((offset, other.slot));
                 }

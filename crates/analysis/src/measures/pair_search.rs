@@ -213,8 +213,9 @@ impl<'a> PairSearch<'a> {
     /// Finds the bins of as many pairs at a time as a vector has lanes.
     ///
     /// About half of the compared pairs are beyond the distance. A branch that skips them would often be mispredicted,
-    /// so they are counted, too, in bins behind the last one. Nearly all pairs of a lane go into a bin of this lane:
-    /// additions to a single bin would wait for each other.
+    /// so they are counted, too, in bins behind the last one: each lane has one of its own, since additions to a single
+    /// bin would wait for each other. Pairs that are only a few bins too far may fall into another lane's, which does no
+    /// harm.
     #[expect(
         clippy::inline_always,
         reason = "it must become a part of what dispatch! compiles for the processor"

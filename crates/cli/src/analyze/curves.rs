@@ -158,7 +158,8 @@ pub fn differences(
             .enumerate()
             .map(|(index, (label, differences))| {
                 let (_, curve) = &differences.curves[number];
-                // No title is needed: titles only mark the reference, which is not among these.
+                // The label alone names the curve. In other charts a mark behind it tells the reference, which is not
+                // among these.
                 series(label, Look::Numbered(index), curve)
             });
         let all: Vec<Series> = lines.flatten().collect();

@@ -62,8 +62,8 @@ pub fn round(
 ) -> Result<Tally> {
     let drawn = recipe(parameters.seed, dice)?;
     let made = match drawn.make(&mut Unobserved) {
-        // A mask of few pixels may have none that belongs to the shape, or pixels wider than those of masks may be:
-        // both are refused rightly.
+        // A mask of few pixels may have no pixel in the shape, or its pixels may be wider than a mask's may be. Both are
+        // refused rightly.
         Err(VaryingError::Nothing | VaryingError::Shape(_))
             if matches!(drawn.shape, Some(ShapeSource::Mask(_))) =>
         {

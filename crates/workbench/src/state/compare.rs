@@ -423,13 +423,13 @@ impl Runs {
             _ => return,
         };
 
-        // The moments right after the events show what differs, so that the cursors are one behind the events.
-        let [behind_a, behind_b] = events.map(|event| event + 1);
-        self.first.jump(behind_a);
+        // The moment right after an event shows what differs. A cursor is the number of events before its moment.
+        let [after_a, after_b] = events.map(|event| event + 1);
+        self.first.jump(after_a);
         // The camera of the second run follows if the two are linked. Otherwise it stays where the user has put it.
         self.first.apply_to_view(ViewCommand::GoToCurrent, context);
         if let Some((side, _)) = &mut self.second {
-            side.jump(behind_b);
+            side.jump(after_b);
         }
     }
 

@@ -276,6 +276,8 @@ fn change_scenes(run: &mut RunView, change: impl FnOnce(&mut Debugger)) {
 /// Returns the current view for a scene.
 fn scene_view(run: &RunView, view: &SavedView) -> Value {
     // A fitted view has no camera: it fits any canvas. Without a canvas there is no positive size, and 1 stands for it.
+    // `radii` says how many radii the shorter side shows. Runs of other parameters have the current event elsewhere: its
+    // place tells by how much the camera has to be moved there.
     let camera = (!run.is_fitted()).then(|| SceneCamera {
         radii: f64::from(run.viewport.size().min_elem().max(1.0)) / run.camera.scale,
         center: Some(run.camera.center),

@@ -179,7 +179,7 @@ impl<const TAGS: bool> Region<TAGS> {
         depth: i64,
         target: &Rect,
     ) {
-        // The buffer is taken out of the region, which changes meanwhile.
+        // The buffer is taken out of the region, which changes meanwhile. `Region::reset` has emptied it.
         let mut contested = std::mem::take(&mut self.contested);
         for block in blocks {
             let own = block.rect.without(&interior(block, depth));
