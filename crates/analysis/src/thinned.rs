@@ -188,7 +188,7 @@ fn check(set: &ThinnedSet<'_>) -> Result<(), VerifyError> {
     }
 }
 
-/// A point, or its image on a torus, where it acts. Points are reordered, so that each carries what is asked of it: looked up by
+/// A point, or its image on a torus, where it acts. Points are reordered, so that each carries the values asked of it: looked up by
 /// its index, its place alone would take longer to fetch from memory than a comparison takes.
 #[derive(Clone, Copy, Debug, Default)]
 struct Placed {

@@ -364,7 +364,7 @@ fn round_or_fault(arguments: &SoakArguments, index: u64) -> Tally {
         ),
     };
     let options = arguments.judge.options();
-    // Rounds of varying radii are given their command; the others make theirs from what was drawn.
+    // Rounds of varying radii are given their command; the others make theirs from the drawn settings.
     let made = match arguments.method {
         SoakMethod::Kdrt => round(&drawn, &dice, &options),
         SoakMethod::Exact => exact::round(&drawn, &dice, &options),

@@ -13,12 +13,12 @@ const KEPT: u8 = 1;
 const REFUSED: u8 = 2;
 
 impl Fate {
-    /// Returns the fate of a dart about which nobody has asked.
+    /// Returns the fate of a dart that is not decided yet.
     pub const fn undecided() -> Self {
         Self(AtomicU8::new(UNDECIDED))
     }
 
-    /// Returns whether the dart becomes a sample. `decide` finds out, if nobody has before.
+    /// Returns whether the dart becomes a sample. `decide` finds out, unless the dart is decided already.
     #[inline]
     pub fn is_kept(&self, decide: impl FnOnce() -> bool) -> bool {
         match self.0.load(Ordering::Relaxed) {

@@ -30,7 +30,7 @@ impl Recording {
         recording
     }
 
-    /// Returns what is known of its nested levels, if it is a recording of some.
+    /// Returns the data of its nested levels, if it is a recording of some.
     #[must_use]
     pub const fn levels(&self) -> Option<&RecordedLevels> {
         self.levels.as_ref()

@@ -62,7 +62,7 @@ impl Recording {
         Some(self.heights.as_ref()?.domain)
     }
 
-    /// Returns of each throw where the lowest place of each active cube lies along the third axis, in units; nothing of
+    /// Returns of each throw where the lowest place of each active cube lies along the third axis, in units; none for
     /// planar runs. The run's iterations have the projections and the side of the cubes.
     #[must_use]
     pub fn active_cubes(&self) -> &[Vec<i32>] {

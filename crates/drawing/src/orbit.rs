@@ -103,7 +103,7 @@ pub struct OrbitSet<'a> {
 }
 
 impl OrbitSet<'_> {
-    /// Refuses what cannot be drawn.
+    /// Refuses sets and sizes that cannot be drawn.
     fn check(&self) -> Result<(), OrbitError> {
         let [x, y, z] = self.size;
         let radius = self.radius;

@@ -426,7 +426,7 @@ impl Certificate {
                 "it has the part `prefix`, which is judged only where the radius varies, where there is a shape or a third side"
                     .to_owned()
             }
-            // Only the judge of thinned sets reads a column of the file: a radius of each point says nothing of places.
+            // Only the judge of thinned sets reads a column of the file: a radius of each point does not give places a radius.
             _ if matches!(self.radius, CertifiedRadius::Column(_)) && self.thinned.is_none() => {
                 "its radii are those of a column, which are judged only in a thinned set".to_owned()
             }

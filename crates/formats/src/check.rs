@@ -1,6 +1,6 @@
 //! Re-verification: compares a file with the statements of its certificate.
 //!
-//! Verifies the positions afresh and lists every difference by name. Of the certificate only what is claimed is used for
+//! Verifies the positions afresh and lists every difference by name. Of the certificate only the claims are used for
 //! that: the region, its origin and the radius, if the caller gives none, nested levels, and whether the set is a prefix.
 
 use std::fmt;

@@ -77,7 +77,7 @@ pub enum GpuError {
         height: u32,
         /// How much does not fit, in `unit`s: bytes of the longest buffer or of all, or pieces of blocks.
         needed: u64,
-        /// What is counted.
+        /// The name of the counted things.
         unit: &'static str,
         /// Which limit it is.
         limit: &'static str,

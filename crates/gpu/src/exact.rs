@@ -155,7 +155,7 @@ impl ExactWork {
         // The result's buffers are made last, when it is known how long they are.
         device.hold(plan.lengths()).await?;
 
-        // All else is written by passes: the laying down clears what is counted or linked.
+        // All else is written by passes: the laying down clears counters and links.
         device.write(Name::Ground, bytemuck::bytes_of(&plan.ground))?;
         device.write(Name::LaidPieces, bytemuck::cast_slice(&plan.pieces))?;
         device.write(Name::Pattern, bytemuck::cast_slice(&plan.pattern))?;
@@ -350,7 +350,7 @@ impl ExactWork {
                 if self.counter(counter::CHANGED) > 0 {
                     ExactStep::Rounds(index)
                 } else {
-                    // Only what was asked about may have turned out to be no sample.
+                    // Only a dart that was asked about may have turned out to be no sample.
                     self.is_mixed = self.counter(counter::QUESTIONS) > 0;
                     // Without another throw the samples are counted.
                     match index + 1 {
@@ -382,7 +382,7 @@ impl ExactWork {
         let cells = lists.map(|list| self.counter(list)).into_iter().max();
         let room = self.plan.room();
 
-        // What was left out of a list that is too short may have brought up more. One that suffices keeps its room.
+        // Entries left out of a list that is too short may have brought up more. One that suffices keeps its room.
         let grown = |needed: u32, room: u32| {
             if needed > room {
                 needed.saturating_mul(2)

@@ -280,7 +280,7 @@ impl Gpu {
         Ok(())
     }
 
-    /// Copies `bytes` bytes, or as many as a buffer of the device can have, `times` times on the device and waits for
+    /// Copies `bytes` bytes, or the most that a buffer of the device can have, `times` times on the device and waits for
     /// the end. A caller that times this gets the device's memory bandwidth: every copy reads and writes all bytes.
     pub async fn copy(&self, bytes: u64, times: u32) -> Result<(), GpuError> {
         let usage = wgpu::BufferUsages::COPY_SRC | wgpu::BufferUsages::COPY_DST;

@@ -219,7 +219,7 @@ impl Results {
     }
 
     /// Takes the entries and votes of results that were kept elsewhere, such as by another window, each once; entries are in the
-    /// order of their times. What was cleared in either place is gone. The learner's name stays, unless there is none.
+    /// order of their times. Results that were cleared in either place are gone. The learner's name stays, unless there is none.
     pub fn merge(&mut self, other: &Self) {
         // Both lists are of one learner. Entries are compared without the name, which one of the lists may lack.
         let own = self.entries.iter();

@@ -213,7 +213,7 @@ impl LiveMoment {
         set
     }
 
-    /// Returns what is followed of a set in space, in a box of a volume in cubed radii.
+    /// Returns the followed numbers of a set in space, in a box of a volume in cubed radii.
     fn measured_in_space(&self, volume: f64) -> SolidMoment {
         let pairs = self.balls().map(|balls| SolidMomentPairs {
             conflicts: balls.conflicts(),

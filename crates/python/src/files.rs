@@ -124,7 +124,7 @@ fn of_found<'py>(
         .or(given.radius)
         .or(stated.map(|stated| stated.radius.least()));
 
-    // A certificate of another domain or radius than the given ones says nothing of this set.
+    // A certificate of another domain or radius than the given ones is not about this set.
     let holding =
         stated.filter(|stated| stated.region == region && Some(stated.radius.least()) == radius);
     let facts = json!({

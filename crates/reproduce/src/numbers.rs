@@ -56,7 +56,7 @@ pub fn number(value: f64, digits: usize) -> String {
 
     // No number is written without a digit.
     let digits = digits.max(1) as i32;
-    // Rounding may lift a number to the next power of ten, as 9.996 to three digits. What was written can be read
+    // Rounding may lift a number to the next power of ten, as 9.996 to three digits. The written number can be read
     // again.
     let rounded: f64 = format!("{value:.*e}", (digits - 1) as usize)
         .parse()

@@ -39,7 +39,7 @@ pub fn sample(
     let became = MadeStipple {
         black,
         // If only the first dots of a larger set were kept, `facts.made` is how many dots that set had. Otherwise all
-        // dots were kept, as many as were asked for.
+        // dots were kept, in the number that was asked for.
         made: set_made.facts.made.unwrap_or(request.dots),
     };
     let domain = *field.domain();

@@ -1,4 +1,4 @@
-//! Windows of space without end, with what is around them, to be judged.
+//! Windows of space without end, with the samples around them, to be judged.
 
 use tilescope_analysis::{
     Boundary, Control, SolidError, SolidRegion, SolidReport, VerifyOptions, verify_solid_cut,
@@ -22,7 +22,7 @@ pub struct SolidSurroundings {
 }
 
 impl SolidSurroundings {
-    /// Returns about how many samples a window has together with what is around it, which is most of them for a thin window.
+    /// Returns about how many samples a window has together with the margin around it, which has most of them for a thin window.
     #[must_use]
     pub fn expected_samples(window: &SolidWindow) -> f64 {
         SOLID_DENSITY * window.widened(MARGIN).volume_radii()

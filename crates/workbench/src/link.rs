@@ -67,6 +67,6 @@ pub const MAX_TEXT: usize = 200;
 /// The longest layout of a combination in a link, as characters of the link.
 pub const MAX_COMBINATION: usize = 4_000;
 
-/// The most characters of a link that the radius as a function and the polygon take together, with their escapes. What is
-/// left of [`MAX_CHARACTERS`] is for the parameters and the view.
+/// The most characters of a link that the radius as a function and the polygon take together, with their escapes. The rest
+/// of [`MAX_CHARACTERS`] is for the parameters and the view.
 pub const MAX_GROUND: usize = 6_000;

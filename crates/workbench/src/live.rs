@@ -228,7 +228,7 @@ pub const GLOBAL: &str = "Global: spectrum and g(r) are of all samples together,
 pub const NO_MEANING: &str =
     "It is not measured in a field or a shape: it is defined for one radius in a rectangle.";
 
-/// What of a set in space moves with the run, and what does not.
+/// Says which numbers of a set in space move with the run, and which do not.
 pub const IN_SPACE: &str = "These numbers are of the whole box, by distances in space, and move with the run. Spectrum and g(r) are measured at rest, and open places are judged at the end, by cubes and by circles.";
 
 /// Returns why a run has no measures that move with it.

@@ -389,7 +389,7 @@ fn lesson(fields: &Map<String, Value>) -> Result<LessonRequest, RequestError> {
         ("act", "keep") => LessonCommand::KeepResults,
         // The number draws the run on which the question is asked again; it is 0 if a page names none.
         ("act", "again") => LessonCommand::Practise(seed("practice")?.unwrap_or(0)),
-        // Only "act" is left, with a word that is none of those above.
+        // Only "act" is left, with another word than those above.
         _ => return refuse_as_none_of(&ACTS),
     }))
 }

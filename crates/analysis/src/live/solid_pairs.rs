@@ -13,7 +13,7 @@ use crate::region::Boundary;
 pub type LiveSolidSample = (u32, [i32; 3]);
 
 /// The edge of a cell in radii. Conflicts need one radius. A tenth more is certain to hold the nearest pair of most sets of some
-/// dozens of samples, and larger cells hold more samples to look at: as many as their cubes.
+/// dozens of samples, and larger cells hold more samples to look at, in proportion to their volume.
 const EDGE: f64 = 1.1;
 
 /// The edge of the cells in which sparse sets are searched, over the cube root of the volume for each sample. In a

@@ -106,7 +106,7 @@ pub struct MeasuredSet {
     pub order: Option<Arc<Order>>,
     /// The L2 discrepancies, once they are measured.
     pub discrepancy: Option<Discrepancy>,
-    /// What is followed of a set in space, whose projection the other measures are of; `None` of planar sets.
+    /// The followed measures of a set in space; `None` of planar sets. The other measures are of its projection.
     pub space: Option<SolidMoment>,
     /// The parts that were measured, also those that are not defined for this set.
     known: Vec<Part>,

@@ -1,9 +1,9 @@
 //! Judges sets in space that were chosen from others, as [`verify_thinned`](crate::verify_thinned) does planar ones: that no two
 //! kept points are near each other, and that each point given is near a kept one that came earlier.
 //!
-//! All points are sorted by the cubes that they lie in. What is near a point of a cube lies in its cube or in one of the 26
+//! All points are sorted by the cubes that they lie in. The points near a point of a cube lie in its cube or in one of the 26
 //! around it, which are nine rows of three. When the cubes are visited in their order, each of these rows moves on only, so
-//! that nine pointers into the sorted kept points find what is near, without a search.
+//! that nine pointers into the sorted kept points find the near points, without a search.
 
 use rayon::prelude::*;
 
@@ -183,7 +183,7 @@ const fn first_of_row(cube: u128, [plane, row]: [i128; 2]) -> u128 {
     cube.wrapping_add_signed((plane << 64) + (row << 32) - 1)
 }
 
-/// The search for what is near.
+/// The search for near points.
 struct ThinnedSearch<'a> {
     set: &'a ThinnedSolid<'a>,
     /// The kept points, sorted.

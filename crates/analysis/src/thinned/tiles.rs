@@ -44,7 +44,7 @@ impl PointTiles {
     /// Returns the number of a place's tile along an axis. It never falls where a coordinate grows, as no rounding below changes
     /// an order: a span of coordinates lies in a span of tiles.
     fn along(&self, axis: usize, at: f64) -> usize {
-        // Where the rectangle has no extent there is one tile; what is no number becomes 0.
+        // Where the rectangle has no extent there is one tile: NaN becomes 0.
         let number = (at - self.low[axis]) * self.inverse[axis];
         (number as usize).min(self.counts[axis] - 1)
     }

@@ -267,7 +267,7 @@ impl CompactWindow<'_> {
         );
     }
 
-    /// Shows what lies below the canvas, or below the bar beside it in a landscape window: the time controls, the tabs
+    /// Shows the parts below the canvas, or below the bar beside it in a landscape window: the time controls, the tabs
     /// and the open panel; during the tour its card instead.
     fn below(&mut self, ui: &mut Ui, rects: &PartRects) {
         let fill = Palette::of(self.state.appearance().look).panel;

@@ -320,7 +320,7 @@ impl LessonPanel<'_> {
             read_out(ui, &label);
             label.known_as("lesson-hint-text");
         }
-        // The frame after the answer compares with what is stored here: that the question was open.
+        // The frame after the answer compares with the value stored here: that the question was open.
         self.remember(ui);
     }
 

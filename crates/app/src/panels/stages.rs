@@ -300,7 +300,7 @@ fn row_texts(
             FontId::monospace(12.5),
         ]
     } else {
-        // The heads are words, and smaller than what stands below them.
+        // The heads are words, and smaller than the rows below them.
         [11.5; 3].map(FontId::proportional)
     };
     let colors = [color, palette.muted, color];

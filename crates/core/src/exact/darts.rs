@@ -136,7 +136,7 @@ pub struct PatternDarts {
 
 /// Returns the darts of at most eight cells of a level, each as the index of its cell and its number in the cell, and
 /// how many darts there are: entries beyond that number are no darts. `words` has a word for each cell, which decides
-/// how many darts it has, at most as many as [`POISSON`] has entries; on the last level each has one.
+/// how many darts it has, at most the number of entries of [`POISSON`]; on the last level each has one.
 #[inline(always)]
 fn numbered(words: &[u32], level: u32) -> ([(u8, u8); LANES * POISSON.len()], usize) {
     // Bytes, since the whole array is cleared for each eight cells.

@@ -473,7 +473,7 @@ impl<'a> ExactTiling<'a> {
                 // A cell is closed if a sample of the pattern that also lies in this tile covers all of it: no dart of
                 // the cell can become a sample. Three of four cells are. A recording cuts all, and so shows why they
                 // are closed. `inside` has the places of the pattern up to r around the piece that lie in the tile:
-                // samples beyond cover nothing of the piece, or are of another block.
+                // samples beyond cover no place of the piece, or are of another block.
                 let inside = self.cells.pieces()[piece as usize].sources_around(&rect, R);
                 let is_closed = |column: i32, row: i32| {
                     !T::ENABLED && history.is_covered(column, row, &inside, &held.missing)

@@ -7,7 +7,7 @@ use crate::engine::parallel::frame::Frame;
 use crate::lattice::{Domain, Point, R, Rect};
 
 /// Late darts, which are those of [`LATE_LEVEL`](crate::exact::history::LATE_LEVEL) and after, are thrown only at
-/// places this far from what is unknown. Nearer, where most samples are doubtful, all late darts count as unknown,
+/// places this far from the unknown part. Nearer, where most samples are doubtful, all late darts count as unknown,
 /// which spares following them. Of early samples farther than this fewer than one in a hundred was doubtful.
 const LATE_MARGIN: i32 = 3 * R;
 
@@ -39,7 +39,7 @@ impl Ground {
         let frame = Frame {
             // `Frame::new` gives a periodic domain a frame that ends with its last cells, which may reach beyond the
             // domain, and behind which the plane goes on. Here the frame ends where the domain does, and `joined` says
-            // what lies behind its ends.
+            // the plane behind its ends.
             end: [rect.max.x, rect.max.y],
             goes_on: [[false; 2]; 2],
             ..Frame::new(domain, &rect, no_halo)

@@ -1,5 +1,5 @@
 //! Exact tiling of any window of a plane, from the blocks around it alone, and of a whole run by windows on all threads. Samples
-//! that depend on what lies beyond the blocks looked at are in *doubt*.
+//! that depend on blocks beyond those looked at are in *doubt*.
 
 use std::sync::Arc;
 

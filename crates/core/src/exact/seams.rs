@@ -3,7 +3,7 @@
 //! of each block as KDRT's parallel engine does.
 //!
 //! Samples deeper than [`lay::DEEP`] in their block are not even looked at until a cell that their disks touch is asked
-//! about. Near the end of what is known, those at most R inside the part where late darts are known, or outside of it,
+//! about. Near the end of the known part, those at most R inside the part where late darts are known, or outside of it,
 //! are listed, too. What covers a place is read from lists that hold eight samples in a vector ([`disks`]); so is which
 //! quarters of a cell one sample covers ([`open`]).
 //!

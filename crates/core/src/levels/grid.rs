@@ -1,7 +1,7 @@
 //! The grid of a level: as [`crate::stages::disks::DiskGrid`], with cells from which the samples around a place are gathered by
 //! vector instructions, four numbers at a time.
 
-// What is inlined is compiled for the instructions of the function that asks for it.
+// An inlined function is compiled for the instructions of the function that asks for it.
 #![allow(clippy::inline_always)]
 
 use std::ops::Range;

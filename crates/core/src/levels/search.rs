@@ -16,11 +16,11 @@
 //! than the root of 1.42 R + 1: by as much the search goes beyond the cells in which uncovered places may lie
 //! ([`centre_margin`]).
 //!
-//! So by induction over the iterations all such centres are found, and what is uncovered after an iteration lies within the
+//! So by induction over the iterations all such centres are found, and a place left uncovered by an iteration lies within the
 //! reach of one of them. Where a single sample covers all of that disk nothing is left. Only the cells that the other disks
 //! touch are searched again, one in six.
 
-// What is inlined is compiled for the instructions of the function that asks for it.
+// An inlined function is compiled for the instructions of the function that asks for it.
 #![allow(clippy::inline_always)]
 
 use fearless_simd::prelude::*;

@@ -9,7 +9,7 @@
 //! Which cubes are active is only a matter of speed: a dart that is covered changes nothing, wherever it is thrown. Here cubes
 //! are compared with samples by numbers that are rounded, so that very few more are active than there.
 
-// What is inlined is compiled for the instructions of the function that asks for it.
+// An inlined function is compiled for the instructions of the function that asks for it.
 #![allow(clippy::inline_always)]
 
 mod contest;

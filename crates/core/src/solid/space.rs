@@ -1,7 +1,7 @@
 //! Space without end, in which the process of [`solid_sample`](crate::solid_sample) runs: [`SolidSpace`].
 //!
 //! A window is made in a frame, which is the window with a halo of cells around it. Beyond the frame nothing is known, so that
-//! some darts of the halo are in doubt: they would be kept or not, as what is outside would have it ([`doubt`]). All others are
+//! some darts of the halo are in doubt: whether they are kept depends on samples outside ([`doubt`]). All others are
 //! decided as in the whole space. If a place of the window itself is in doubt, the window is made again with a wider halo.
 
 mod doubt;

@@ -435,7 +435,7 @@ pub(crate) fn cell_dart(cell_key: Key, cell: Cell, draws: DartDraws, index: u32)
     let Cell { min, side } = cell;
     let (rank, right, up) = match draws {
         DartDraws::One => {
-            // A coordinate has 16 random bits. A cell takes the highest of them, as many as the binary logarithm of its side.
+            // A coordinate has 16 random bits. A cell takes the highest: their number is the binary logarithm of its side.
             let shift = 16 - side.ilog2().min(16);
             let [halves, rank] = cell_key.draw(Stream::Dart, index);
             let (right, up) = (halves >> 16, halves & 0xffff);

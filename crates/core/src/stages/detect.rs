@@ -205,8 +205,8 @@ impl<'a> Detection<'a> {
         }
 
         // A sample that is nearer to a candidate than the detector is at most twice the reach away. Farther ones
-        // neither rule the candidate out nor cover it. The samples within 2r come again, and cut off what is off
-        // already.
+        // neither rule the candidate out nor cover it. The samples within 2r come again, and cut off places that are
+        // off already.
         self.clip_cell(id, at, 2 * self.reach.radius);
         if self.cell.is_covered() {
             recorder.record(RunEvent::NoGap { sample: id });

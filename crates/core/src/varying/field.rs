@@ -386,7 +386,7 @@ impl RadiusField {
     }
 
     /// Returns the first and the last cell of a span along an axis, which may leave the domain. If the domain is
-    /// periodic, what lies beyond its end is returned as a second span at the other side. Without such a rest, the
+    /// periodic, the part beyond its end is returned as a second span at the other side. Without such a rest, the
     /// second one is `None`.
     fn cell_spans(&self, [first, last]: [i64; 2], axis: usize) -> [Option<[usize; 2]>; 2] {
         let count = self.cells[axis] as i64;

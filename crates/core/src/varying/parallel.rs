@@ -9,7 +9,7 @@
 //! Which cells are active is only a matter of speed: a dart near an earlier sample changes nothing, wherever it is thrown. Here
 //! comparisons are a little less sharp than there, so that a few more cells are active.
 
-// What is inlined is compiled for the instructions of the function that asks for it.
+// An inlined function is compiled for the instructions of the function that asks for it.
 #![allow(clippy::inline_always)]
 
 mod draws;

@@ -81,7 +81,7 @@ impl Band {
                     let opening = projection.opening(signs, across, height);
                     // If the near side of the sphere lies in the octant, it is cut away. Otherwise it is seen.
                     if opening.far < near && near < opening.near {
-                        // If the far side lies in the octant as well, the ray meets nothing of the ball.
+                        // If the far side lies in the octant as well, the ray does not meet the ball.
                         if ball.near - bulge >= opening.far {
                             continue;
                         }

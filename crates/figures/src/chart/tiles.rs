@@ -81,7 +81,7 @@ impl TileChart {
             TileContent::Pixels(bitmap) => {
                 let size = DVec2::from(bitmap.size().map(|cells| cells as f64));
                 // Each pixel of the bitmap is a whole number of pixels wide, so that none is wider than its neighbour.
-                // If the bitmap has more pixels than the tile, each is one pixel wide, and what lies beyond the tile is
+                // If the bitmap has more pixels than the tile, each is one pixel wide, and the part beyond the tile is
                 // cut off.
                 let pixel = (side / size.x).floor().max(1.0);
                 let end = frame.min + size * pixel;

@@ -42,7 +42,7 @@ pub(crate) fn check_format(format: Format) -> Result<(), FormatError> {
 }
 
 /// The points in space that `bytes` hold, in file coordinates, as [`decode`](crate::decode) returns those in the plane.
-/// Columns of the hint do not choose what is read: with them the file is read as a text table, or refused if its format
+/// Columns of the hint do not choose columns to read: with them the file is read as a text table, or refused if its format
 /// has no columns. An origin and a certificate of the hint are not used.
 ///
 /// # Errors

@@ -207,7 +207,7 @@ impl StreamExport {
     }
 
     /// The interrupted export of `path`, ready for the points after its last checkpoint, and that checkpoint's token.
-    /// `context` must be the one of the interrupted export. What was written after the checkpoint is cut off.
+    /// `context` must be the one of the interrupted export. Rows written after the checkpoint are cut off.
     ///
     /// # Errors
     ///

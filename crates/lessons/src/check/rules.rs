@@ -15,7 +15,7 @@ use crate::prose;
 /// The most words of a step's text before its question, and of that after it: Desmos' guide for activities advises no more on
 /// a screen.
 const MAX_WORDS: usize = 60;
-/// The most words of a question: as many as of a step's text.
+/// The most words of a question: the same limit as for a step's text.
 const MAX_ASK_WORDS: usize = 60;
 /// The largest share of seeds in which one option is right: above it, a learner who always chooses the same is right most of
 /// the time.

@@ -31,7 +31,7 @@ pub struct BuiltPage {
     files: BTreeMap<String, Vec<u8>>,
     /// The names that were found so far.
     known: BTreeSet<String>,
-    /// Those of them that nobody has asked for yet.
+    /// Those of them that were not asked for yet.
     open: Vec<String>,
 }
 

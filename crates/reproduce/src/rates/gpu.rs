@@ -121,7 +121,7 @@ impl Bench {
         // No set is made from scratch: the baseline is the parallel engine, which has leaves as the GPU has.
         let once: &[&[Engine]] = &[];
         let both: &[&[Engine]] = &[&engines, &exact];
-        // What does not fit is not tried again.
+        // A tiling that does not fit is not tried again.
         let by_leaf = &both[..if why_too_large.is_none() { 2 } else { 1 }];
         let times = self.rounds(&open, once, by_leaf, &base, &pattern, watch)?;
         // Each of the two methods has a baseline of its own.

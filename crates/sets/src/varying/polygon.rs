@@ -114,7 +114,7 @@ impl PlanarPolygon {
             return Err(VaryingError::Degrees { name, corner });
         }
 
-        // The search for crossings takes longest, and comes after what is refused sooner.
+        // The search for crossings takes longest, and comes after the checks that are done sooner.
         if let Some([a, b]) = self.crossing() {
             let shown = |edge: RingEdge| {
                 let ([x0, y0], [x1, y1]) = (edge.from, edge.to);

@@ -252,7 +252,7 @@ impl State {
                 Effect::Clock(clock) => self.time.playback.choose(clock),
                 Effect::Playback(playback) => self.time.playback = *playback,
 
-                // Forms, runs, sessions and what was before them.
+                // Forms, runs, sessions, and steps back to earlier ones.
                 Effect::Form(form) => self.form.take(*form),
                 Effect::Image(image) => {
                     self.form.draft.set_image(*image);

@@ -238,7 +238,8 @@ impl<'a> LinkSource<'a> {
                 ..request
             }
         });
-        // Without its radii the request is that of the shape alone, or of nothing. What was painted may itself be an image.
+        // Without its radii the request is that of the shape alone, or of nothing. The radii that were painted
+        // over may themselves be an image.
         let is_asked = |ground: &GroundRequest| ground.radius.is_some() || ground.shape.is_some();
         let unpainted = unpainted.filter(|ground| !is_asked(ground) || link::carries(ground));
         let what = if unpainted.is_some() {

@@ -6,7 +6,7 @@ use serde::{Deserialize, Serialize};
 use super::{PLAIN as PLANAR, SetNumber};
 use crate::measures::measured::{MeasuredSet, Part};
 
-/// What is kept of a set in space while its samples come and go. Lengths are in radii.
+/// The numbers of a set in space, kept while its samples come and go. Lengths are in radii.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 pub struct SolidMoment {
     /// The volume of the box, in cubed radii.

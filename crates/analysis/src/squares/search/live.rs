@@ -1,4 +1,4 @@
-//! The judge by squares for samples that come and go one by one: its squares are kept with what was found in each, and a change
+//! The judge by squares for samples that come and go one by one: its squares are kept with the finding in each, and a change
 //! searches only those squares anew that the sample reaches. The counts are those of [`SquaresJudge::judge`], for at most
 //! [`MOST_SAMPLES`].
 
@@ -122,7 +122,7 @@ impl Plan {
         };
         for y in (0..=top).step_by(1 << bits) {
             for x in (0..=right).step_by(1 << bits) {
-                // Nothing is known of what is around a root: the shape is asked for its share.
+                // Nothing is known of the squares around a root: the shape is asked for its share.
                 let around = Share::Some;
                 let root = plan.add([x, y], bits, around)?;
                 plan.roots.extend(root);
@@ -488,7 +488,7 @@ impl LiveSquares {
         steps
     }
 
-    /// Searches or counts a square whose parts are counted. Parts have higher numbers than what they are parts of.
+    /// Searches or counts a square whose parts are counted. A part has a higher number than its square.
     fn search_one(&mut self, plan: &Plan, number: u32) -> u64 {
         self.sum(plan, number);
         1 + self.search(plan, number)

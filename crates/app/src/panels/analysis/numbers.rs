@@ -228,7 +228,7 @@ fn awaits_rest(number: &SetNumber, live: &MeasuredSet) -> bool {
 }
 
 /// Returns whether a number is one of this run. In a field or a shape these are counts, with conflicts and open places by the judge
-/// of such sets, and what is read from the spectrum of all samples.
+/// of such sets, and the numbers read from the spectrum of all samples.
 fn has_meaning(number: &SetNumber, run: &RunMeasures<'_>) -> bool {
     !run.is_local || number.decimals == 0 || number.needs == Some(Part::Spectrum)
 }

@@ -16,7 +16,7 @@ const REACH: f64 = 1.96;
 
 /// A column of the table and a curve in each chart: a set, or the average of several.
 pub struct SolidSubject {
-    /// The path of the file, or what is averaged.
+    /// The path of the file, or the name of the average.
     pub name: String,
     pub label: String,
     /// The domain, and where the radius is from.

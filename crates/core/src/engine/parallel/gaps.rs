@@ -4,7 +4,7 @@
 //! says which of a cell's 8 x 8 pixels a sample surely covers. In the others, candidates are made from the samples that
 //! are about as near to the pixel as the nearest one, since only those can make one.
 //!
-//! A region knows its part of the plane alone. A cell is *unsure* if its samples depend on what lies beyond, *reached*
+//! A region knows its part of the plane alone. A cell is *unsure* if its samples depend on the plane beyond, *reached*
 //! if candidates in it may depend on an unsure cell, and *hot* if an unknown sample may be inserted in it or beside it.
 
 mod candidate;

@@ -201,7 +201,7 @@ impl SeamTiling<'_> {
 }
 
 /// Returns a rectangle without a margin as wide as the error of [`SecondBlocker::offset`]: a second blocker whose
-/// stated place lies in what is left surely lies in the rectangle.
+/// stated place lies in the rest surely lies in the rectangle.
 fn surely_inside(rect: &Rect) -> Rect {
     let reach = SecondBlocker::REACH;
     Rect {

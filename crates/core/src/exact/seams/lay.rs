@@ -87,7 +87,7 @@ impl SeamTiling<'_> {
                 }
                 let id = self.list_near(place, tile, pattern);
                 // A sample deeper than r stays, since samples of other blocks cover only places within r of the border.
-                // But late darts that are not thrown, near what is unknown, may cover it, too.
+                // But late darts that are not thrown, near the unknown part, may cover it, too.
                 if whole.depth(place) <= R || self.is_late_near_unknown(place, pattern) {
                     self.agenda.add(self.dart(id), What::Sample(id));
                 }

@@ -8,7 +8,7 @@ use crate::random::{DRAW_LANES, Key, Stream, draw_by_eight};
 use crate::solid::Place;
 use crate::solid::darts::{PlaneKeys, SolidThrow};
 
-/// The keys of lanes in which nothing of use is drawn.
+/// The keys of lanes whose draws are not used.
 const NO_KEYS: [Key; DRAW_LANES] = [Key::from_seed(0); DRAW_LANES];
 
 /// A dart of a cube, before anything is asked of its place.

@@ -1,4 +1,4 @@
-//! What is in doubt in a frame: where darts may have been kept that the frame cannot decide.
+//! The doubtful parts of a frame: where darts may have been kept that the frame cannot decide.
 //!
 //! A dart is decided if a sample covers it, or if nothing in doubt is within the radius: neither a place outside of the frame, nor
 //! a dart that was in doubt itself, nor a cube that was given up. A cube of the process is given up when all of its places are
@@ -25,7 +25,7 @@ pub(super) struct Doubt {
 }
 
 impl Doubt {
-    /// Returns a frame of `cells` cells along each axis, in which nothing is in doubt but what is near its sides.
+    /// Returns a frame of `cells` cells along each axis, in which places near its sides alone are in doubt.
     pub fn new(cells: [i32; 3]) -> Self {
         let count = cells.iter().map(|&count| count as usize).product();
         Self {

@@ -1,5 +1,5 @@
 //! Sets of balls in a periodic cube, as `tilescope sample` makes them, and two kinds of sets that are not maximal;
-//! what is measured of each. Lengths are in radii.
+//! the measures of each. Lengths are in radii.
 
 use serde::{Deserialize, Serialize};
 use tilescope_analysis::measures::Summary;
@@ -29,7 +29,7 @@ pub enum BallKind {
     Maximal,
     /// By the same process, which is stopped early.
     Stopped,
-    /// Independent of each other and evenly distributed, as many as a maximal set has.
+    /// Independent of each other and evenly distributed, in the number of a maximal set's samples.
     Scattered,
 }
 
@@ -125,7 +125,7 @@ pub struct ShellPower {
     pub power: f64,
 }
 
-/// What was measured of a set. The set itself is not kept.
+/// The measures of a set. The set itself is not kept.
 #[derive(Clone, Debug, Serialize, Deserialize)]
 pub struct MeasuredBalls {
     pub side: f64,
@@ -152,7 +152,7 @@ impl MeasuredBalls {
 }
 
 impl Balls {
-    /// Returns what is measured of every set: all but the spectrum.
+    /// Returns the measures of every set: all but the spectrum.
     pub fn measured(&self, control: &Control<'_>) -> Result<MeasuredBalls> {
         let bins = (FARTHEST_PAIR * BINS_IN_R as f64).round() as usize;
         let correlation = SolidCorrelation::of(

@@ -18,7 +18,7 @@ use crate::texts::claim;
 const DENSITY: f64 = 0.0005;
 /// Disks to r² in a plane may differ by this much from those that the density gives.
 const DISKS: f64 = 0.01;
-/// g(r) of a bin may differ by this share from what is expected.
+/// g(r) of a bin may differ by this share from the expected value.
 const PAIRS: f64 = 0.02;
 /// g(r) of the bins from r on, as an earlier program for the same law had it.
 pub const EXPECTED_PAIRS: [f64; 8] = [3.86, 2.19, 1.69, 1.41, 1.24, 1.12, 1.03, 0.97];

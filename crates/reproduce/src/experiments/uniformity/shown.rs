@@ -229,7 +229,7 @@ fn distances(found: &UniformityResults) -> Table {
         |(one, border, class, deviation)| {
             let off = one.against(deviation);
             let [low, high] = off.interval.map(|end| 100.0 * end);
-            // The test expects as many samples as these sets have. The table compares with the reference sampler: what is
+            // The test expects the number of samples that these sets have. The table compares with the reference sampler: the number
             // expected of its sets is less where these sets are denser, and more where they are thinner.
             let expected = deviation.expected * one.density.recip();
             // Inserted samples are counted by distance from the borders of blocks alone.

@@ -63,7 +63,7 @@ pub(super) fn read(file: &ImageFile<'_>) -> Result<Pixels, VaryingError> {
 }
 
 /// Returns width and height as the header of a frame states them, before a decoder refuses some sizes with other words.
-/// Nothing if no such header is found: the decoder then says what is wrong.
+/// Nothing if no such header is found: the decoder then names the fault.
 fn stated_size(bytes: &[u8]) -> Option<[u32; 2]> {
     // Segments follow the two bytes that begin the image. Each begins with 255, a marker and its length.
     let mut rest = bytes.get(2..)?;

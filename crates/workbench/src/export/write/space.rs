@@ -96,7 +96,7 @@ pub(super) fn write(
     })
 }
 
-/// Appends the file of a set and its certificate to `files`. Returns what was written, with the verdict on it.
+/// Appends the file of a set and its certificate to `files`. Returns the contents that were written, with the verdict on them.
 pub(super) fn render(
     job: &ExportJob,
     solid: &MadeSolid,
