@@ -4,7 +4,6 @@
 use tilescope_core::stages::detect::Sites;
 use tilescope_core::{Insertion, Parameters, RunEvent, Stage, TilingMethod, Variant, Verdict};
 
-use crate::event::NONE;
 use crate::listing::{LineId, Listings};
 
 /// Finds the lines of a run's events.
@@ -143,11 +142,15 @@ const fn exact(run_event: &RunEvent) -> (&'static str, u8) {
     match *run_event {
         RunEvent::Clip { .. } => ("exact", 2),
         RunEvent::Tiled { .. } => ("exact", 3),
-        // `behind` is the sample that refused the dart first. A sample without an id was never laid down, and the
-        // dart is woken with the clip of its block.
-        RunEvent::Wake { behind: NONE, .. } => ("exact", 4),
+
+        // `behind` is the sample that refused the dart first. The largest number is no id: that sample was never laid
+        // down, and the dart is woken with the clip of its block.
+        RunEvent::Wake {
+            behind: u32::MAX, ..
+        } => ("exact", 4),
         // A sample with an id is lost, and its loss wakes the dart.
         RunEvent::Wake { .. } => ("exact", 9),
+
         RunEvent::Iteration { .. } => ("exact", 5),
         RunEvent::Dart { ranked: false, .. } => ("exact", 6),
         RunEvent::Keep { .. } => ("exact", 7),

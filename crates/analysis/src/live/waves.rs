@@ -141,6 +141,7 @@ impl WaveSums {
     pub fn replace(&mut self, row: usize, transform: &Transform) {
         // Changes that wait for any row are in the transform already.
         self.waiting = 0;
+
         let blocks = self.along_x.len();
         for (index, block) in self.sums[row * blocks..][..blocks].iter_mut().enumerate() {
             let first = index * LANES;
@@ -149,6 +150,7 @@ impl WaveSums {
                 // Half, as each sum and difference below is twice a product.
                 let at = |row: i64| transform.at([column, row]) * (0.5 * ONE);
                 let [up, down] = [at(row as i64), at(-(row as i64))];
+
                 // With the phases a along x and b along y, `up` is cos(a + b) - i sin(a + b), and `down` is
                 // cos(a - b) - i sin(a - b). The addition theorems give the products, in the order of `ProductSums`:
                 // cos(a + b) + cos(a - b) = 2 cos a cos b, for instance.

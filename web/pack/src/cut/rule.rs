@@ -72,6 +72,8 @@ const EARLY: &[&str] = &[
     "tilescope_session::geometry",
     "tilescope_session::jobs",
     "tilescope_sets::varying::source",
+    // The first frame lists the numbers that expressions may name, those of the plane and those of sets in space.
+    "tilescope_live::numbers::live_numbers",
     // A link that is opened closes the sheet of an export.
     "tilescope_workbench::export::form::ExportForm",
 ];

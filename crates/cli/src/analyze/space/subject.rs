@@ -90,6 +90,7 @@ impl SolidSubject {
             DifferenceCurve::of_means(&self.means[which], &reference.means[which], Spectrum::LEVEL)
         };
         let (mut power, pairs) = (of_curve(0)?, of_curve(1)?);
+
         // Two single sets have no spread between sets, but each has the scatter between its frequencies. The squared
         // error of their difference is the sum of their squared errors. `DifferenceCurve` can only subtract, but it
         // does so at the frequencies of `power`. The reference's squared errors are therefore negated first.
@@ -102,6 +103,7 @@ impl SolidSubject {
             let band = |point: &[f64; 2]| [-REACH, REACH].map(|by| by * point[1].sqrt());
             power.bands = Some(sums.points.iter().map(band).collect());
         }
+
         let points_and_unit = ["shells", "r"];
         Ok(Differences::between(
             &self.numbers,
