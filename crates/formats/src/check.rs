@@ -582,8 +582,8 @@ fn differences(
 
     // For the same reason levels are judged only where these are as stated (see `check_bytes`): otherwise there are
     // none.
-    if let Some(last) = levels.last() {
-        compare_levels(&mut list, stated, levels, last);
+    if judged.is_as(stated) {
+        compare_levels(&mut list, stated, levels);
     }
     list.0
 }
@@ -602,14 +602,24 @@ fn described(shape: Option<&CertifiedShape>) -> String {
     }
 }
 
-/// Compares the stated levels with those found, which end with `last`. Those found have the count, the distance and the
-/// covering that were claimed. Claims of less than nested levels promise would let any set pass.
-fn compare_levels(
-    list: &mut Differences,
-    stated: &Certificate,
-    found: &[CertifiedLevel],
-    last: &CertifiedLevel,
-) {
+/// Compares the stated levels with those found. Those found have the count, the distance and the covering that were
+/// claimed. Claims of less than nested levels promise would let any set pass.
+fn compare_levels(list: &mut Differences, stated: &Certificate, found: &[CertifiedLevel]) {
+    // A claim about more points than the file has was not judged. Then the levels cannot be compared one by one.
+    if stated.levels.len() != found.len() {
+        let of_file = format!("{} of them in the file", found.len());
+        list.unless(
+            false,
+            "levels",
+            format!("{} levels", stated.levels.len()),
+            of_file,
+        );
+        return;
+    }
+    let Some(last) = found.last() else {
+        return;
+    };
+
     let covers = |level: &CertifiedLevel| {
         // A claim without a covering promises no maximality: infinity is above every limit.
         let covering = level.covering.unwrap_or(f64::INFINITY);
@@ -624,14 +634,6 @@ fn compare_levels(
         "less than nested levels promise".to_owned(),
     );
 
-    // A claim about more points than the file has was not judged. If a certificate states such a level before others, the
-    // pairs below are of two levels, and nothing else may show it.
-    list.unless(
-        stated.levels.len() == found.len(),
-        "levels",
-        format!("{} levels", stated.levels.len()),
-        format!("{} of them in the file", found.len()),
-    );
     for (claimed, judged) in stated.levels.iter().zip(found) {
         list.measure(
             "levels.min_distance",
