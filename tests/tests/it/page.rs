@@ -26,7 +26,7 @@ const LIMITS: [(&str, usize); 26] = [
     ("crates/drawing", 87),
     ("crates/figures", 82),
     ("crates/formats", 80),
-    ("crates/gpu", 91),
+    ("crates/gpu", 90),
     ("crates/lessons", 78),
     ("crates/live", 98),
     ("crates/passes", 76),
