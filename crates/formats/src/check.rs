@@ -575,14 +575,10 @@ fn differences(
     list.exact("scale", &stated.scale, &judged.mapping.scale());
     parameters(&mut list, stated);
 
-    // With another region, origin, radius, shape or tolerance the measures may differ without being wrong.
+    // With another region, origin, radius, shape or tolerance the measures may differ without being wrong. For the same
+    // reason `check_bytes` judges no levels then.
     if judged.is_as(stated) {
         measures(&mut list, stated, report);
-    }
-
-    // For the same reason levels are judged only where these are as stated (see `check_bytes`): otherwise there are
-    // none.
-    if judged.is_as(stated) {
         compare_levels(&mut list, stated, levels);
     }
     list.0
