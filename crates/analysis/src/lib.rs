@@ -76,8 +76,8 @@ pub use ranks::{RankReport, RankedSet, verify_ranks};
 pub use region::{Boundary, Region};
 pub use report::Report;
 pub use solid::{
-    SolidCorrelation, SolidError, SolidGap, SolidRegion, SolidReport, SolidShell, SolidSpectrum,
-    SolidVerdict, ThinnedSolid, measure_solid, verify_solid, verify_solid_cut,
+    PlanePower, SolidCorrelation, SolidError, SolidGap, SolidRegion, SolidReport, SolidShell,
+    SolidSpectrum, SolidVerdict, ThinnedSolid, measure_solid, verify_solid, verify_solid_cut,
     verify_thinned_solid,
 };
 pub use squares::{

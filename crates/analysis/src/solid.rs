@@ -15,7 +15,8 @@
 //!
 //! # Measures
 //!
-//! [`SolidSpectrum`] has the power by shells of frequency, [`SolidCorrelation`] the pairs by distance. They judge nothing.
+//! [`SolidSpectrum`] has the power by shells of frequency, [`PlanePower`] that of whole planes of frequencies as pictures,
+//! [`SolidCorrelation`] the pairs by distance. They judge nothing.
 //! [`thinned`] judges sets that were chosen from others.
 
 mod circles;
@@ -26,6 +27,7 @@ mod error;
 mod farthest;
 mod measured;
 mod pairs;
+mod plane_power;
 mod region;
 mod spectrum;
 mod thinned;
@@ -45,6 +47,7 @@ pub use correlation::SolidCorrelation;
 pub use cut::verify_solid_cut;
 pub use error::SolidError;
 pub use measured::{SolidVerdict, measure_solid};
+pub use plane_power::PlanePower;
 pub use region::SolidRegion;
 pub use spectrum::{SolidShell, SolidSpectrum};
 pub use thinned::{ThinnedSolid, verify_thinned_solid};

@@ -72,7 +72,8 @@ lattice has 0.92 instead of 1.
 
 Sets in space, those with a certificate of one or with --depth, have the power by shells of frequency, with
 nu = |k| / cbrt(N / volume), and g(r) over the distance in radii. Powers of two single sets are compared
-by the scatter between their frequencies, and averages by the spread between sets.
+by the scatter between their frequencies, and averages by the spread between sets. Reports that are pages or
+pictures also show the power at all frequencies without a cycle along x, along y, or along z.
 
 With --average all sets must have the domain of the first and its number of samples to within 10 %;
 frequencies are the first one's, and nu is taken with the mean number of samples; in space it is the mean of the
@@ -168,15 +169,30 @@ fn in_space(arguments: &AnalyzeArguments) -> Result<u8> {
 fn save_in_space(analysis: &InSpace, path: &Path) -> Result<()> {
     let bytes = match extension(path).as_str() {
         "csv" => analysis.csv().into_bytes(),
-        "png" | "svg" => picture(&analysis.figure(), path)?,
-        // `run` lets only the extensions of pages through here.
-        _ => {
-            let scene = figure_scene(&analysis.figure(), &Palette::LIGHT)?;
-            let svg = tilescope_figures::to_svg(&scene)?;
-            analysis.html(&[svg]).into_bytes()
+        "png" | "svg" => {
+            let (figure, left_out) = analysis.figure();
+            if left_out > 0 {
+                output::note(&format!(
+                    "note: the planes of {left_out} sets are left out of the picture; a report that ends in .html has all"
+                ));
+            }
+            picture(&figure, path)?
         }
+        // `run` lets only the extensions of pages through here.
+        _ => analysis
+            .html(&page_figures(&analysis.figures())?)
+            .into_bytes(),
     };
     Ok(write_whole(path, &bytes)?)
+}
+
+/// Returns figures as SVG without fonts, for a page that has them.
+fn page_figures(figures: &[Figure]) -> Result<Vec<String>> {
+    let svg = |figure| {
+        let scene = figure_scene(figure, &Palette::LIGHT)?;
+        anyhow::Ok(tilescope_figures::to_svg(&scene)?)
+    };
+    figures.iter().map(svg).collect()
 }
 
 /// Returns a figure in the format of the path's extension, .png or .svg.
@@ -195,10 +211,7 @@ const SCALE: f64 = 2.0;
 
 /// Writes the report in the format of the path's extension.
 fn save(analysis: &mut Analysis, path: &Path) -> Result<()> {
-    let extension = extension(path);
-    let scene = |figure: &Figure| figure_scene(figure, &Palette::LIGHT);
-
-    let bytes = match extension.as_str() {
+    let bytes = match extension(path).as_str() {
         "csv" => report::csv(analysis).into_bytes(),
         "png" | "svg" => {
             let (figure, left_out) = curves::figure(analysis);
@@ -212,9 +225,8 @@ fn save(analysis: &mut Analysis, path: &Path) -> Result<()> {
         }
         // `run` lets only the extensions of pages through here.
         _ => {
-            let svg = |figure| anyhow::Ok(tilescope_figures::to_svg(&scene(figure)?)?);
-            let figures: Result<Vec<String>> = curves::figures(analysis).iter().map(svg).collect();
-            page::html(analysis, &figures?).into_bytes()
+            let figures = page_figures(&curves::figures(analysis))?;
+            page::html(analysis, &figures).into_bytes()
         }
     };
 

@@ -1,7 +1,8 @@
 //! Spectra as charts, for reports and for pictures of moments: a periodogram as a grid of grey cells, and curves over the
 //! frequency. `tilescope_figures` draws them.
 
-use tilescope_analysis::measures::Spectrum;
+use tilescope_analysis::PlanePower;
+use tilescope_analysis::measures::{CoarsePower, Spectrum};
 use tilescope_figures::chart::{Axis, ImageChart, Level, LineChart, Series};
 
 /// Power drawn black in a periodogram; zero is white.
@@ -10,12 +11,31 @@ pub const BLACK: f64 = 3.0;
 /// Returns the periodogram of a spectrum, as it is printed: dark ink where much power is.
 #[must_use]
 pub fn periodogram(spectrum: &Spectrum, title: String) -> ImageChart {
-    let picture = &spectrum.picture;
-    let [x, y] = spectrum.picture_reach;
+    power_picture(&spectrum.picture, spectrum.picture_reach, ["x", "y"], title)
+}
+
+/// Returns the power in a plane of frequencies of a set in space, as it is printed: dark ink where much power is.
+#[must_use]
+pub fn plane(power: &PlanePower, title: String) -> ImageChart {
+    let along = match power.axis {
+        0 => ["y", "z"],
+        1 => ["x", "z"],
+        _ => ["x", "y"],
+    };
+    power_picture(&power.picture, power.reach, along, title)
+}
+
+/// Returns a picture of powers that reaches as far as given to both sides of zero, with frequencies along two named axes.
+fn power_picture(
+    picture: &CoarsePower,
+    [x, y]: [f64; 2],
+    [along_x, along_y]: [&str; 2],
+    title: String,
+) -> ImageChart {
     // Where cells hold more than one frequency, the vertical axis says so: the horizontal one names the shades.
     let each = match [picture.side, picture.row_side] {
         [1, 1] => String::new(),
-        [along_x, along_y] => format!(" (means of {along_x} \u{d7} {along_y})"),
+        [columns, rows] => format!(" (means of {columns} \u{d7} {rows})"),
     };
 
     // Rows and columns are odd in number, so that the zero frequency is in the middle. If it is alone in its cell, the
@@ -25,9 +45,11 @@ pub fn periodogram(spectrum: &Spectrum, title: String) -> ImageChart {
 
     ImageChart {
         title,
-        x: Axis::new(format!("\u{3bd} along x; white 0, black {BLACK} and above"))
-            .with_range(-x, x),
-        y: Axis::new(format!("\u{3bd} along y{each}")).with_range(-y, y),
+        x: Axis::new(format!(
+            "\u{3bd} along {along_x}; white 0, black {BLACK} and above"
+        ))
+        .with_range(-x, x),
+        y: Axis::new(format!("\u{3bd} along {along_y}{each}")).with_range(-y, y),
         columns: picture.size,
         values: picture.power.clone(),
         clamp: [0.0, BLACK],

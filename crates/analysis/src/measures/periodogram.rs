@@ -91,7 +91,12 @@ impl Weighed {
             let weight = taper.weight(at);
             Sample { at, weight }
         };
-        let samples: Vec<Sample> = points.par_iter().map(sample).collect();
+        Self::of_samples(points.par_iter().map(sample).collect(), taper)
+    }
+
+    /// Returns samples that have their weights already: those of a taper, times factors that have no part in the place on the
+    /// square.
+    fn of_samples(samples: Vec<Sample>, taper: Taper) -> Self {
         let squares: f64 = samples.iter().map(|sample| sample.weight.powi(2)).sum();
 
         Self {
@@ -159,10 +164,33 @@ impl Periodogram {
         // A single sample has a periodogram, too.
         let fewest = 1;
         check_set(points, region, fewest)?;
-        let plan = TransformPlan::new(window)?;
-        let monitor = Monitor::begin(control, plan.work(points.len()))?;
-
         let set = Weighed::new(points, region, taper);
+        Self::of_weighed(&set, region, window, control)
+    }
+
+    /// Returns the power of samples in space at the frequencies without a cycle along an axis, from their projections along it,
+    /// whose `region` has the border of the box. The weights must be the products of the taper that suits the border over all
+    /// three axes.
+    pub(crate) fn of_projections(
+        samples: Vec<Sample>,
+        region: Region,
+        window: &FrequencyWindow,
+        control: Control<'_>,
+    ) -> Result<Self, MeasureError> {
+        // The taper's factor along the axis does not depend on the place in the square. In the mean over uniform samples it
+        // multiplies the sums at all frequencies by one number, so that the mean density has its share of the total weight.
+        let set = Weighed::of_samples(samples, Taper::for_boundary(region.boundary));
+        Self::of_weighed(&set, region, window, control)
+    }
+
+    fn of_weighed(
+        set: &Weighed,
+        region: Region,
+        window: &FrequencyWindow,
+        control: Control<'_>,
+    ) -> Result<Self, MeasureError> {
+        let plan = TransformPlan::new(window)?;
+        let monitor = Monitor::begin(control, plan.work(set.samples.len()))?;
         // The sum is without the mean density, which reaches beyond the zero frequency in a tapered set.
         let power_at = |k, transform| set.sum(k, transform).norm_sqr() * set.scale;
         let power = plan.run_to_numbers(&set.samples, window, power_at, &monitor)?;
@@ -170,7 +198,7 @@ impl Periodogram {
         Ok(Self {
             window: window.clone(),
             region,
-            samples: points.len() as f64,
+            samples: set.samples.len() as f64,
             sets: 1,
             power,
         })

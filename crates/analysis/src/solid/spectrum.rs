@@ -105,19 +105,7 @@ impl SolidSpectrum {
         most: f64,
         control: Control<'_>,
     ) -> Result<Self, SolidError> {
-        check_points(points, region)?;
-        let unit = (points.len() as f64 / region.volume()).cbrt();
-        // The first shell has frequencies of about one cycle along the shortest side. Along the longest side they have
-        // up to `ratio` cycles, for which the tables of waves must have rows.
-        let ratio = region.longest() / region.shortest();
-        check_range("the ratio of two sides", ratio, [1.0, MOST_CYCLES])?;
-        let limits = [1.0 / region.shortest(), MOST_CYCLES / region.longest()];
-        check_range(
-            "the largest frequency",
-            most,
-            limits.map(|limit| limit / unit),
-        )?;
-
+        let unit = checked_unit(points, region, most)?;
         let last = (most * unit * region.shortest()).floor() as usize;
         let affordable = (WORK / (points.len() as f64 * last as f64)) as usize;
         let draws = affordable.clamp(FEWEST_DRAWN, MOST_DRAWN);
@@ -141,6 +129,27 @@ impl SolidSpectrum {
             shells: chosen.iter().filter_map(of_shell).collect(),
         })
     }
+}
+
+/// Returns the unit of frequencies of a set, as [`SolidSpectrum::unit`], if frequencies up to `most` of it can be measured.
+pub(super) fn checked_unit(
+    points: &[[f64; 3]],
+    region: SolidRegion,
+    most: f64,
+) -> Result<f64, SolidError> {
+    check_points(points, region)?;
+    let unit = (points.len() as f64 / region.volume()).cbrt();
+    // The first shell has frequencies of about one cycle along the shortest side. Along the longest side they have
+    // up to `ratio` cycles, for which the tables of waves must have rows.
+    let ratio = region.longest() / region.shortest();
+    check_range("the ratio of two sides", ratio, [1.0, MOST_CYCLES])?;
+    let limits = [1.0 / region.shortest(), MOST_CYCLES / region.longest()];
+    check_range(
+        "the largest frequency",
+        most,
+        limits.map(|limit| limit / unit),
+    )?;
+    Ok(unit)
 }
 
 /// Cycles along the three sides.

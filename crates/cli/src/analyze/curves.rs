@@ -23,11 +23,11 @@ const MAX_BAND: f64 = 1.5;
 /// Anisotropies of fewer frequencies scatter by decibels; the axis may cut them off.
 const FEW: u64 = 50;
 /// Periodograms in one figure: four rows, chosen and not measured.
-const MAX_PICTURES: usize = 12;
+pub const MAX_PICTURES: usize = 12;
 /// Periodograms in a row.
-const IN_A_ROW: usize = 3;
+pub const IN_A_ROW: usize = 3;
 /// The most characters of a name in the heading of a periodogram.
-const HEADING: usize = 24;
+pub const HEADING: usize = 24;
 
 const FREQUENCY: &str = "frequency \u{3bd} = |k| / \u{221a}N";
 const DISTANCE: &str = "distance r / r_max";

@@ -1,16 +1,18 @@
-//! `tilescope analyze` of sets in space: their numbers, the power by shells of frequency, and the pair correlation. The tables,
-//! charts and reports are those of planar sets; there are no periodograms.
+//! `tilescope analyze` of sets in space: their numbers, the power by shells of frequency and in three planes of frequencies, and
+//! the pair correlation. The tables, charts and reports are those of planar sets; pictures of planes stand for periodograms.
 
 mod measured;
+mod planes;
 mod subject;
 
+use std::fmt::Write;
 use std::path::PathBuf;
 
 use anyhow::{Context, Result};
 use serde_json::{Value, json};
 use tilescope_analysis::BYTE_ORDER_MARK;
 use tilescope_drawing::spectra::{self, chart};
-use tilescope_figures::chart::{Axis, Figure, Level, Look, Series};
+use tilescope_figures::chart::{Axis, Figure, Level, Look, Panel, Series};
 
 use super::differences::Differences;
 use super::gather::Failure;
@@ -257,8 +259,48 @@ impl InSpace {
         out
     }
 
-    /// Returns the figure of the curves.
-    pub fn figure(&self) -> Figure {
+    /// Returns one figure with all curves and the planes of as many sets as it has room for, and how many sets have no planes
+    /// in it.
+    pub fn figure(&self) -> (Figure, usize) {
+        let sets: Vec<&SolidSubject> = self.all().collect();
+        let shown = sets.len().min(planes::MAX_SETS);
+        let left_out = sets.len() - shown;
+
+        let mut title = self.title();
+        // The picture may be seen without the note that the command prints.
+        if left_out > 0 {
+            let all = sets.len();
+            let _ = write!(title, "; planes of {left_out} of {all} sets are left out");
+        }
+        let mut rows = self.curve_rows();
+        // Curves are what one compares, and come before the pictures.
+        rows.extend(sets[..shown].iter().map(|set| planes::row(set)));
+        (curves::of_rows(title, rows), left_out)
+    }
+
+    /// Returns the figures of a page: the curves, and the planes of all sets.
+    pub fn figures(&self) -> Vec<Figure> {
+        let (whole, left_out) = self.figure();
+        if left_out == 0 {
+            return vec![whole];
+        }
+        // A page has any number of figures, so that the planes of all sets have their place.
+        let sets: Vec<&SolidSubject> = self.all().collect();
+        let of_curves = curves::of_rows(self.title(), self.curve_rows());
+        std::iter::once(of_curves)
+            .chain(planes::figures(&sets))
+            .collect()
+    }
+
+    fn title(&self) -> String {
+        match self.subjects.as_slice() {
+            [one] => format!("Analysis of {}", one.label),
+            several => format!("Analysis of {} sets", several.len()),
+        }
+    }
+
+    /// Returns the rows of all charts with curves.
+    fn curve_rows(&self) -> Vec<Vec<Panel>> {
         let series = |number_of_curve: usize| -> Vec<Series> {
             let each = self.all().enumerate();
             let lines = each.filter_map(|(index, subject)| {
@@ -290,18 +332,13 @@ impl InSpace {
         let axis = curves::cut("g(r)", &correlations);
         let pairs = chart("Pair correlation", DISTANCE, axis, correlations, noise);
 
-        let title = match self.subjects.as_slice() {
-            [one] => format!("Analysis of {}", one.label),
-            several => format!("Analysis of {} sets", several.len()),
-        };
         let labels = self.subjects.iter().map(|subject| &subject.label);
         let each: Vec<(&String, &Differences)> = labels.zip(&self.differences).collect();
-        let rows = vec![
+        vec![
             curves::drawn([power, anisotropy]),
             curves::drawn([pairs]),
             curves::differences(&each, [FREQUENCY, DISTANCE]),
-        ];
-        curves::of_rows(title, rows)
+        ]
     }
 }
 
@@ -328,4 +365,6 @@ fn reference(paths: &[PathBuf], request: &Request<'_>) -> Result<Option<SolidSub
 
 const NOTES: &str = "<p>Powers are means over shells of frequencies, of which large shells have up to 256 drawn ones (down to 32 of large sets, and fewer in flat boxes). Frequencies are \
 given as nu = |k| / cbrt(N / volume). Shaded bands hold the true mean with probability 0.95: those of one set follow from the \
-scatter between its frequencies, and those of an average from the spread between sets.</p>\n";
+scatter between its frequencies, and those of an average from the spread between sets. Each picture has all frequencies without a cycle along \
+one axis: white where there is no power, and black from three times the power of white noise on. The zero frequency is left out; if it has a cell \
+of its own, a ring marks it.</p>\n";

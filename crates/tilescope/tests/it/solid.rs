@@ -490,6 +490,11 @@ fn sets_are_analyzed_alone_and_averaged() {
     );
     let page = fs::read_to_string(folder.path().join("report.html")).unwrap();
     assert!(page.contains("Pair correlation") && page.contains("close packing"));
+    // The three planes of the set, and those of no other.
+    for axis in ["x", "y", "z"] {
+        let title = format!("Power at k_{axis} = 0, 1.ply");
+        assert_eq!(page.matches(&title).count(), 1, "{title}");
+    }
 
     let all = run(
         &folder,
@@ -505,6 +510,9 @@ fn sets_are_analyzed_alone_and_averaged() {
     assert_eq!(all["files"].as_array().unwrap().len(), 3);
     let table = fs::read_to_string(folder.path().join("all.csv")).unwrap();
     assert!(table.contains("density_standard_error"));
+    ends(&folder, "analyze 1.ply 2.ply --average --out all.svg", 0);
+    let picture = fs::read_to_string(folder.path().join("all.svg")).unwrap();
+    assert!(picture.contains("Power at k_z = 0, mean of 2"));
 
     ends(&folder, "sample --radius 0.05 --out planar.csv", 0);
     refused(&folder, "analyze 1.ply planar.csv", "a planar one");

@@ -4,7 +4,7 @@ use std::path::Path;
 
 use anyhow::{Result, ensure};
 use tilescope_analysis::{
-    JudgeChoice, SolidCorrelation, SolidError, SolidRegion, SolidShell, SolidSpectrum,
+    JudgeChoice, PlanePower, SolidCorrelation, SolidError, SolidRegion, SolidShell, SolidSpectrum,
     SolidVerdict, VerifyOptions, measure_solid,
 };
 
@@ -41,6 +41,8 @@ pub struct Measured {
     /// The largest frequency, in cycles to a unit of length.
     most: f64,
     pub spectrum: SolidSpectrum,
+    /// The power without a cycle along x, along y, and along z.
+    pub planes: [PlanePower; 3],
     correlation: SolidCorrelation,
 }
 
@@ -94,6 +96,10 @@ impl Request<'_> {
             }
             other => other.into(),
         })?;
+        // What a spectrum by shells can be asked for, planes can be, too.
+        let planes = watched("planes", |control| {
+            PlanePower::of(points, region, most / unit, control)
+        })?;
         let correlation = watched("pairs", |control| {
             SolidCorrelation::of(points, region, bin * bins as f64, bins, control)
         })?;
@@ -118,6 +124,7 @@ impl Request<'_> {
             numbers: numbers(given, verdict.as_ref(), &spectrum, &correlation),
             most,
             spectrum,
+            planes,
             correlation,
         })
     }

@@ -1,8 +1,8 @@
 //! A set in space, or the average of several, as a column of the table and a curve in each chart.
 
 use anyhow::Result;
-use tilescope_analysis::SolidShell;
-use tilescope_analysis::measures::{Average, DifferenceCurve, MeanCurve, Spectrum};
+use tilescope_analysis::measures::{Average, DifferenceCurve, MeanCurve, MeasureError, Spectrum};
+use tilescope_analysis::{PlanePower, SolidShell};
 
 use super::measured::Measured;
 use crate::analyze::curve::Curve;
@@ -23,6 +23,8 @@ pub struct SolidSubject {
     pub words: [String; 2],
     pub numbers: Vec<Measure>,
     pub curves: [(&'static str, Curve); 3],
+    /// The power without a cycle along x, along y, and along z.
+    pub planes: [PlanePower; 3],
     /// The power and the pair correlation, with the spread between the sets of an average.
     means: [MeanCurve; 2],
     /// The squared errors of the powers of one set, from the scatter between its frequencies.
@@ -43,6 +45,7 @@ impl SolidSubject {
             words: words(&set),
             name: set.name,
             label,
+            planes: set.planes,
             numbers: set.numbers,
             means: [of_one(&power), of_one(&pairs)],
             scatter: Some(of_one(&scatter)),
@@ -78,6 +81,7 @@ impl SolidSubject {
             name: names::pattern(&names),
             label: format!("mean of {}", sets.len()),
             numbers: numbers.collect::<Result<_, _>>()?,
+            planes: mean_planes(sets)?,
             curves: named_curves([power_curve, anisotropy_curve, pairs_curve]),
             means: [power, pairs],
             scatter: None,
@@ -112,6 +116,15 @@ impl SolidSubject {
             points_and_unit,
         ))
     }
+}
+
+/// Returns the mean of each plane over some sets.
+fn mean_planes(sets: &[Measured]) -> Result<[PlanePower; 3], MeasureError> {
+    let mean = |which: usize| {
+        let all: Vec<&PlanePower> = sets.iter().map(|set| &set.planes[which]).collect();
+        PlanePower::mean(&all)
+    };
+    Ok([mean(0)?, mean(1)?, mean(2)?])
 }
 
 /// Returns a curve of one set, which has no spread.
