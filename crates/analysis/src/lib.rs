@@ -77,8 +77,8 @@ pub use region::{Boundary, Region};
 pub use report::Report;
 pub use solid::{
     PlanePower, SolidCorrelation, SolidError, SolidGap, SolidRegion, SolidReport, SolidShell,
-    SolidSpectrum, SolidVerdict, ThinnedSolid, measure_solid, verify_solid, verify_solid_cut,
-    verify_thinned_solid,
+    SolidSpectrum, SolidVerdict, ThinnedSolid, disks_in_planes, measure_solid, verify_solid,
+    verify_solid_cut, verify_thinned_solid,
 };
 pub use squares::{
     LatticeRegion, LiveSquares, MAX_FACTOR, MAX_PITCH_BITS, MAX_RADIUS, Radii, Shape, SquaresError,

@@ -16,13 +16,14 @@
 //! # Measures
 //!
 //! [`SolidSpectrum`] has the power by shells of frequency, [`PlanePower`] that of whole planes of frequencies as pictures,
-//! [`SolidCorrelation`] the pairs by distance. They judge nothing.
+//! [`SolidCorrelation`] the pairs by distance, and [`disks_in_planes`] how many balls a plane meets. They judge nothing.
 //! [`thinned`] judges sets that were chosen from others.
 
 mod circles;
 mod correlation;
 mod cubes;
 mod cut;
+mod disks;
 mod error;
 mod farthest;
 mod measured;
@@ -45,6 +46,7 @@ use pairs::PairsFound;
 
 pub use correlation::SolidCorrelation;
 pub use cut::verify_solid_cut;
+pub use disks::disks_in_planes;
 pub use error::SolidError;
 pub use measured::{SolidVerdict, measure_solid};
 pub use plane_power::PlanePower;

@@ -482,6 +482,10 @@ fn sets_are_analyzed_alone_and_averaged() {
     let measures = &one["files"][0]["measures"];
     let number = |key: &str| measures[key].as_f64().unwrap();
     assert!((number("density") - 0.7336).abs() < 0.01, "{measures}");
+    assert!(
+        (number("disks") - 2.0 * number("density")).abs() < 0.05,
+        "{measures}"
+    );
     assert!(number("min_distance_r") >= 1.0 && number("covering_radius_r") < 1.001);
     // Such sets have little power at low frequencies; noise has 1.
     assert!(

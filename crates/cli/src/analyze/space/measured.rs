@@ -5,7 +5,7 @@ use std::path::Path;
 use anyhow::{Result, ensure};
 use tilescope_analysis::{
     JudgeChoice, PlanePower, SolidCorrelation, SolidError, SolidRegion, SolidShell, SolidSpectrum,
-    SolidVerdict, VerifyOptions, measure_solid,
+    SolidVerdict, VerifyOptions, disks_in_planes, measure_solid,
 };
 
 use crate::analyze::measure::{Form, Measure};
@@ -20,6 +20,9 @@ const BIN: f64 = 0.05;
 
 /// The longest distance of the pair correlation, in radii: there it is 1 to within a hundredth.
 const REACH: f64 = 4.0;
+
+/// Planes across each axis on which disks are counted. In a periodic box their mean is twice the density but for chance.
+const PLANES: usize = 16;
 
 /// Frequencies below which power is said to be low, and from which on anisotropy counts, in cycles to a radius, as of
 /// planar sets.
@@ -174,6 +177,8 @@ fn numbers_of_set(given: &ReadSet, verdict: Option<&SolidVerdict>) -> Vec<Measur
     let conflicts = report.map(|own| own.conflicts as f64);
     let gaps = report.map(|own| own.gaps as f64);
     let relative = verdict.map(SolidVerdict::relative_radius);
+    let of_planes = disks_in_planes(&given.points, given.region, radius, PLANES);
+    let disks = of_planes.map(|all| all.mean);
 
     // Six decimals show the tolerance of lengths, about 2^-15 r. The other numbers of decimals are chosen, not
     // measured.
@@ -182,6 +187,7 @@ fn numbers_of_set(given: &ReadSet, verdict: Option<&SolidVerdict>) -> Vec<Measur
         number("radius", "radius r", "user units", 8, Some(radius)),
         number("density", "density", "N r\u{b3} / volume", 4, Some(density)),
         number("packing", "packing", "of close packing", 4, Some(packing)),
+        number("disks", "disks in a plane", "per r\u{b2}", 4, disks),
         number("min_distance_r", "smallest distance", "r", 6, closest),
         number("covering_radius_r", "covering radius", "r", 6, farthest),
         number("conflicts", "conflicts", "pairs", 0, conflicts),

@@ -2,9 +2,8 @@
 //! the measures of each. Lengths are in radii.
 
 use serde::{Deserialize, Serialize};
-use tilescope_analysis::measures::Summary;
 use tilescope_analysis::{
-    SolidCorrelation, SolidRegion, SolidSpectrum, VerifyOptions, measure_solid,
+    SolidCorrelation, SolidRegion, SolidSpectrum, VerifyOptions, disks_in_planes, measure_solid,
 };
 use tilescope_core::{Boundary, Key, Stream};
 use tilescope_sets::{BallSize, SolidRecipe};
@@ -199,17 +198,7 @@ impl Balls {
 
     /// Returns how many balls of radius r a plane meets, for each r² of it.
     fn disks(&self) -> f64 {
-        let side = self.region.width;
-        let of_plane = |axis: usize, plane: usize| {
-            let height = side * plane as f64 / PLANES as f64;
-            let meets = |point: &&[f64; 3]| {
-                let apart = (point[axis] - height).abs();
-                // Around the torus the other way may be shorter.
-                apart.min(side - apart) <= 1.0
-            };
-            self.points.iter().filter(meets).count() as f64 / (side * side)
-        };
-        let planes = (0..3).flat_map(|axis| (0..PLANES).map(move |plane| of_plane(axis, plane)));
-        Summary::of(planes).map_or(f64::NAN, |all| all.mean)
+        let of_planes = disks_in_planes(&self.points, self.region, 1.0, PLANES);
+        of_planes.map_or(f64::NAN, |all| all.mean)
     }
 }
