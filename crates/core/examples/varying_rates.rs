@@ -3,7 +3,8 @@
 //!     cargo run --release -p tilescope-core --example varying_rates -- [FIELD] [SIDE] [ROUNDS]
 //!
 //! FIELD is `all`, or one of `constant`, `waves` (a contrast of 1:16), `steps` and `noise` for that alone, of which a profiler
-//! counts instructions; `reference` is the reference sampler alone. SIDE is the domain's side in units of the smallest radius (default 1024), ROUNDS how often all sets are
+//! counts instructions; `reference` is the reference sampler alone. `waves-window` and so on are windows of those sets, half as wide
+//! and in the middle. SIDE is the domain's side in units of the smallest radius (default 1024), ROUNDS how often all sets are
 //! made (default 3): the shortest times count.
 
 use std::error::Error;
@@ -13,7 +14,7 @@ use std::time::Instant;
 use rayon::ThreadPoolBuilder;
 use tilescope_core::{
     Boundary, Domain, Key, Point, R, RadiusField, Shape, Stream, Unobserved, reference_sample,
-    varying_sample,
+    varying_sample, varying_window,
 };
 
 type Outcome<T> = Result<T, Box<dyn Error + Send + Sync>>;
@@ -30,6 +31,18 @@ fn main() -> Outcome<()> {
     if name == "reference" {
         let samples = reference_sample(domain, 1, &mut Unobserved)?;
         println!("{name}: {} samples", black_box(samples).len());
+        return Ok(());
+    }
+    if let Some(name) = name.strip_suffix("-window") {
+        let (low, high) = (f64::from(side) * 0.25, f64::from(side) * 0.75);
+        let window = domain.window([low; 2], [high; 2])?;
+        let (field, shape) = (field(name, domain)?, Shape::rectangle());
+        let found = black_box(varying_window(&field, &shape, 1, &window, &mut Unobserved)?);
+        println!(
+            "{name}: {} samples, {} cells",
+            found.inside.len(),
+            found.cells
+        );
         return Ok(());
     }
     if name != "all" {

@@ -71,7 +71,7 @@ pub use engine::parallel::places::PlaceBuffers;
 pub use engine::parallel::plane::Plane;
 pub use engine::parallel::sweep::{Sweep, SweepState};
 pub use engine::parallel::widened::WidenedWindow;
-pub use engine::parallel::window_maker::WindowMaker;
+pub use engine::parallel::window_maker::{WindowMaker, parts as window_parts};
 pub use engine::sequential::Sequential;
 pub use error::{ParameterError, PatternError, SampleError};
 pub use exact::{
@@ -110,7 +110,7 @@ pub use solid::{
 pub use stage::Stage;
 pub use varying::{
     FieldError, Locality, MAX_FIELD_RADIUS, MAX_PITCH_BITS, RadiusField, Shape, ShapeError,
-    varying_sample,
+    VaryingWindow, expected_in_window, varying_sample, varying_window,
 };
 pub use varying_run::varying_recorded;
 pub use words::grouped;

@@ -7,7 +7,7 @@
 //! The set is that of a process of darts in which time is local: where the radius is R, darts come with the
 //! intensity 1 / R^2, and a dart becomes a sample unless an earlier sample is near it. [`crate::stages::darts`] runs it.
 //! With the radius [`R`](crate::R) everywhere it is the reference sampler, dart by dart. [`varying_sample`] makes the
-//! same samples on all threads.
+//! same samples on all threads, and [`varying_window`] those in a window without the others.
 
 mod crowd;
 mod field;
@@ -20,6 +20,7 @@ mod patch;
 mod quadtree;
 mod rule;
 mod shape;
+mod window;
 
 use crate::error::SampleError;
 use crate::lattice::Point;
@@ -29,6 +30,7 @@ pub use field::{FieldError, MAX_FIELD_RADIUS, MAX_PITCH_BITS, RadiusField};
 pub use locality::Locality;
 pub(crate) use shape::Class;
 pub use shape::{Shape, ShapeError};
+pub use window::{VaryingWindow, expected_in_window, varying_window};
 
 /// Returns the samples of the field's domain inside `shape`, in the order of their arrival.
 ///

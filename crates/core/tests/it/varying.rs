@@ -1,5 +1,7 @@
 //! Sets of varying radius against the definition: all darts of the first levels, none left out in advance, taken one after another.
 
+mod windows;
+
 use std::sync::Arc;
 
 use proptest::prelude::*;

@@ -155,8 +155,8 @@ pub(super) fn pieces_of_window<M: WindowMaker>(
     parts(maker.domain(), window).flat_map(move |part| pieces(&part, side))
 }
 
-/// Returns the parts of the domain that a window shows, each once.
-pub(crate) fn parts(domain: &Domain, window: &Window) -> impl Iterator<Item = Rect> + use<> {
+/// Returns the parts of the domain that a window shows, each once: one rectangle, or up to four where a periodic domain ends.
+pub fn parts(domain: &Domain, window: &Window) -> impl Iterator<Item = Rect> + use<> {
     let max = domain.rect().max;
     let ends = [i64::from(max.x), i64::from(max.y)];
     let spans = [0, 1].map(|axis| {
