@@ -16,6 +16,7 @@
 //! The samples that a square looks at include every one that is near a sample in it. So conflicts are found where a
 //! square is settled, without a search of their own.
 
+mod asked;
 mod error;
 mod radii;
 mod rule;
@@ -29,6 +30,7 @@ use crate::findings::MAX_CONFLICTS;
 use crate::monitor::Control;
 use crate::region::Boundary;
 use crate::witness::Conflict;
+use asked::Asked;
 use radii::RadiusTable;
 use shape::ShapeIndex;
 
@@ -221,7 +223,36 @@ impl SquaresJudge {
         control: Control<'_>,
     ) -> Result<SquaresReport, SquaresError> {
         self.check(samples)?;
-        search::search(self, samples, witnesses, control)
+        let all = Asked::Everything;
+        search::search(self, samples, all, witnesses, control)
+    }
+
+    /// Judges a window of a larger set, as [`Self::judge`]: whether the places of the window are covered, and whether a sample in
+    /// it is near another one. `samples` are those in the window and around it, all that are near a place of it.
+    ///
+    /// The window has some rectangles, as one across the border of a periodic region shows several parts of it. A rectangle goes
+    /// from its lowest place to its highest, both included. No two have a place in common.
+    ///
+    /// # Errors
+    ///
+    /// As [`Self::judge`].
+    pub fn judge_window(
+        &self,
+        samples: &[[i32; 2]],
+        window: &[[[i32; 2]; 2]],
+        witnesses: usize,
+        control: Control<'_>,
+    ) -> Result<SquaresReport, SquaresError> {
+        self.check(samples)?;
+        let last = self.last();
+        // Of a rectangle that leaves the region, only the part in it can be covered.
+        let span = |[min, max]: &[[i32; 2]; 2]| PointSpan {
+            min: min.map(|at| i64::from(at).max(0)),
+            max: [0, 1].map(|axis| i64::from(max[axis]).min(last[axis])),
+        };
+        let has_places = |span: &PointSpan| (0..2).all(|axis| span.min[axis] <= span.max[axis]);
+        let window: Vec<PointSpan> = window.iter().map(span).filter(has_places).collect();
+        search::search(self, samples, Asked::Window(&window), witnesses, control)
     }
 
     /// Returns the factor within which samples cover, as one measures a set that is the beginning of a larger one: the least
@@ -274,6 +305,14 @@ impl SquaresJudge {
         self.radii.at(x.into(), y.into()) as i32
     }
 
+    /// Returns the lattice points of the region.
+    fn places(&self) -> PointSpan {
+        PointSpan {
+            min: [0; 2],
+            max: self.last(),
+        }
+    }
+
     /// Returns the largest coordinates of the region.
     fn last(&self) -> [i64; 2] {
         let beyond = i64::from(self.region.boundary == Boundary::Periodic);
@@ -286,4 +325,10 @@ impl SquaresJudge {
 struct PointSpan {
     min: [i64; 2],
     max: [i64; 2],
+}
+
+impl PointSpan {
+    fn contains(&self, place: [i64; 2]) -> bool {
+        (0..2).all(|axis| (self.min[axis]..=self.max[axis]).contains(&place[axis]))
+    }
 }

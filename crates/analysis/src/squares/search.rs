@@ -13,6 +13,7 @@ use crate::region::Boundary;
 use crate::witness::Conflict;
 use crate::worst::Worst;
 
+use super::asked::Asked;
 use super::error::SquaresError;
 use super::radii::RadiusRange;
 use super::rule::is_near;
@@ -33,16 +34,17 @@ const MAX_TILE_BITS: u32 = 28;
 /// they are 8 x 8 at most.
 const MIN_TILES: usize = 81;
 
-/// Returns the report on samples that lie in the domain.
+/// Returns the report on samples that lie in the domain, as far as it is asked about.
 pub(super) fn search(
     judge: &SquaresJudge,
     samples: &[[i32; 2]],
+    asked: Asked<'_>,
     witnesses: usize,
     control: Control<'_>,
 ) -> Result<SquaresReport, SquaresError> {
     let cancelled = |_| SquaresError::Cancelled;
     let monitor = Monitor::begin(control, samples.len() as u64).map_err(cancelled)?;
-    let tiles = SampleTiles::new(judge, samples);
+    let tiles = SampleTiles::new(&asked.span_with(judge, samples), samples);
     let mut all = TileFindings::new(witnesses);
 
     for row in 0..tiles.rows {
@@ -52,6 +54,7 @@ pub(super) fn search(
         let of_tile = |column: usize| {
             let mut search = TileSearch::new(judge, &tiles, [column, row], witnesses);
             search.counts_conflicts = counts_conflicts;
+            search.asked = asked;
             search.run(&tiles);
             monitor.advance(tiles.entries(column, row).len() as u64)?;
             Ok(search.findings)
@@ -103,15 +106,21 @@ impl TileFindings {
     }
 }
 
-/// Returns how many tiles there are along x and y, with sides of two to this power.
-fn tile_counts(judge: &SquaresJudge, bits: u32) -> [u64; 2] {
-    judge.last().map(|last| (last >> bits) as u64 + 1)
+/// Returns the first tiles along x and y that have places of a span, and how many there are, with sides of two to this power.
+fn tiles_of(span: &PointSpan, bits: u32) -> [[i64; 2]; 2] {
+    let first = span.min.map(|min| min >> bits);
+    let count = |axis: usize| (span.max[axis] >> bits) - first[axis] + 1;
+    [first, [count(0), count(1)]]
 }
 
-/// Returns the power of two that is the side of the tiles for so many samples.
-fn tile_bits(judge: &SquaresJudge, samples: usize) -> u32 {
-    let most_tiles = (samples / TILE_SAMPLES).max(MIN_TILES) as u64;
-    let fits = |bits: &u32| tile_counts(judge, *bits).into_iter().product::<u64>() <= most_tiles;
+/// Returns the power of two that is the side of the tiles for so many samples in a span.
+fn tile_bits(span: &PointSpan, samples: usize) -> u32 {
+    let most_tiles = (samples / TILE_SAMPLES).max(MIN_TILES) as i64;
+    let fits = |bits: &u32| {
+        let [_, counts] = tiles_of(span, *bits);
+        // Each count is at most 2^31, so that the product fits.
+        counts[0] * counts[1] <= most_tiles
+    };
     // Tiles are as small as their greatest number allows. Tiles of the largest size are never too many.
     (0..MAX_TILE_BITS).find(fits).unwrap_or(MAX_TILE_BITS)
 }
@@ -127,6 +136,8 @@ struct TileSample {
 struct SampleTiles {
     /// The side of a tile is two to this power.
     bits: u32,
+    /// The first tile along x and y; the others are counted from it.
+    first: [i64; 2],
     columns: usize,
     rows: usize,
     /// Where the samples of each tile start, and the end.
@@ -136,12 +147,16 @@ struct SampleTiles {
 }
 
 impl SampleTiles {
-    /// Sorts samples into tiles, by counting.
-    fn new(judge: &SquaresJudge, samples: &[[i32; 2]]) -> Self {
-        let bits = tile_bits(judge, samples.len());
-        let [columns, rows] = tile_counts(judge, bits).map(|count| count as usize);
+    /// Sorts samples into tiles of a span, in which they lie, by counting.
+    fn new(span: &PointSpan, samples: &[[i32; 2]]) -> Self {
+        let bits = tile_bits(span, samples.len());
+        let [first, counts] = tiles_of(span, bits);
+        let [columns, rows] = counts.map(|count| count as usize);
 
-        let tile_of = |[x, y]: [i32; 2]| (y >> bits) as usize * columns + (x >> bits) as usize;
+        let tile_of = |place: [i32; 2]| {
+            let tile = |axis: usize| ((i64::from(place[axis]) >> bits) - first[axis]) as usize;
+            tile(1) * columns + tile(0)
+        };
         let mut starts = vec![0; columns * rows + 1];
         for &place in samples {
             starts[tile_of(place) + 1] += 1;
@@ -167,6 +182,7 @@ impl SampleTiles {
 
         Self {
             bits,
+            first,
             columns,
             rows,
             starts,
@@ -182,8 +198,9 @@ impl SampleTiles {
     /// Calls `visit` with the samples of all tiles that a rectangle meets.
     fn in_tiles_of(&self, rectangle: &PointSpan, mut visit: impl FnMut(&TileSample)) {
         let met = |axis: usize, count: usize| {
-            let first = rectangle.min[axis].max(0) >> self.bits;
-            let beyond = (rectangle.max[axis] >> self.bits) + 1;
+            let tile = |at: i64| (at >> self.bits) - self.first[axis];
+            let first = tile(rectangle.min[axis]).max(0);
+            let beyond = tile(rectangle.max[axis]) + 1;
             first as usize..beyond.clamp(0, count as i64) as usize
         };
         for row in met(1, self.rows) {
@@ -278,6 +295,8 @@ struct TileSearch<'a> {
     /// The lists of the squares that are being cut, one after another.
     lists: Vec<Near>,
     counts_conflicts: bool,
+    /// What is to be covered, and free of conflicts.
+    asked: Asked<'a>,
     witnesses: usize,
     findings: TileFindings,
 }
@@ -292,11 +311,12 @@ impl<'a> TileSearch<'a> {
     ) -> Self {
         Self {
             judge,
-            corner: tile.map(|index| (index as i64) << tiles.bits),
+            corner: [0, 1].map(|axis| (tiles.first[axis] + tile[axis] as i64) << tiles.bits),
             last: judge.last(),
             bits: tiles.bits,
             lists: Vec::new(),
             counts_conflicts: true,
+            asked: Asked::Everything,
             witnesses,
             findings: TileFindings::new(witnesses),
         }
@@ -310,8 +330,9 @@ impl<'a> TileSearch<'a> {
             bits: self.bits,
         };
         let span = self.span(&tile);
-        let share = self.judge.shape.share(span, self.bits);
-        // Outside of the domain no place is to be covered, and no sample lies there.
+        let share = self.share(span, self.bits);
+        // Outside of the domain no place is to be covered, and no sample lies there. Samples that are not asked about are found
+        // by those that are.
         if share == Share::Nothing {
             return;
         }
@@ -321,6 +342,16 @@ impl<'a> TileSearch<'a> {
         let times = 1;
         let near = self.gather(tiles, &tile, &span, times);
         self.visit(&tile, share, near);
+    }
+
+    /// Returns how much of a span is in the domain and asked about: the part in the region of a square whose sides are two to the
+    /// power `bits`.
+    fn share(&self, span: PointSpan, bits: u32) -> Share {
+        let of_asked = self.asked.share(&span);
+        if of_asked == Share::Nothing {
+            return of_asked;
+        }
+        self.judge.shape.share(span, bits).min(of_asked)
     }
 
     /// Returns the lattice points of a square that lie in the region. It has none if the square begins beyond the
@@ -415,7 +446,7 @@ impl<'a> TileSearch<'a> {
         let share = match around {
             // If all of the larger square is inside, so is this part of it.
             Share::Everything => Share::Everything,
-            Share::Some | Share::Nothing => self.judge.shape.share(span, square.bits),
+            Share::Some | Share::Nothing => self.share(span, square.bits),
         };
         // No sample lies outside of the domain, so that the square has no conflict either.
         if share == Share::Nothing {
@@ -512,11 +543,18 @@ impl<'a> TileSearch<'a> {
     fn find_conflicts(&mut self, own: Range<usize>, near: List) {
         for own_index in own.clone() {
             let one = self.lists[own_index];
+            if !self.is_asked_about(&one) {
+                continue;
+            }
             for near_index in near.all() {
                 let other = self.lists[near_index];
-                // Each sample of a pair finds the other: the pair is counted for the one of the lower number. An image
-                // of the sample itself, which has its number, is no conflict.
-                if one.index >= other.index || !self.counts_conflicts {
+                // An image of the sample itself, which has its number, is no conflict.
+                if one.index == other.index || !self.counts_conflicts {
+                    continue;
+                }
+                // Each sample of a pair that is asked about finds the other: the pair is counted for the one of the lower
+                // number, or for the only one.
+                if one.index > other.index && self.is_asked_about(&other) {
                     continue;
                 }
                 let squared = one.distance_squared(&other);
@@ -526,6 +564,23 @@ impl<'a> TileSearch<'a> {
             }
         }
         self.lists.truncate(own.start);
+    }
+
+    /// Returns whether conflicts of a sample, or of the one of which it is an image, are counted.
+    fn is_asked_about(&self, near: &Near) -> bool {
+        // Without a window this is asked of every pair, and its place is not computed.
+        if matches!(self.asked, Asked::Everything) {
+            return true;
+        }
+        let sides = [self.judge.region.width, self.judge.region.height].map(i64::from);
+        let place = [near.x, near.y].map(i64::from);
+        self.asked.contains([0, 1].map(|axis| {
+            let at = self.corner[axis] + place[axis];
+            match self.judge.region.boundary {
+                Boundary::Periodic => at.rem_euclid(sides[axis]),
+                Boundary::Bounded => at,
+            }
+        }))
     }
 
     /// Counts a conflict. From [`MAX_CONFLICTS`] on no more are counted.

@@ -10,7 +10,7 @@ const MAX_BANDS: i64 = 1 << 10;
 const MIN_CORNERS: usize = 3;
 
 /// How much of a square belongs to the domain.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
 pub(super) enum Share {
     Nothing,
     /// A part, or nothing or everything where that would take long to find out.

@@ -1,5 +1,6 @@
 //! Sets in user units before the judge by squares, with the same report as other judges give.
 
+use crate::cut::CutReport;
 use crate::domain::Domain;
 use crate::error::VerifyError;
 use crate::grid::Grid;
@@ -102,6 +103,44 @@ impl VaryingRegion {
         let min_distance = self.min_distance(points, control)?;
         // The search is exact and uses no tolerance: the report states the one that was asked for.
         Ok(self.report(points, &found, min_distance, options.covering_tolerance))
+    }
+
+    /// Judges a window of a larger set: whether its places are covered, and whether a sample in it is in conflict with another one.
+    /// `points` are the samples in the window and around it, all that are near a place of it. The window is given by rectangles of
+    /// lattice points, as [`SquaresJudge::judge_window`] takes them.
+    ///
+    /// Without samples the smallest distance of the report is infinite.
+    ///
+    /// # Errors
+    ///
+    /// As [`Self::verify`], but for [`VerifyError::Empty`]: a window outside of the shape has no sample.
+    pub fn verify_window(
+        &self,
+        points: &[[f64; 2]],
+        window: &[[[i32; 2]; 2]],
+        options: &VerifyOptions,
+        control: Control<'_>,
+    ) -> Result<CutReport, VerifyError> {
+        check_choice(options.judges)?;
+        let has_points = !points.is_empty();
+        if has_points {
+            check_points(points, self.region)?;
+        }
+
+        let samples = self.samples(points);
+        let judged = self
+            .judge
+            .judge_window(&samples, window, options.witnesses, control);
+        let found = judged.map_err(|error| Self::fault(error, points))?;
+        let min_distance = if has_points {
+            self.min_distance(points, control)?
+        } else {
+            f64::INFINITY
+        };
+        Ok(CutReport {
+            gaps: found.uncovered,
+            whole: self.report(points, &found, min_distance, options.covering_tolerance),
+        })
     }
 
     /// Judges points that are claimed to be the beginning of a larger set: whether they are conflict-free, and within which
@@ -321,6 +360,25 @@ mod tests {
         let report = verify(&more, JudgeChoice::Subdivision).expect("a report");
         assert!(!report.conflict_free() && report.maximal());
         assert!((report.worst_conflicts[0].distance - 0.5).abs() < 1e-12);
+    }
+
+    #[test]
+    fn a_window_is_judged_with_the_samples_around_it() {
+        let options = VerifyOptions::default();
+        let judged = |points: &[[f64; 2]], window: [[i32; 2]; 2]| {
+            let judged =
+                region().verify_window(points, &[window], &options, &|_| ControlFlow::Continue(()));
+            judged.expect("a report")
+        };
+        // The samples at the left cover the left pixel, and not the right one.
+        let points = [[1.0, 1.0], [1.5, 3.5], [3.5, 1.5]];
+        let (left, right) = ([[0, 0], [7, 7]], [[12, 0], [16, 7]]);
+        assert!(judged(&points, left).valid());
+        assert!(!judged(&points, right).valid() && judged(&points, right).gaps > 0);
+        // Nothing is there to cover in the middle, where no sample is asked for.
+        let middle = judged(&[], [[9, 0], [14, 7]]);
+        assert!(middle.valid() && middle.whole.min_distance == f64::INFINITY);
+        assert!(!judged(&[], left).valid());
     }
 
     #[test]

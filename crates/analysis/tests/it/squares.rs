@@ -1,5 +1,7 @@
 //! The judge by squares against the definition: on small lattices every place and every pair is looked at.
 
+mod windows;
+
 use proptest::prelude::*;
 use tilescope_analysis::{
     Boundary, LatticeRegion, MAX_FACTOR, Radii, Shape, SquaresError, SquaresJudge, SquaresReport,

@@ -52,7 +52,7 @@ pub(in super::super) fn covering_factor(
 ) -> Result<Option<f64>, SquaresError> {
     let cancelled = |_| SquaresError::Cancelled;
     let monitor = Monitor::begin(control, samples.len() as u64).map_err(cancelled)?;
-    let tiles = SampleTiles::new(judge, samples);
+    let tiles = SampleTiles::new(&judge.places(), samples);
     let mut largest = FactorSquared::COVERED;
 
     for row in 0..tiles.rows {

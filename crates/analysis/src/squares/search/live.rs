@@ -8,8 +8,8 @@ use crate::live::{LiveSample, Renew};
 use crate::region::Boundary;
 
 use super::{
-    List, Near, PointSpan, RadiusRange, Share, SquaresJudge, TileFindings, TileSearch, TileSquare,
-    is_near, tile_bits,
+    Asked, List, Near, PointSpan, RadiusRange, Share, SquaresJudge, TileFindings, TileSearch,
+    TileSquare, is_near, tile_bits,
 };
 
 /// The most squares that are kept: some 200 MB with their lists. A steep field, whose least radius is small next to every place,
@@ -110,9 +110,9 @@ impl Plan {
     /// Returns the squares of a judge's domain.
     fn new(judge: SquaresJudge) -> Result<Self, TooManySquares> {
         // With more samples the judge may begin with smaller squares, which are parts of these.
-        let bits = tile_bits(&judge, 0);
+        let bits = tile_bits(&judge.places(), 0);
         let [right, top] = judge.last();
-        let least_bits = tile_bits(&judge, MOST_SAMPLES);
+        let least_bits = tile_bits(&judge.places(), MOST_SAMPLES);
         let mut plan = Self {
             judge,
             roots: Vec::new(),
@@ -272,7 +272,7 @@ impl LiveSquares {
     #[must_use]
     pub fn open_places(&self) -> u64 {
         // A square that no sample reaches counts as one place, so that it matters with which squares the judge begins.
-        let bits = tile_bits(&self.plan.judge, self.count);
+        let bits = tile_bits(&self.plan.judge.places(), self.count);
         let roots = self.plan.roots.iter();
         roots.map(|&root| self.open_from(root, bits)).sum()
     }
@@ -435,6 +435,7 @@ impl LiveSquares {
             bits: square.bits,
             lists: near,
             // Pairs are compared when one of their samples comes or goes.
+            asked: Asked::Everything,
             counts_conflicts: false,
             witnesses: 0,
             findings: TileFindings::new(0),
