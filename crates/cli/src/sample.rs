@@ -30,6 +30,11 @@ pub fn run(arguments: &SampleArguments) -> Result<u8> {
         return solid::make::sample(arguments);
     }
 
+    // A window is judged with its surroundings, and has a report of its own.
+    if let Some(window) = &arguments.window {
+        return window::run(arguments, window);
+    }
+
     // Sets of a field or a shape are made by the reference sampler unless exact tiling of a shape is asked for. They
     // get no remarks: those of `outcome` are on sets of one radius that fill their domain.
     if arguments.ground.is_given() {
@@ -37,11 +42,6 @@ pub fn run(arguments: &SampleArguments) -> Result<u8> {
         output::report(arguments.json, || outcome.json(), || outcome.text())?;
         return Ok(outcome.code());
     }
-    // A window is judged with its surroundings, and has a report of its own.
-    if let Some(window) = &arguments.window {
-        return window::run(arguments, window);
-    }
-
     let finished = if let Some(nested) = arguments.nested.request()? {
         finish(arguments, nested::make(arguments, nested)?)?
     } else {

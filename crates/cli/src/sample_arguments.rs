@@ -38,7 +38,7 @@ pub struct SampleArguments {
     pub space: SpaceArguments,
     /// Only the samples of the set in this rectangle, X0 <= x < X1 and Y0 <= y < Y1, without making the
     /// rest. In a periodic domain it may cross the border or lie beyond it; in a bounded domain a rectangle
-    /// that reaches the upper border includes it. With --levels the file has level and rank of each sample, as the whole set.
+    /// that reaches the upper border includes it. Of a field or a shape it has the coordinates of these. With --levels the file has level and rank of each sample, as the whole set.
     /// Six numbers, X0 Y0 Z0 X1 Y1 Z1, are a box in space without end, which has a radius and a seed alone
     #[arg(long, num_args = 4..=6, value_names = ["X0", "Y0", "X1", "Y1"],
         conflicts_with_all = ["shuffle", "resume", "no_verify"])]
@@ -60,7 +60,7 @@ pub struct SampleArguments {
     pub checkpoint: u64,
     /// Store positions with this added, for a domain at map coordinates: its lower corner. The certificate states it, and
     /// programs before it refuse such a set. Polygons and expressions are in these coordinates
-    #[arg(long, num_args = 2, value_names = ["X", "Y"], conflicts_with = "window")]
+    #[arg(long, num_args = 2, value_names = ["X", "Y"])]
     pub origin: Option<Vec<f64>>,
     #[command(flatten)]
     pub judge: JudgeArguments,
@@ -103,6 +103,7 @@ Examples:
   tilescope sample --density-image photo.png --count 20000 --out stipple.csv
   tilescope sample --radius-image grey.png --radius 0.002..0.02 --out field.ply
   tilescope sample --shape park.geojson --radius 2 --out trees.csv
+  tilescope sample --radius-expression '0.0001 + 0.0002*x' --window 0.5 0.5 0.52 0.52 --out part.csv
   tilescope sample --size 10x10x10 --radius 1 --out balls.ply
   tilescope sample --width 2 --depth 3 --exactly 5000 --boundary bounded --out balls.npy";
 

@@ -73,7 +73,7 @@ parallel engine, compares the two point by point, compares four windows with the
 make nested levels. Rounds of exact tiling check the counts, compare the samples of the first levels with the definition, and
 verify the set. Rounds of sets in space compare one thread with all threads, and cubes with covered circles. Rounds of varying
 radii draw a field (a formula, an image, a density) and a shape (a polygon, perhaps with a hole, or a mask), compare the set
-with the recorded one, and verify it by subdivision. Exit code 1 if two sets differ, or if one is not valid.
+with the recorded one, half of them also with a window of it, and verify both by subdivision. Exit code 1 if two sets differ, or if one is not valid.
 
 Examples:
   tilescope soak --samples 1000000000

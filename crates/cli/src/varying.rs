@@ -1,8 +1,8 @@
 //! Sets whose radius varies, or that cover a shape, for `tilescope sample`.
 
-use anyhow::{Context, Result, bail, ensure};
-use tilescope_core::{Boundary, NOT_OF_EXACT, Parameter};
-use tilescope_sets::{ExactBlocks, RadiusSource, VaryingRecipe};
+use anyhow::{Context, Error, Result, anyhow, bail, ensure};
+use tilescope_core::{Boundary, NOT_OF_EXACT, Parameter, SampleError};
+use tilescope_sets::{ExactBlocks, RadiusSource, VaryingError, VaryingRecipe};
 
 use crate::ground::{formula, image};
 use crate::make::Worked;
@@ -31,16 +31,31 @@ const USED_BY_EXACT: [Parameter; 5] = [
 
 /// Makes a set whose radius varies, or that covers a shape: by the reference sampler, or on request a shape by exact tiling.
 pub fn make(arguments: &SampleArguments) -> Result<Worked> {
-    refuse_tiling(arguments)?;
-    let recipe = recipe(arguments)?;
+    let recipe = recipe_of(arguments)?;
     let mut watch = Stopwatch::start();
-    let made = recipe.make(&mut watch)?;
+    let made = recipe.make(&mut watch).map_err(advised)?;
     // The tries that find a count's radius are not part of the time that the set takes.
     if recipe.count.is_some() {
         watch.drop_tries();
     }
     let work = Work::on_cpu(&mut watch);
     Ok(Worked { made, work })
+}
+
+/// Returns what the arguments ask for. Refuses, by their names, options of other ways to make a set.
+pub fn recipe_of(arguments: &SampleArguments) -> Result<VaryingRecipe> {
+    refuse_tiling(arguments)?;
+    recipe(arguments)
+}
+
+/// Adds to the error of a set that does not fit the memory how a part of it is made.
+fn advised(error: VaryingError) -> Error {
+    let is_memory = matches!(error, VaryingError::Sample(SampleError::Memory(_)));
+    let error = Error::from(error);
+    if is_memory {
+        return anyhow!("{error}: --window X0 Y0 X1 Y1 makes those in a rectangle");
+    }
+    error
 }
 
 /// Refuses, by their names, options of other ways to make a set.
@@ -75,10 +90,6 @@ fn refuse_tiling(arguments: &SampleArguments) -> Result<()> {
     ensure!(
         arguments.nested.levels.is_none(),
         "--levels: {why}; leave it out"
-    );
-    ensure!(
-        arguments.window.is_none(),
-        "--window: {why}, and makes whole sets; leave it out"
     );
     ensure!(
         !arguments.resume,
@@ -162,4 +173,23 @@ fn recipe(arguments: &SampleArguments) -> Result<VaryingRecipe> {
         });
     }
     Ok(recipe)
+}
+
+#[cfg(test)]
+mod tests {
+    use tilescope_core::memory::NoMemory;
+
+    use super::*;
+
+    #[test]
+    fn a_set_too_large_for_the_memory_is_refused_with_the_option_for_a_part() {
+        let missing = SampleError::from(NoMemory { bytes: 1 << 50 });
+        let said = advised(VaryingError::Sample(missing)).to_string();
+        assert!(said.contains("--window X0 Y0 X1 Y1"), "{said}");
+        assert!(
+            !advised(VaryingError::Nothing)
+                .to_string()
+                .contains("--window")
+        );
+    }
 }

@@ -1,12 +1,13 @@
 //! `tilescope sample --window`: makes a part of a set without the rest.
 
 mod nested;
+mod varying;
 
 use std::fmt::Write;
 use std::time::Instant;
 
 use anyhow::{Context, Result, ensure};
-use serde_json::json;
+use serde_json::{Value, json};
 use tilescope_analysis::{CutReport, Region, VerifyOptions, verify_cut};
 use tilescope_core::{
     Domain, ExactPlane, MAXIMAL_DENSITY, PatternHistory, Plane, Progress, R, WidenedWindow, Window,
@@ -16,6 +17,7 @@ use tilescope_formats::{PointSet, positions_digest};
 use tilescope_sets::{Facts, facts_of_exact, region};
 
 use crate::make::NO_VERDICT;
+use crate::output::radius_text;
 use crate::paths::named;
 use crate::progress::{Stopwatch, verifying};
 use crate::sample_arguments::{SampleArguments, SamplingMethod, save_unverified};
@@ -33,6 +35,15 @@ pub fn run(arguments: &SampleArguments, asked: &[f64]) -> Result<u8> {
         );
     };
     let corners = [left, bottom, right, top];
+    // A field or a shape gives its domain a place of its own, so that an origin is a part of what is asked for.
+    if arguments.ground.is_given() {
+        return varying::run(arguments, corners);
+    }
+    ensure!(
+        arguments.origin.is_none(),
+        "--origin: --window gives a part of the domain from 0 0 on, unless a field or a shape is given; leave it out"
+    );
+
     let mut watch = Stopwatch::start();
     let mut recipe = arguments.run.recipe()?;
 
@@ -98,35 +109,88 @@ fn show(
     let seconds = began.elapsed().as_secs_f64();
     // Whether a place of the window is covered may depend on samples outside of it.
     let widened = plane.widened(&window, &mut |_: Progress| interrupt::flow())?;
-    let report = judge(&widened, domain.radius())?;
+    let found = FoundWindow {
+        corners,
+        domain: &domain,
+        set: &PointSet::from_points(domain.users_from_lattice(&points)),
+        facts,
+        seconds,
+        report: &judge(&widened, domain.radius())?,
+    };
+    found.show(arguments)
+}
 
-    let count = points.len();
-    let set = PointSet::from_points(domain.users_from_lattice(&points));
-    // A conflict counts wherever it is in the part around the window that was judged, but a gap only in the window:
-    // around it the cut makes gaps.
-    let mut object = json!({
-        "method": facts.method,
-        "parameters": facts.parameters,
-        "window": corners,
-        "radius": domain.radius(),
-        "count": count,
-        "positions_digest": positions_digest(&set.points),
-        "seconds": seconds,
-        "conflicts": report.whole.conflicts,
-        "gaps": report.gaps,
-        "min_distance_r": report.whole.min_distance / report.whole.radius,
-        "conflict_free": report.whole.conflict_free(),
-        "maximal": report.gaps == 0,
-        "valid": report.valid(),
-        "file": null,
-    });
+/// A window that was made, with its verdict.
+struct FoundWindow<'a> {
+    corners: [f64; 4],
+    domain: &'a Domain,
+    set: &'a PointSet,
+    facts: &'a Facts,
+    seconds: f64,
+    report: &'a CutReport,
+}
 
-    let mut lines = text(corners, &domain, count, seconds, &report);
-    if let Some(file) = save(arguments, &set, facts, &mut lines)? {
-        object["file"] = json!(file);
+impl FoundWindow<'_> {
+    /// Saves and reports the window. Returns the exit code of the program.
+    fn show(&self, arguments: &SampleArguments) -> Result<u8> {
+        let mut lines = self.text();
+        let file = save(arguments, self.set, self.facts, &mut lines)?;
+        output::report(arguments.json, || self.json(file.as_deref()), || lines)?;
+        Ok(verdict_code(self.report.valid()))
     }
-    output::report(arguments.json, || object, || lines)?;
-    Ok(verdict_code(report.valid()))
+
+    /// Returns the report for programs.
+    fn json(&self, file: Option<&str>) -> Value {
+        let (facts, report) = (self.facts, self.report);
+        // A conflict counts wherever it is in the part around the window that was judged, but a gap only in the window: around
+        // it the cut makes gaps.
+        json!({
+            "method": facts.method,
+            "parameters": facts.parameters,
+            "window": self.corners,
+            "radius": facts.radius,
+            "count": self.set.len(),
+            "positions_digest": positions_digest(&self.set.points),
+            "seconds": self.seconds,
+            "conflicts": report.whole.conflicts,
+            "gaps": report.gaps,
+            "min_distance_r": report.whole.min_distance / report.whole.radius,
+            "conflict_free": report.whole.conflict_free(),
+            "maximal": report.gaps == 0,
+            "valid": report.valid(),
+            "file": file,
+        })
+    }
+
+    /// Returns the report in lines.
+    fn text(&self) -> String {
+        let (whole, varying) = (&self.report.whole, self.facts.varying.as_ref());
+        let radius = match varying {
+            Some(varying) => radius_text(&varying.radius),
+            None => whole.radius.to_string(),
+        };
+        let place = WindowPlace {
+            corners: self.corners,
+            origin: self.facts.origin,
+            domain: self.domain,
+            radius: &radius,
+        };
+        let first_lines = place.head(self.set.len(), self.seconds);
+
+        // In radii, so that the limit is 1, which need not be shown beside it.
+        let (least, decimals) = (whole.min_distance / whole.radius, 9);
+        let (min_distance, _limit) = output::compared(least, 1.0, decimals);
+        let is_field = varying.is_some_and(|varying| varying.radius.varies());
+        let of_least = if is_field { " of the least" } else { "" };
+        format!(
+            "{first_lines}conflict-free  {}   min distance {min_distance} r{of_least}\n\
+             maximal        {}\n\
+             verdict        {}\n",
+            output::conflicts_answer(whole.conflicts),
+            output::answer(self.report.gaps == 0, self.report.gaps),
+            output::validity(self.report.valid()),
+        )
+    }
 }
 
 /// Saves the samples of a window, if there is a file for them, and adds a line about it. Returns the file's name.
@@ -171,7 +235,11 @@ fn checked_window(domain: &Domain, [left, bottom, right, top]: [f64; 4]) -> Resu
 fn check_size(window: &Window) -> Result<()> {
     // In radii, as the density of a maximal set is the number of samples in a square of side r.
     let side = |axis: usize| (window.max[axis] - window.min[axis]) as f64 / f64::from(R);
-    let expected = side(0) * side(1) * MAXIMAL_DENSITY;
+    check_expected(side(0) * side(1) * MAXIMAL_DENSITY)
+}
+
+/// Refuses a window with too many samples.
+fn check_expected(expected: f64) -> Result<()> {
     ensure!(
         expected <= MAX_SAMPLES,
         "about {expected:.3e} samples lie in the window; the limit is {MAX_SAMPLES:.0e}: \
@@ -180,49 +248,36 @@ fn check_size(window: &Window) -> Result<()> {
     Ok(())
 }
 
-/// Returns the first lines of a window's report: where it is, and how many samples it has.
-fn head(
-    [left, bottom, right, top]: [f64; 4],
-    domain: &Domain,
-    count: usize,
-    seconds: f64,
-) -> String {
-    // A window has its lower ends and not its upper ones, so that windows side by side share no sample. Only the border
-    // of a bounded domain belongs to the windows that reach it.
-    let end = |high: f64, axis: usize| {
-        let is_border = !domain.is_periodic() && high >= domain.size()[axis];
-        if is_border { ']' } else { ')' }
-    };
-    let (x, y) = (end(right, 0), end(top, 1));
-    let (region, r) = (output::region_text(&region(domain)), domain.radius());
-    format!(
-        "window         [{left}, {right}{x} x [{bottom}, {top}{y} of {region}, r = {r}\n\
-         samples        {count} in {:.2} ms\n",
-        seconds * 1e3
-    )
+/// Where a window is.
+struct WindowPlace<'a> {
+    corners: [f64; 4],
+    /// The lower corner of the domain in the same coordinates.
+    origin: [f64; 2],
+    domain: &'a Domain,
+    /// The radius in words.
+    radius: &'a str,
 }
 
-/// Returns the report of a window in lines.
-fn text(
-    corners: [f64; 4],
-    domain: &Domain,
-    count: usize,
-    seconds: f64,
-    report: &CutReport,
-) -> String {
-    let whole = &report.whole;
-    let first_lines = head(corners, domain, count, seconds);
-    // In radii, so that the limit is 1, which need not be shown beside it.
-    let (least, decimals) = (whole.min_distance / whole.radius, 9);
-    let (min_distance, _limit) = output::compared(least, 1.0, decimals);
-    format!(
-        "{first_lines}conflict-free  {}   min distance {min_distance} r\n\
-         maximal        {}\n\
-         verdict        {}\n",
-        output::conflicts_answer(whole.conflicts),
-        output::answer(report.gaps == 0, report.gaps),
-        output::validity(report.valid()),
-    )
+impl WindowPlace<'_> {
+    /// Returns the first lines of a window's report: where it is, and how many samples it has.
+    fn head(&self, count: usize, seconds: f64) -> String {
+        let [left, bottom, right, top] = self.corners;
+        // A window has its lower ends and not its upper ones, so that windows side by side share no sample. Only the border
+        // of a bounded domain belongs to the windows that reach it.
+        let end = |high: f64, axis: usize| {
+            let from_origin = high - self.origin[axis];
+            let is_border = !self.domain.is_periodic() && from_origin >= self.domain.size()[axis];
+            if is_border { ']' } else { ')' }
+        };
+        let (x, y) = (end(right, 0), end(top, 1));
+        let region = output::region_text(&region(self.domain));
+        format!(
+            "window         [{left}, {right}{x} x [{bottom}, {top}{y} of {region}, r = {}\n\
+             samples        {count} in {:.2} ms\n",
+            self.radius,
+            seconds * 1e3
+        )
+    }
 }
 
 /// Judges a window of a plane by the samples in it and around it, for a radius.

@@ -51,5 +51,5 @@ pub use varying::{
     Brush, BrushStroke, DEFAULT_WHITE, ExactBlocks, Expression, GivenGround, GivenRadius,
     GrayImage, Ground, MAX_CORNERS, MAX_EXPRESSION, MAX_PIXELS, PAINTED, PaintedRadii,
     PlanarPolygon, RadiusGrid, RadiusSource, ShapeSource, Stipple, StippleLook, StippleRecipe,
-    Tone, VaryingError, VaryingRecipe, check_pixels, check_white, color_of,
+    Tone, VaryingError, VaryingRecipe, WindowMade, check_pixels, check_white, color_of,
 };

@@ -15,6 +15,7 @@ mod source;
 mod stipple;
 #[cfg(test)]
 pub(crate) mod tests;
+mod window;
 
 use std::sync::Arc;
 
@@ -40,6 +41,7 @@ pub use painting::{Brush, BrushStroke, PAINTED, PaintedRadii};
 pub use polygon::{MAX_CORNERS, PlanarPolygon};
 pub use source::{RadiusSource, ShapeSource};
 pub use stipple::{DEFAULT_WHITE, Stipple, StippleLook, StippleRecipe, check_white, color_of};
+pub use window::WindowMade;
 
 /// Sets of a count are within a hundredth of it.
 const TOLERANCE: u64 = 100;
@@ -234,18 +236,22 @@ impl VaryingRecipe {
             return Err(VaryingError::Nothing);
         }
 
-        let domain = *ground.field.domain();
-        let parameters = self.stated(radius, &ground);
         Ok(Made {
-            set: PointSet::from_points(domain.users_from_lattice(&points)),
-            facts: Facts {
-                // Where the radius varies, this is the least one.
-                radius: ground.varying.judged.radius(),
-                origin: ground.origin,
-                varying: Some(ground.varying),
-                ..Facts::new("reference", parameters, &domain)
-            },
+            set: PointSet::from_points(ground.field.domain().users_from_lattice(&points)),
+            facts: self.facts_of_darts(radius, &ground),
         })
+    }
+
+    /// Returns the facts of a set on a ground that the reference sampler makes.
+    fn facts_of_darts(&self, radius: &RadiusSource, ground: &Ground) -> Facts {
+        let parameters = self.stated(radius, ground);
+        Facts {
+            // Where the radius varies, this is the least one.
+            radius: ground.varying.judged.radius(),
+            origin: ground.origin,
+            varying: Some(Arc::clone(&ground.varying)),
+            ..Facts::new("reference", parameters, ground.field.domain())
+        }
     }
 
     /// Makes the set by exact tiling.
@@ -257,22 +263,7 @@ impl VaryingRecipe {
         history: &PatternHistory,
         observer: &mut dyn Observer,
     ) -> Result<Made, VaryingError> {
-        let RadiusSource::Constant(radius) = *radius else {
-            return Err(VaryingError::ExactRadius);
-        };
-        let [width, height] = ground.field.domain().size();
-        let parameters = Parameters {
-            width,
-            height,
-            radius,
-            boundary: self.boundary,
-            seed: self.seed,
-            leaf: blocks.leaf,
-            pattern: blocks.pattern,
-            dihedral: blocks.dihedral,
-            ..Parameters::default()
-        };
-
+        let parameters = self.tiling_of(radius, ground, blocks)?;
         let run = exact_in_shape_parallel(&parameters, history, &ground.shape, observer)?;
         // Every place of the shape is covered, so that only an empty shape has no sample.
         if run.result.is_empty() {
@@ -287,11 +278,44 @@ impl VaryingRecipe {
         Ok(Made::of_run(&run, facts))
     }
 
+    /// Returns the parameters of an exact tiling of this recipe's shape, whose radius must be the same everywhere.
+    fn tiling_of(
+        &self,
+        radius: &RadiusSource,
+        ground: &Ground,
+        blocks: ExactBlocks,
+    ) -> Result<Parameters, VaryingError> {
+        let RadiusSource::Constant(radius) = *radius else {
+            return Err(VaryingError::ExactRadius);
+        };
+        let [width, height] = ground.field.domain().size();
+        Ok(Parameters {
+            width,
+            height,
+            radius,
+            boundary: self.boundary,
+            seed: self.seed,
+            leaf: blocks.leaf,
+            pattern: blocks.pattern,
+            dihedral: blocks.dihedral,
+            ..Parameters::default()
+        })
+    }
+
     /// Returns the facts of an exact tiling of this recipe's shape, but for the ground in which it is judged.
     #[must_use]
     pub fn facts_of_tiling(&self, run: &Run) -> Facts {
         let samples = run.result.len() as f64;
-        let mut facts = facts_of_exact(&run.parameters, &run.domain, &run.pattern, samples);
+        self.with_shape(facts_of_exact(
+            &run.parameters,
+            &run.domain,
+            &run.pattern,
+            samples,
+        ))
+    }
+
+    /// Returns the facts of an exact tiling with its shape among the parameters.
+    fn with_shape(&self, mut facts: Facts) -> Facts {
         if let Some((name, value)) = self.shape.as_ref().and_then(ShapeSource::stated) {
             facts.parameters.insert(name.to_owned(), value);
         }

@@ -1,5 +1,5 @@
-//! Rounds of sets in random fields and shapes: the set, the same set recorded, and the verdict by subdivision. A shape of one
-//! radius is tiled exactly, too, by both engines. Ranges are chosen, not measured, where no reason stands beside them.
+//! Rounds of sets in random fields and shapes: the set, the same set recorded, in half of the rounds a window of it, and the verdicts
+//! by subdivision. A shape of one radius is tiled exactly, too, by both engines. Ranges are chosen, not measured, where no reason stands beside them.
 
 use std::f64::consts::TAU;
 use std::sync::Arc;
@@ -7,15 +7,15 @@ use std::sync::Arc;
 use anyhow::Result;
 use tilescope_analysis::{Report, VerifyOptions};
 use tilescope_core::{
-    Boundary, Locality, MIN_SIDE_RADII_PERIODIC, Parameters, PatternHistory, Unobserved,
+    Boundary, Locality, MIN_SIDE_RADII_PERIODIC, Parameters, PatternHistory, Point, Unobserved,
     Unrecorded, exact_in_shape, varying_recorded,
 };
 use tilescope_sets::{
-    ExactBlocks, Expression, GrayImage, PlanarPolygon, RadiusSource, ShapeSource, VaryingError,
-    VaryingRecipe,
+    ExactBlocks, Expression, GrayImage, Ground, PlanarPolygon, RadiusSource, ShapeSource,
+    VaryingError, VaryingRecipe,
 };
 
-use super::{Dice, Feature, Tally, faults_of, pattern};
+use super::{Dice, Feature, Tally, faults_of, pattern, random_window, shows};
 use crate::interrupt;
 
 /// The smallest and the largest area of a round in squares of the largest radius; where radii differ there are up to hundreds of
@@ -49,6 +49,9 @@ const OF_CORNERS: u32 = 300_000;
 /// The index of the draw of a leaf.
 const OF_BLOCKS: u32 = 400_000;
 
+/// The index of the draw of whether there is a window.
+const OF_WINDOW: u32 = 500_000;
+
 /// The shortest edge of the blocks of exact tilings.
 const LEAVES: [f64; 2] = [6.0, 30.0];
 
@@ -78,17 +81,22 @@ pub fn round(
     let ground = drawn.ground()?;
     let domain = *ground.field.domain();
     let locality = Arc::new(Locality {
-        field: ground.field,
-        shape: ground.shape,
+        field: ground.field.clone(),
+        shape: ground.shape.clone(),
     });
     let run = varying_recorded(&locality, parameters, &mut Unobserved, &mut Unrecorded)?;
     let recorded_agrees = domain.users_from_lattice(&run.points()) == made.set.points;
 
     let mut report = made.judge(options, &|_| interrupt::flow())?;
+    let window = Windowed::of(&drawn, &ground, &run.points(), dice, options)?;
+    let mut windows_agree = window.agrees;
+    window.add_to(&mut report);
     let mut engines_agree = true;
     if drawn.shape.is_some() && matches!(drawn.radius, RadiusSource::Constant(_)) {
         let tiled = tiled_exactly(&drawn, dice, options)?;
         engines_agree = tiled.engines_agree;
+        windows_agree &= tiled.window.agrees;
+        tiled.window.add_to(&mut report);
         report.count += tiled.report.count;
         report.conflicts += tiled.report.conflicts;
         report.gaps += tiled.report.gaps;
@@ -101,6 +109,7 @@ pub fn round(
             engines_agree,
             "exact tiling of the shape on all threads differs: ",
         ),
+        (windows_agree, "a --window differs from the set: "),
         (is_valid, "not valid: "),
     ];
     let faults = faults_of(&checks);
@@ -109,7 +118,7 @@ pub fn round(
         samples: report.count as u64,
         conflicts: report.conflicts,
         gaps: report.gaps,
-        unequal: u64::from(!(recorded_agrees && engines_agree)),
+        unequal: u64::from(!(recorded_agrees && engines_agree && windows_agree)),
         commands: (!faults.is_empty())
             .then(|| faults + command)
             .into_iter()
@@ -123,6 +132,52 @@ struct ExactShape {
     /// Whether the engine of all threads made what the sequential one made.
     engines_agree: bool,
     report: Report,
+    window: Windowed,
+}
+
+/// A window of a set that was made alone; in half of the rounds there is none, which agrees.
+struct Windowed {
+    /// Whether it has the samples of the whole.
+    agrees: bool,
+    conflicts: u64,
+    gaps: u64,
+}
+
+impl Windowed {
+    /// Makes a random window of a set, whose lattice points are given.
+    fn of(
+        drawn: &VaryingRecipe,
+        ground: &Ground,
+        whole: &[Point],
+        dice: &Dice,
+        options: &VerifyOptions,
+    ) -> Result<Self> {
+        let domain = ground.field.domain();
+        let drawn_window = random_window(domain, dice, 0);
+        // In half of the rounds, as a window takes about as long as the set.
+        let Some(window) = drawn_window.filter(|_| dice.share(OF_WINDOW) < 0.5) else {
+            return Ok(Self {
+                agrees: true,
+                conflicts: 0,
+                gaps: 0,
+            });
+        };
+
+        let made = drawn.make_window(ground, &window, &mut Unobserved)?;
+        let mut expected = whole.to_vec();
+        expected.retain(|point| shows(&window, domain, *point));
+        let report = made.judge(options, &|_| interrupt::flow())?;
+        Ok(Self {
+            agrees: domain.users_from_lattice(&expected) == made.set.points,
+            conflicts: report.whole.conflicts,
+            gaps: report.gaps,
+        })
+    }
+
+    fn add_to(&self, report: &mut Report) {
+        report.conflicts += self.conflicts;
+        report.gaps += self.gaps;
+    }
 }
 
 /// Tiles the shape of a round exactly, by both engines. The radius is the same everywhere.
@@ -161,6 +216,7 @@ fn tiled_exactly(
     let run = exact_in_shape(&parameters, &history, &ground.shape, &mut Unobserved)?;
     Ok(ExactShape {
         engines_agree: run.positions() == made.set.points,
+        window: Windowed::of(&recipe, &ground, &run.points(), dice, options)?,
         report: made.judge(options, &|_| interrupt::flow())?,
     })
 }

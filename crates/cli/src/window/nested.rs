@@ -10,7 +10,7 @@ use tilescope_core::{Nested, NestedPlane, NestedRequest, Progress, Window, Withi
 use tilescope_formats::{PointSet, positions_digest};
 use tilescope_sets::{Facts, Recipe, stated};
 
-use super::{checked_window, head, judge, save};
+use super::{WindowPlace, checked_window, judge, save};
 use crate::nested::NEEDS_KDRT;
 use crate::progress::Stopwatch;
 use crate::sample_arguments::{SampleArguments, SamplingMethod};
@@ -57,7 +57,13 @@ pub fn run(
         "file": null,
     });
 
-    let mut text = head(corners, plane.domain(), set.len(), seconds);
+    let place = WindowPlace {
+        corners,
+        origin: [0.0; 2],
+        domain: plane.domain(),
+        radius: &plane.domain().radius().to_string(),
+    };
+    let mut text = place.head(set.len(), seconds);
     for (&count, report) in found.ends().iter().zip(&reports) {
         text += &level_text(count, report);
     }

@@ -200,6 +200,14 @@ pub enum VaryingError {
     /// No place of the domain belongs to the shape.
     #[error("the shape has no place in the domain, so that there is nothing to cover")]
     Nothing,
+    /// A window is to have the scale at which the whole set has a number of samples.
+    #[error(
+        "the scale of the radii at which the set has {count} samples is only found by making the whole set, which a window does without: give the radii themselves"
+    )]
+    WindowCount {
+        /// The number of samples that was asked for.
+        count: u64,
+    },
     /// A certificate needs a file that is not given.
     #[error(
         "the certificate states {what} from {file}, which must be given to judge the set: {option} {file}"

@@ -18,7 +18,7 @@ fn expression(text: &str) -> RadiusSource {
     }
 }
 
-fn recipe(radius: RadiusSource) -> VaryingRecipe {
+pub fn recipe(radius: RadiusSource) -> VaryingRecipe {
     VaryingRecipe {
         radius,
         shape: None,
@@ -55,7 +55,7 @@ fn disk(radius: f64) -> ShapeSource {
 }
 
 /// A park of 60 x 40 with a pond, at map coordinates.
-fn park() -> ShapeSource {
+pub fn park() -> ShapeSource {
     let ring = |corners: &[[f64; 2]]| {
         let corners = corners
             .iter()

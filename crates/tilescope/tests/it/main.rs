@@ -20,5 +20,6 @@ mod stipple;
 mod support;
 mod text_tables;
 mod varying;
+mod varying_windows;
 mod web;
 mod words;

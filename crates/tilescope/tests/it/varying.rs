@@ -11,13 +11,13 @@ use tempfile::{TempDir, tempdir};
 use crate::support::tilescope;
 
 /// Runs the program and returns its one JSON object.
-fn run(folder: &TempDir, line: &str, code: i32) -> Value {
+pub fn run(folder: &TempDir, line: &str, code: i32) -> Value {
     let assert = tilescope(folder).args(words(line)).assert().code(code);
     serde_json::from_slice(&assert.get_output().stdout).expect("one JSON object")
 }
 
 /// Fails unless the program refuses a line with these words.
-fn refused(folder: &TempDir, line: &str, wanted: &str) {
+pub fn refused(folder: &TempDir, line: &str, wanted: &str) {
     let run = tilescope(folder).args(words(line)).assert().code(2);
     run.stderr(contains(wanted));
 }
@@ -30,7 +30,7 @@ fn words(line: &str) -> Vec<String> {
 }
 
 /// Writes an image whose grey, of 16 bits, is that of a place of the unit square, counted from the top left corner.
-fn image(folder: &TempDir, name: &str, size: [u32; 2], grey: impl Fn(f64, f64) -> f64) {
+pub fn image(folder: &TempDir, name: &str, size: [u32; 2], grey: impl Fn(f64, f64) -> f64) {
     let mut data = Vec::new();
     for row in 0..size[1] {
         for column in 0..size[0] {
@@ -51,7 +51,7 @@ fn image(folder: &TempDir, name: &str, size: [u32; 2], grey: impl Fn(f64, f64) -
 }
 
 /// Writes a park with a pond, 60 x 40 at map coordinates, the pond's ring in the wrong direction.
-fn park(folder: &TempDir) {
+pub fn park(folder: &TempDir) {
     let ring = |corners: &[[f64; 2]]| {
         let corners = corners
             .iter()
