@@ -4,6 +4,7 @@
 //! Begin with [`VaryingRecipe`]. Its [`VaryingRecipe::ground`] is the field and the shape in lattice units, for the sampler and
 //! for the judge. A field is integers at nodes: all that is computed in `f64` is done once for each node.
 
+mod count;
 mod error;
 mod expression;
 mod grid;
@@ -32,6 +33,8 @@ use crate::facts::{Facts, Stated};
 use crate::made::Made;
 use crate::recipe::facts_of_exact;
 
+use count::{CountSearch, Step};
+
 pub use error::VaryingError;
 pub use expression::{Expression, MAX_EXPRESSION};
 pub use grid::RadiusGrid;
@@ -43,11 +46,8 @@ pub use source::{RadiusSource, ShapeSource};
 pub use stipple::{DEFAULT_WHITE, Stipple, StippleLook, StippleRecipe, check_white, color_of};
 pub use window::WindowMade;
 
-/// Sets of a count are within a hundredth of it.
-const TOLERANCE: u64 = 100;
-
-/// Radii are scaled at most so often for a count; on images of text it took three times.
-const MAX_TRIES: usize = 12;
+/// The most sets that are made in search of a stipple; of twenty small images no one took more than five.
+const MAX_RUNS: usize = 12;
 
 /// What a set is made from whose radius varies, or that covers a shape.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
@@ -181,32 +181,20 @@ impl VaryingRecipe {
             return Ok((made, settled(self.radius.clone())));
         };
 
-        // An estimate of no sample at all would give a scale of 0, and radii that no further try could scale up again:
-        // it counts as half a sample (chosen, not measured). A set that was made has samples. A count of 0 counts as 1,
-        // so that nothing is divided by 0.
-        let scale_for = |found: f64| (found.max(0.5) / count.max(1) as f64).sqrt();
         // The estimate does not check the source, as each attempt does.
         self.radius.check()?;
-        let expected = self.expected(&self.radius)?;
-        let mut radius = self.radius.scaled(scale_for(expected));
+        let mut search = CountSearch::new(count);
+        let estimate = search.scale_for(self.expected(&self.radius)?);
+        let mut radius = self.radius.scaled(estimate);
 
-        // No set is made yet: any number of samples is nearer to the wanted one than this.
-        let mut nearest = u64::MAX;
-        for _ in 0..MAX_TRIES {
+        loop {
             let made = self.attempt(&radius, history, observer)?;
-            let found = made.set.len() as u64;
-            // Of few samples a hundredth is less than one: then one more or fewer is near enough.
-            if found.abs_diff(count) <= (count / TOLERANCE).max(1) {
-                return Ok((made, settled(radius)));
+            match search.after(made.set.len() as u64) {
+                Step::Found => return Ok((made, settled(radius))),
+                Step::Again { scale } => radius = radius.scaled(scale),
+                Step::Missed { nearest } => return Err(VaryingError::Count { count, nearest }),
             }
-            if found.abs_diff(count) < count.abs_diff(nearest) {
-                nearest = found;
-            }
-            // A radius that is s times as large gives 1 / s^2 of the samples, but not quite: along borders and where
-            // the radius changes steeply it gives another share. So the next set is counted again.
-            radius = radius.scaled(scale_for(found as f64));
         }
-        Err(VaryingError::Count { count, nearest })
     }
 
     /// Makes the set with these radii: by exact tiling, if its pattern's `history` is given, and otherwise by the reference

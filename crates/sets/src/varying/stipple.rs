@@ -19,7 +19,7 @@ use super::error::VaryingError;
 use super::ground::Ground;
 use super::image::GrayImage;
 use super::source::{DENSITY_CAP, RadiusSource, ShapeSource};
-use super::{MAX_TRIES, VaryingRecipe};
+use super::{MAX_RUNS, VaryingRecipe};
 use crate::facts::{Facts, Stated};
 use crate::made::Made;
 
@@ -113,7 +113,7 @@ impl StippleRecipe {
         let most = self.dots + ((LEFT_OUT * dots.sqrt()) as u64).max(1);
         let mut nearest = 0;
         let mut best: Option<Run> = None;
-        for _ in 0..MAX_TRIES {
+        for _ in 0..MAX_RUNS {
             let run = self.run(&image, black, observer)?;
             let found = run.points.len() as u64;
             if found.abs_diff(self.dots) < self.dots.abs_diff(nearest) {

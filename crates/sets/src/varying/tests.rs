@@ -70,6 +70,37 @@ pub fn park() -> ShapeSource {
     )
 }
 
+/// Sets of few samples: with one radius, a ramp, in a polygon, in a mask, by an image, and around a torus.
+pub fn small_recipes() -> Vec<VaryingRecipe> {
+    // Fields of few nodes, as an expression has a million, which take most of the time for so few samples.
+    let ramp = |left: f64, right: f64| RadiusSource::Grid {
+        grid: RadiusGrid::new(3, [left, f64::midpoint(left, right), right].repeat(3))
+            .expect("a grid"),
+        scale: 1.0,
+    };
+    let one = RadiusSource::Constant(0.1);
+    let grey = image([60, 40], |x, y| 0.2 + 0.7 * x * y);
+    let density = RadiusSource::Density {
+        image: grey,
+        black: 1.0,
+    };
+    let within = |shape| VaryingRecipe {
+        shape: Some(shape),
+        ..recipe(one.clone())
+    };
+    vec![
+        recipe(ramp(0.01, 0.01)),
+        recipe(ramp(0.01, 0.04)),
+        within(park()),
+        within(disk(0.4)),
+        recipe(density),
+        VaryingRecipe {
+            boundary: Boundary::Periodic,
+            ..recipe(ramp(0.01, 0.02))
+        },
+    ]
+}
+
 fn made(recipe: &VaryingRecipe) -> Made {
     recipe.make(&mut Unobserved).expect("a set")
 }
