@@ -137,6 +137,12 @@ pub fn run(arguments: &StippleArguments) -> Result<u8> {
     let stipple = made.map_err(|error| of_dots(error, arguments.dots))?;
     let drawing = arguments.look.drawing(&stipple, arguments.tone.invert);
     let remarks = remarks(&stipple);
+    let found = json!({
+        "made": stipple.made.facts.made,
+        "runs": stipple.runs,
+        "black_radius": stipple.black,
+        "capped_pixels": stipple.capped,
+    });
     let worked = Worked {
         made: stipple.made,
         work: Work::on_cpu(&mut watch),
@@ -146,7 +152,7 @@ pub fn run(arguments: &StippleArguments) -> Result<u8> {
     outcome.warnings.extend(remarks);
     output::report(
         arguments.json,
-        || to_json(&outcome, stipple.black, stipple.capped),
+        || to_json(&outcome, &found),
         || outcome.text(),
     )?;
     Ok(outcome.code())
@@ -281,7 +287,8 @@ fn remarks(stipple: &Stipple) -> Vec<String> {
     // A stipple's facts always have this number; those of other sets do not.
     let made = stipple.made.facts.made.map(grouped).unwrap_or_default();
     let mut remarks = vec![format!(
-        "note: the dots are the first {kept} of {made}, by their arrival"
+        "note: the dots are the first {kept} of {made}, by their arrival; {} runs were made",
+        stipple.runs
     )];
     if stipple.capped > 0 {
         let capped = grouped(stipple.capped as u64);
@@ -293,10 +300,11 @@ fn remarks(stipple: &Stipple) -> Vec<String> {
     remarks
 }
 
-fn to_json(outcome: &Outcome, black: f64, capped: usize) -> serde_json::Value {
+/// Returns the report on a stipple, with the numbers that only stipples have.
+fn to_json(outcome: &Outcome, found: &serde_json::Value) -> serde_json::Value {
     let mut object = outcome.json();
-    object["made"] = json!(outcome.facts.made);
-    object["black_radius"] = json!(black);
-    object["capped_pixels"] = json!(capped);
+    for (name, value) in found.as_object().into_iter().flatten() {
+        object[name] = value.clone();
+    }
     object
 }

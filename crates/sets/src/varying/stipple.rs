@@ -75,6 +75,8 @@ pub struct Stipple {
     pub capped: usize,
     /// The field and the shape in which the dots were made.
     pub ground: Ground,
+    /// How many sets were made until one had the dots that were asked for, and few more.
+    pub runs: usize,
 }
 
 /// Refuses a share of black below which there are no dots, if it is out of range.
@@ -113,7 +115,9 @@ impl StippleRecipe {
         let most = self.dots + ((LEFT_OUT * dots.sqrt()) as u64).max(1);
         let mut nearest = 0;
         let mut best: Option<Run> = None;
+        let mut runs = 0;
         for _ in 0..MAX_RUNS {
+            runs += 1;
             let run = self.run(&image, black, observer)?;
             let found = run.points.len() as u64;
             if found.abs_diff(self.dots) < self.dots.abs_diff(nearest) {
@@ -134,7 +138,7 @@ impl StippleRecipe {
         }
 
         let count = self.dots;
-        best.map(|run| self.finished(run))
+        best.map(|run| self.finished(run, runs))
             .ok_or(VaryingError::Count { count, nearest })
     }
 
@@ -241,8 +245,8 @@ impl StippleRecipe {
         })
     }
 
-    /// Keeps the first dots of a run.
-    fn finished(&self, run: Run) -> Stipple {
+    /// Keeps the first dots of a run, which is one of `runs`.
+    fn finished(&self, run: Run, runs: usize) -> Stipple {
         let Run {
             recipe,
             ground,
@@ -272,6 +276,7 @@ impl StippleRecipe {
             black,
             capped: self.image.lighter_than(self.white, lightest),
             ground,
+            runs,
         }
     }
 }
