@@ -16,6 +16,7 @@
 //! The samples that a square looks at include every one that is near a sample in it. So conflicts are found where a
 //! square is settled, without a search of their own.
 
+mod area;
 mod asked;
 mod error;
 mod radii;

@@ -31,6 +31,8 @@ pub(super) struct NodeTable {
     /// Ranges of blocks of 2 x 2 cells, of 4 x 4, and so on up to one of all. Those of single cells are not held, as
     /// they are seen from their nodes.
     levels: Vec<BlockLevel>,
+    /// The least and the greatest node of all, which every sample that comes or goes asks for.
+    whole: RadiusRange,
 }
 
 /// The least and greatest nodes of the blocks of a size.
@@ -108,10 +110,25 @@ impl RadiusTable {
 
     /// Returns the largest radius of the region, or more.
     pub(super) fn greatest(&self) -> i64 {
+        self.whole().greatest
+    }
+
+    /// Returns the least and the greatest radius of a node.
+    pub(super) fn whole(&self) -> RadiusRange {
         match self {
-            Self::Constant(radius) => *radius,
-            // A table has at least four nodes: the 1 is never taken.
-            Self::Nodes(table) => table.nodes.iter().copied().max().unwrap_or(1).into(),
+            Self::Constant(radius) => RadiusRange {
+                least: *radius,
+                greatest: *radius,
+            },
+            Self::Nodes(table) => table.whole,
+        }
+    }
+
+    /// Returns how wide a cell of four nodes is: two to this power. A radius that is the same everywhere has one cell.
+    pub(super) const fn cell_bits(&self) -> u32 {
+        match self {
+            Self::Constant(_) => i32::BITS,
+            Self::Nodes(table) => table.bits,
         }
     }
 
@@ -139,11 +156,18 @@ fn check_radii(radii: &[i32]) -> Result<(), SquaresError> {
 impl NodeTable {
     /// Returns the table of nodes, with the ranges of ever larger blocks of cells.
     fn new(bits: u32, cells: [usize; 2], nodes: Vec<i32>) -> Self {
+        let each = || nodes.iter().copied();
+        // A table has at least four nodes: the 1 is never taken.
+        let whole = RadiusRange {
+            least: each().min().unwrap_or(1).into(),
+            greatest: each().max().unwrap_or(1).into(),
+        };
         let mut table = Self {
             bits,
             cells,
             nodes,
             levels: Vec::new(),
+            whole,
         };
 
         let mut below = cells;

@@ -104,7 +104,7 @@ const fn all_or_nothing(all: bool) -> Share {
 
 /// A side of a ring.
 #[derive(Clone, Copy, Debug)]
-struct RingSide {
+pub(super) struct RingSide {
     from: [i64; 2],
     to: [i64; 2],
 }
@@ -116,6 +116,17 @@ impl RingSide {
         let offset = [x - self.from[0], y - self.from[1]].map(i128::from);
         let cross = across(0) * offset[1] - across(1) * offset[0];
         cross.signum() as i32
+    }
+
+    /// Returns where it is at a height between its ends; of a level side, where it begins.
+    pub(super) fn x_at(&self, y: f64) -> f64 {
+        let [right, up] = [0, 1].map(|axis| (self.to[axis] - self.from[axis]) as f64);
+        let share = if up == 0.0 {
+            0.0
+        } else {
+            (y - self.from[1] as f64) / up
+        };
+        self.from[0] as f64 + right * share
     }
 
     /// Returns the lower and the higher end on an axis.
@@ -195,6 +206,20 @@ impl EdgeRows {
     fn edges_of(&self, band: i64) -> impl Iterator<Item = &RingSide> {
         let band = &self.bands[band as usize];
         band.iter().map(|&index| &self.edges[index as usize])
+    }
+
+    /// Returns the heights at which sides begin and end.
+    pub(super) fn heights(&self) -> impl Iterator<Item = i64> {
+        self.edges.iter().flat_map(|edge| edge.ends(1))
+    }
+
+    /// Returns the sides that pass from a height in the region to a higher one.
+    pub(super) fn passing(&self, low: i64, high: i64) -> impl Iterator<Item = &RingSide> {
+        let passes = move |edge: &&RingSide| {
+            let [first, last] = edge.ends(1);
+            first <= low && last >= high
+        };
+        self.edges_of(low >> self.bits).filter(passes)
     }
 
     /// Returns whether a place is inside by the even-odd rule, or on a side: whether a ray from it meets an odd number of sides.
@@ -294,6 +319,19 @@ impl Pixels {
         Self { bits, levels }
     }
 
+    /// Returns the width of a pixel: two to this power.
+    pub(super) const fn bits(&self) -> u32 {
+        self.bits
+    }
+
+    /// Returns the row and the column of each pixel that is inside.
+    pub(super) fn inside_pixels(&self) -> impl Iterator<Item = (usize, usize)> {
+        let PixelLevel { columns, shares } = &self.levels[0];
+        let inside = shares.iter().enumerate();
+        let inside = inside.filter(|(_, share)| **share == Share::Everything);
+        inside.map(move |(index, _)| (index / columns, index % columns))
+    }
+
     fn inside(&self, x: i64, y: i64) -> bool {
         let (row, column) = ((y >> self.bits) as usize, (x >> self.bits) as usize);
         self.levels[0].share(row, column) == Share::Everything
@@ -343,6 +381,13 @@ impl FillingPixels {
             counts,
             sums,
         }
+    }
+
+    /// Returns how many pixels are inside, and how many there are.
+    pub(super) fn inside_of_all(&self) -> [usize; 2] {
+        // The last sum is that of all pixels; even without pixels there is one sum.
+        let inside = self.sums.last().map_or(0, |count| *count as usize);
+        [inside, self.counts[0] * self.counts[1]]
     }
 
     /// Returns the column or the row of a coordinate.

@@ -20,6 +20,7 @@ mod shares;
 mod solid;
 mod spectra;
 mod squares;
+mod squares_area;
 mod streams;
 mod support;
 mod tessellation;
