@@ -6,6 +6,7 @@ use serde::{Deserialize, Serialize};
 use crate::exact::covering_limit;
 use crate::findings::{Findings, MAX_CONFLICTS};
 use crate::judge::Judge;
+use crate::measures::largest_min_distance;
 use crate::region::Region;
 use crate::witness::{Conflict, Gap};
 
@@ -44,10 +45,13 @@ pub struct Report {
     /// covered, as measured. `gaps` then counts none, as each is within that factor.
     #[serde(default)]
     pub covering_factor: Option<f64>,
+    /// The area that is to be covered: that of the region, or of a shape in it. Where the radius varies a place counts as much
+    /// as `radius^2` is of its own squared, so that the area is that of a region of one radius with as much room.
+    pub area: f64,
     /// `N r^2 / area`.
     pub density: f64,
     /// `min_distance / r_max`, where `r_max = sqrt(2 area / (sqrt(3) N))` is that of the densest
-    /// packing. Infinite where `min_distance` is.
+    /// packing. Infinite where `min_distance` is, and where the radius varies, as the packing then has no single distance.
     #[serde(with = "finite_or_null")]
     pub relative_radius: f64,
 }
@@ -91,8 +95,7 @@ impl Report {
         );
 
         let min_distance = found.min_distance / scale;
-        // The smallest distance in the densest packing of this number of samples, the hexagonal one.
-        let r_max = (2.0 * region.area() / (3f64.sqrt() * count as f64)).sqrt();
+        let r_max = largest_min_distance(count, region.area());
 
         Self {
             judges: vec![found.judge],
@@ -110,9 +113,24 @@ impl Report {
             covering_radius: found.covering_radius / scale,
             // A set that is judged here is not claimed to be the beginning of a larger one.
             covering_factor: None,
+            area: region.area(),
             density: count as f64 * radius * radius / region.area(),
             relative_radius: min_distance / r_max,
         }
+    }
+
+    /// Returns the density of the samples in the whole region, as certificates state it: that of a shape counts the places
+    /// outside, too, and where the radius varies all places have the least.
+    #[must_use]
+    pub fn density_of_region(&self) -> f64 {
+        self.count as f64 * self.radius * self.radius / self.region.area()
+    }
+
+    /// Returns the smallest distance over that of the densest packing of as many samples in the whole region, as certificates
+    /// state it.
+    #[must_use]
+    pub fn relative_radius_of_region(&self) -> f64 {
+        self.min_distance / largest_min_distance(self.count, self.region.area())
     }
 
     /// The verdict in numbers, for messages.

@@ -30,7 +30,7 @@ use tilescope_workbench::command::{
     AppearanceCommand, Brush, Command, DebugCommand, FormCommand, PaintCommand, TimeCommand,
     ViewCommand, Which, WindowCommand,
 };
-use tilescope_workbench::curve::{CurveNumber, NOT_IN_SPACE, NOT_IN_THE_PLANE};
+use tilescope_workbench::curve::CurveNumber;
 use tilescope_workbench::finder::Finder;
 use tilescope_workbench::help::HelpPage;
 use tilescope_workbench::layout::Panel;
@@ -691,16 +691,10 @@ fn curves(list: &mut List, state: &State) {
     let refusal =
         lacks_events.then_some("This session has no events, over which a curve could be drawn.");
 
-    let session = state.runs().first.session.as_ref();
-    let is_in_space = session.is_some_and(|session| session.solid.is_some());
-    let not_here = if is_in_space {
-        NOT_IN_SPACE
-    } else {
-        NOT_IN_THE_PLANE
-    };
+    let session = state.runs().first.session.as_deref();
     for number in CurveNumber::all() {
         let command = Command::Appearance(AppearanceCommand::Curve(Some(number)));
-        let lacks_number = number.of_runs(is_in_space).is_none().then_some(not_here);
+        let lacks_number = number.refusal(session);
         list.add(format!("Curve: {}", number.row().name), command)
             .refused(refusal.or(lacks_number))
             .marked(shown == Some(number));

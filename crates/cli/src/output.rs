@@ -423,12 +423,15 @@ fn subdivision_text(report: &Report) -> String {
         ),
         None => format!("maximal        {}", answer(report.maximal(), report.gaps)),
     };
+    // A density counts what is to be covered, and each place by its own radius: about 0.70 of any maximal set.
     let mut out = format!(
         "samples        {}\n\
+         density        {:.4} N r^2 / area that is covered\n\
          conflict-free  {}   min distance {}\n\
          {covers}\n\
          verified by    {}\n",
         report.count,
+        report.density,
         conflicts_answer(report.conflicts),
         Number(report.min_distance),
         Judge::joined(&report.judges),

@@ -64,7 +64,7 @@ pub use moves::{Direction, Step, Target};
 pub use outline::{Outline, OutlineRow, OutlineRows};
 pub use query::{Query, QueryError};
 pub use ranks::RecordedLevels;
-pub use recording::{MomentNumbers, NumberAt, NumberName, NumberValue, Recording};
+pub use recording::{FollowRecording, MomentNumbers, NumberAt, NumberName, NumberValue, Recording};
 pub use sentence::{fraction, grouped, sentence, short, significant};
 pub use session::{
     MAX_BUDGET, MAX_BYTES, MAX_SAMPLES, MAX_SCENES, MAX_STOPS, MAX_TEXT, PatternFile,

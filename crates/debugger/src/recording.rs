@@ -55,13 +55,16 @@ pub enum NumberValue {
 /// every breakpoint.
 pub type NumberAt = Box<dyn FnMut(&str, usize, u64) -> Result<NumberValue, String> + Send>;
 
+/// Begins to follow the numbers of a recording.
+pub type FollowRecording = dyn Fn(&Recording) -> NumberAt + Send + Sync;
+
 /// Numbers that can be had at every moment of a recording.
 pub struct MomentNumbers {
     /// Their names; none of them is in [`crate::NAMES`].
     pub names: Vec<NumberName>,
     /// Begins to follow a recording. Each evaluator does so when an expression first names a number, so that two of them at
     /// different cursors do not move each other's measures.
-    pub follow: fn(&Recording) -> NumberAt,
+    pub follow: Box<FollowRecording>,
 }
 
 /// A dart of an exact tiling that is to arrive: it was woken, or thrown where nothing covered it.
@@ -107,7 +110,7 @@ pub struct Recording {
     #[serde(with = "crate::computed")]
     by_sample: OnceLock<BySample>,
     #[serde(skip)]
-    numbers: OnceLock<&'static MomentNumbers>,
+    numbers: OnceLock<Arc<MomentNumbers>>,
     /// Not sent to workers: those make sessions of levels, which have no recording.
     #[serde(skip)]
     pub(crate) levels: Option<RecordedLevels>,
@@ -558,14 +561,14 @@ impl Recording {
 
     /// Lets expressions over this recording name numbers of the moment. Evaluators that are made before have none; numbers that
     /// were given before stay.
-    pub fn give_numbers(&self, numbers: &'static MomentNumbers) {
-        let _ = self.numbers.set(numbers);
+    pub fn give_numbers(&self, numbers: impl FnOnce() -> Arc<MomentNumbers>) {
+        self.numbers.get_or_init(numbers);
     }
 
     /// Returns the numbers of the moment that expressions can name, if it was given any.
     #[must_use]
-    pub fn numbers(&self) -> Option<&'static MomentNumbers> {
-        self.numbers.get().copied()
+    pub fn numbers(&self) -> Option<&MomentNumbers> {
+        self.numbers.get().map(AsRef::as_ref)
     }
 
     /// Makes the indices of events by sample, line and kind now, instead of at the first search. Takes some hundred

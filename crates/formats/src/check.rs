@@ -670,11 +670,12 @@ fn measures(list: &mut Differences, stated: &Certificate, report: &Report) {
             stated.covering_radius,
             report.covering_radius,
         ),
-        ("density", Some(stated.density), report.density),
+        // Certificates state these two of the whole region.
+        ("density", Some(stated.density), report.density_of_region()),
         (
             "relative_radius",
             stated.relative_radius,
-            report.relative_radius,
+            report.relative_radius_of_region(),
         ),
     ];
     for (field, stated, found) in measured {

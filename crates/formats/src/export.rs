@@ -537,8 +537,9 @@ pub(crate) fn certificate(
         covering_radius: finite(report.covering_radius),
         conflicts: report.conflicts,
         gaps: report.gaps,
-        density: report.density,
-        relative_radius: finite(report.relative_radius),
+        // As version 2 defines them: of the whole region, also where a shape is covered.
+        density: report.density_of_region(),
+        relative_radius: finite(report.relative_radius_of_region()),
         valid: report.valid(),
         judges: report.judges.clone(),
         levels: Vec::new(),

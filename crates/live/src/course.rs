@@ -11,6 +11,8 @@ use tilescope_core::{
 use tilescope_debugger::{EventKind, Recording};
 use tilescope_sets::region;
 
+use crate::setting::{LiveGround, Setting};
+
 /// A sample comes, or goes.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Change {
@@ -46,6 +48,8 @@ pub struct Course {
     places: Vec<[i32; 2]>,
     /// The third axis; `None` of planar sets.
     third: Option<Third>,
+    /// The field or the shape; `None` of one radius in a rectangle.
+    ground: Option<LiveGround>,
     changes: Vec<Change>,
     starts: Vec<Start>,
     events: usize,
@@ -109,6 +113,45 @@ impl Course {
             }),
             ..Self::of_order(projected, points)
         }
+    }
+
+    /// Returns the same course in a field or a shape, by whose judge its moments are measured.
+    #[must_use]
+    pub fn in_ground(self, ground: LiveGround) -> Self {
+        Self {
+            ground: Some(ground),
+            ..self
+        }
+    }
+
+    /// Returns the field or the shape, if the run has one.
+    #[must_use]
+    pub const fn ground(&self) -> Option<&LiveGround> {
+        self.ground.as_ref()
+    }
+
+    /// Returns what the samples lie in.
+    #[must_use]
+    pub const fn setting(&self) -> Setting {
+        match &self.ground {
+            Some(ground) => Setting::of_ground(ground.has_one_radius),
+            None => Setting::of_box(self.is_in_space()),
+        }
+    }
+
+    /// Returns the radius by which samples are judged, in user units: the only one, or the least.
+    #[must_use]
+    pub fn radius(&self) -> f64 {
+        let of_lattice = || self.domain.radius();
+        // On the lattice of a field or of a mask r is a power of two of the pitch, and no radius of a place.
+        (self.ground.as_ref()).map_or_else(of_lattice, |ground| ground.radius)
+    }
+
+    /// Returns the area that is to be covered, in user units.
+    #[must_use]
+    pub fn area(&self) -> f64 {
+        let of_region = || self.region().area();
+        (self.ground.as_ref()).map_or_else(of_region, |ground| ground.area)
     }
 
     /// Returns whether the run is of a set in space. Its places are then the projections to x and y.
@@ -291,6 +334,7 @@ impl CourseRecorder {
             domain,
             places: points.iter().map(|point| [point.x, point.y]).collect(),
             third: None,
+            ground: None,
             changes: self.changes,
             starts: self.starts,
             events: self.events,

@@ -9,7 +9,7 @@ use tilescope_core::Stage;
 
 use crate::course::Course;
 use crate::moment::{LiveMoment, Wanted};
-use crate::numbers::{is_of_spectrum, number_of_run, place_of, wanted_for};
+use crate::numbers::{is_of_spectrum, wanted_for};
 
 /// The moments of a curve of the spectrum, if no number of them is stated: reading a spectrum of a quarter of a million
 /// frequencies takes as long as ten changes of the samples do, and a curve is drawn a thousand points wide.
@@ -78,7 +78,7 @@ pub enum CurveError {
         /// The most samples at once.
         count: usize,
     },
-    /// The number is one of planar sets, and the run is in space; or the other way around.
+    /// The number means nothing in what the samples lie in, as a planar number in space.
     #[error("the number \"{key}\" is not followed {place}")]
     NotHere {
         /// The key of the number.
@@ -113,8 +113,8 @@ impl CurveMaker {
     /// there are more such moments than `moments`, at so many that are evenly spread among them. If a number is of the
     /// spectrum and `moments` is not given, there are at most [`MOMENTS_OF_SPECTRUM`].
     ///
-    /// Each number must be one that every moment has: [`crate::numbers_named`] returns such numbers. Of a run in space, the number
-    /// with the same key is taken that is defined there.
+    /// Each number must be one that every moment has: [`crate::numbers_named_in`] returns such numbers. Of a run in space, the
+    /// number with the same key is taken that is defined there.
     ///
     /// # Errors
     ///
@@ -124,10 +124,12 @@ impl CurveMaker {
         numbers: &[&'static SetNumber],
         moments: Option<usize>,
     ) -> Result<Self, CurveError> {
-        let is_in_space = course.is_in_space();
+        let setting = course.setting();
         let own = numbers.iter().map(|number| {
-            let (key, place) = (number.key, place_of(is_in_space));
-            number_of_run(key, is_in_space).ok_or(CurveError::NotHere { key, place })
+            let (key, place) = (number.key, setting.place());
+            setting
+                .number(key)
+                .ok_or(CurveError::NotHere { key, place })
         });
         let numbers: Vec<&'static SetNumber> = own.collect::<Result<_, _>>()?;
 

@@ -8,7 +8,8 @@ use tilescope_debugger::{MomentNumbers, NumberAt, NumberName, NumberValue, Recor
 use crate::course::Course;
 use crate::curve::MAX_SAMPLES_OF_SPECTRUM;
 use crate::moment::{LiveMoment, MAX_SAMPLES};
-use crate::numbers::{all_live_numbers, is_of_spectrum, number_of_run, wanted_for};
+use crate::numbers::{all_live_numbers, is_of_spectrum, wanted_for};
+use crate::setting::LiveGround;
 
 /// The numbers of the catalogue that can be had at every moment, by their keys, for
 /// [`give_numbers`](Recording::give_numbers). Nothing is measured before an expression names one.
@@ -16,10 +17,33 @@ use crate::numbers::{all_live_numbers, is_of_spectrum, number_of_run, wanted_for
 /// A value takes at most the time of measuring its moment from nothing, and that of the changes since the value before where
 /// these are fewer; a watch waits for it no longer than the steps that it has in a frame. All conditions of a run from its start to
 /// its end take the time of the run's curve.
-pub static MOMENT_NUMBERS: LazyLock<MomentNumbers> = LazyLock::new(|| MomentNumbers {
-    names: all_live_numbers().map(name).collect(),
-    follow,
+pub static MOMENT_NUMBERS: LazyLock<Arc<MomentNumbers>> = LazyLock::new(|| {
+    // A recording in a field or a shape has the numbers of `moment_numbers_in`. Without them its judge is not known.
+    Arc::new(numbers_of(|recording| {
+        let is_in_ground = recording.run().locality.is_some();
+        let why = "it has no judge of its field or its shape here";
+        let course = || Course::of_recording(recording);
+        (!is_in_ground).then(course).ok_or_else(|| why.to_owned())
+    }))
 });
+
+/// Returns the numbers of recordings in a field or a shape. `ground` makes what measures need of it, once for each evaluator
+/// that names a number, or says why it cannot.
+pub fn moment_numbers_in(
+    ground: impl Fn() -> Result<LiveGround, String> + Send + Sync + 'static,
+) -> MomentNumbers {
+    numbers_of(move |recording| Ok(Course::of_recording(recording).in_ground(ground()?)))
+}
+
+/// Returns the numbers of recordings whose course is made by `course_of`.
+fn numbers_of(
+    course_of: impl Fn(&Recording) -> Result<Course, String> + Send + Sync + 'static,
+) -> MomentNumbers {
+    MomentNumbers {
+        names: all_live_numbers().map(name).collect(),
+        follow: Box::new(move |recording| follow(recording, &course_of)),
+    }
+}
 
 fn name(number: &'static SetNumber) -> NumberName {
     let why = "its spectrum would be read again at every breakpoint";
@@ -35,7 +59,10 @@ fn name(number: &'static SetNumber) -> NumberName {
 
 /// Returns the function that gives the value of a number at a cursor of a recording. Its last argument is the most
 /// steps that it may take. Where the run has too many samples, it returns an error instead.
-fn follow(recording: &Recording) -> NumberAt {
+fn follow(
+    recording: &Recording,
+    course_of: &dyn Fn(&Recording) -> Result<Course, String>,
+) -> NumberAt {
     let samples = recording.run().samples.len();
     // These are all samples that the run ever has. How many there are at once is known only after its events are read below.
     if samples > MAX_SAMPLES {
@@ -45,19 +72,15 @@ fn follow(recording: &Recording) -> NumberAt {
         return Box::new(move |_, _, _| Err(why.clone()));
     }
 
-    // In a field or a shape, conflicts and open places are found by the judge of this field and shape. No such judge is
-    // made here, and the other measures know one radius in a rectangle alone.
-    if recording.run().locality.is_some() {
-        let why = "it is of one radius in a rectangle, which a set in a field or a shape does not have; the analysis follows its \
-                   conflicts and open places";
-        return Box::new(move |_, _, _| Err(why.to_owned()));
-    }
-
-    let mut moment = LiveMoment::new(Arc::new(Course::of_recording(recording)));
+    let course = match course_of(recording) {
+        Ok(course) => course,
+        Err(why) => return Box::new(move |_, _, _| Err(why.clone())),
+    };
+    let mut moment = LiveMoment::new(Arc::new(course));
     Box::new(move |key, cursor, steps| {
-        // Expressions name only numbers of the list above. Some of these are of planar sets alone, and some of sets in
-        // space alone: in a run of the other kind such a number is not defined.
-        let Some(found) = number_of_run(key, moment.course().is_in_space()) else {
+        // Expressions name only numbers of the list above. Some of these are of planar sets alone, some of sets in space
+        // alone, and some of one radius: in a run of another kind such a number is not defined.
+        let Some(found) = moment.course().setting().number(key) else {
             return Ok(NumberValue::Undefined);
         };
 

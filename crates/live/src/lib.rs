@@ -1,7 +1,8 @@
 //! Measures that move with a recorded run: those of the module `live` of `tilescope-analysis`, changed by the samples that come
 //! and go between two moments, and any number of the catalogue over the events of a run.
 //!
-//! Of a set in space these are conflicts, the smallest distance, density and active cubes, by distances in space.
+//! In a shape they are those of a rectangle, by the area inside, and in a field of radii those that each place has by its own radius:
+//! [`Course::in_ground`]. Of a set in space these are conflicts, the smallest distance, density and active cubes, by distances in space.
 //!
 //! Begin with [`Course`]: which sample comes or goes at which event. [`LiveMoment`] holds the measures of one moment,
 //! [`CurveMaker`] makes a [`Curve`] of all moments.
@@ -38,16 +39,18 @@ mod kept;
 mod make;
 mod moment;
 mod numbers;
+mod setting;
 mod spectra;
 mod timing;
 
 pub use course::{Change, Course, CourseRecorder};
 pub use curve::{Curve, CurveError, CurveMaker};
-pub use expressions::MOMENT_NUMBERS;
+pub use expressions::{MOMENT_NUMBERS, moment_numbers_in};
 pub use make::CourseError;
 pub use moment::{FRAME_STEPS, LiveMoment, MAX_SAMPLES, Moved, Wanted};
 pub use numbers::{
-    IN_SPACE, IN_THE_PLANE, NumberError, all_live_numbers, is_of_spectrum, live_numbers,
-    number_of_run, numbers_named, space_numbers, space_numbers_named,
+    NumberError, all_live_numbers, is_of_spectrum, live_numbers, numbers_named, numbers_named_in,
+    space_numbers, space_numbers_named,
 };
+pub use setting::{LiveGround, Setting};
 pub use timing::{FRAMES, JUMPS, Motion, STEPS, TIMED_RADII, Timed, timed};

@@ -3,13 +3,14 @@
 use std::sync::Arc;
 
 use tilescope_core::{
-    Domain, MAXIMAL_DENSITY, NestedRequest, Observer, ParameterError, Parameters, SampleError,
-    SolidDomain, Stage, radius_estimate, reference_recorded,
+    Domain, Locality, MAXIMAL_DENSITY, NestedRequest, Observer, ParameterError, Parameters,
+    SampleError, SolidDomain, Stage, radius_estimate, reference_recorded,
 };
 use tilescope_debugger::{DEFAULT_BUDGET, MAX_SAMPLES, Recording};
-use tilescope_sets::{Recipe, Settled};
+use tilescope_sets::{Ground, RadiusSource, Recipe, Settled, VaryingError, VaryingRecipe};
 
 use crate::course::{Course, CourseRecorder};
+use crate::setting::LiveGround;
 
 /// Why a run was not made.
 #[derive(Debug, thiserror::Error)]
@@ -22,6 +23,14 @@ pub enum CourseError {
         /// How many samples are expected.
         samples: u64,
     },
+    /// The field or the shape cannot be made.
+    #[error(transparent)]
+    Ground(#[from] VaryingError),
+    /// The judge of a field would keep too many squares.
+    #[error(
+        "the radius is so small next to every place that too many squares would be kept: moments of this set are not measured"
+    )]
+    Steep,
     /// The run cannot be made, or was cancelled.
     #[error(transparent)]
     Sample(#[from] SampleError),
@@ -107,6 +116,70 @@ impl Course {
         let mut recorder = CourseRecorder::from(Stage::Iterate(1));
         let points = reference_recorded(domain, parameters.seed, observer, &mut recorder)?;
         Ok(recorder.finish(domain, &points))
+    }
+
+    /// Makes a set in a field or a shape, by darts or by the exact tiling of its recipe. Its events are those of a window that
+    /// records the same set.
+    ///
+    /// # Errors
+    ///
+    /// As [`Self::of_run`], when field or shape are refused, and when the radius is too steep to be followed.
+    pub fn of_ground(
+        recipe: &VaryingRecipe,
+        observer: &mut dyn Observer,
+    ) -> Result<Self, CourseError> {
+        let samples = recipe.expected_samples()?;
+        if samples > MAX_SAMPLES as f64 {
+            let samples = samples as u64;
+            return Err(CourseError::TooMany { samples });
+        }
+        // The radii that give a count are searched for, by making sets.
+        let settled = match recipe.count {
+            Some(_) => recipe.make_settled(observer)?.1,
+            None => recipe.clone(),
+        };
+        let Ground {
+            field,
+            shape,
+            varying,
+            ..
+        } = settled.ground()?;
+        let live = LiveGround::of(&varying.judged).ok_or(CourseError::Steep)?;
+
+        let domain = *field.domain();
+        let [width, height] = domain.size();
+        // Exact tiling takes the radius as it was asked for. Darts have the radii of the field.
+        let radius = if let RadiusSource::Constant(radius) = settled.radius {
+            radius
+        } else {
+            domain.radius()
+        };
+        let locality = Arc::new(Locality { field, shape });
+        let parameters = Parameters {
+            width,
+            height,
+            radius,
+            boundary: settled.boundary,
+            seed: settled.seed,
+            ..Parameters::default()
+        };
+        let recording = match settled.exact {
+            Some(blocks) => {
+                let parameters = Parameters {
+                    leaf: blocks.leaf,
+                    pattern: blocks.pattern,
+                    dihedral: blocks.dihedral,
+                    ..parameters
+                };
+                Recording::of_tiled_shape(&locality, &parameters, DEFAULT_BUDGET, observer)?
+            }
+            None => Recording::with_locality(&locality, &parameters, DEFAULT_BUDGET, observer)?,
+        };
+        // Every place is covered in the end, so that only an empty shape has no sample.
+        if recording.run().result.is_empty() {
+            return Err(VaryingError::Nothing.into());
+        }
+        Ok(Self::of_recording(&recording).in_ground(live))
     }
 
     /// Makes nested levels. Their moments are prefixes, measured for the radius of the last level.

@@ -57,9 +57,11 @@ pub struct LiveMoment {
 }
 
 impl LiveMoment {
-    /// Returns the moment before the first event. Nothing is measured yet.
+    /// Returns the moment before the first event. Nothing is measured yet. In a field or a shape conflicts and open places will be
+    /// those of its judge; spectrum and g(r) are of all samples together, without regard to the radius at each place.
     #[must_use]
     pub fn new(course: Arc<Course>) -> Self {
+        let squares = course.ground().map(|ground| ground.squares.clone());
         Self {
             course,
             cursor: 0,
@@ -67,18 +69,8 @@ impl LiveMoment {
             spectra: Spectra::default(),
             pairs: Kept::default(),
             cover: Kept::default(),
-            squares: None,
+            squares: squares.map(Kept::of_nothing),
             balls: Kept::default(),
-        }
-    }
-
-    /// Returns the moment before the first event of a run in a field or a shape. `squares` are those of its judge, without
-    /// samples. Spectrum and distances are then of all samples together, without regard to the radius at each place.
-    #[must_use]
-    pub fn in_squares(course: Arc<Course>, squares: LiveSquares) -> Self {
-        Self {
-            squares: Some(Kept::of_nothing(squares)),
-            ..Self::new(course)
         }
     }
 

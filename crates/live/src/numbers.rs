@@ -9,6 +9,7 @@ use tilescope_analysis::measures::{
 use tilescope_analysis::{COVERING_TOLERANCE, MAX_CONFLICTS, Report};
 
 use crate::moment::{LiveMoment, Wanted};
+use crate::setting::Setting;
 
 /// Why numbers cannot be had at every moment.
 #[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
@@ -31,14 +32,14 @@ pub enum NumberError {
         /// The keys that can be used, in the catalogue's sequence.
         known: String,
     },
-    /// It is one of planar sets, and the run is in space; or the other way around.
+    /// It means nothing in what the samples lie in, as a planar number in space.
     #[error(
         "the number \"{key}\" is not followed {place}; those that can be had at every moment there are {known}"
     )]
     NotHere {
         /// The key as it was given.
         key: String,
-        /// Where it is not followed: [`IN_SPACE`] or [`IN_THE_PLANE`].
+        /// Where it is not followed, as [`Setting::place`] names it.
         place: &'static str,
         /// The keys that can be used, in the catalogue's sequence.
         known: String,
@@ -57,13 +58,7 @@ pub enum NumberError {
     },
 }
 
-/// The place of sets in space, in messages.
-pub const IN_SPACE: &str = "in space";
-
-/// The place of planar sets, in messages.
-pub const IN_THE_PLANE: &str = "in the plane";
-
-/// Returns the numbers of the catalogue that can be had at every moment of planar sets.
+/// Returns the numbers of the catalogue that can be had at every moment of planar sets of one radius in a rectangle.
 pub fn live_numbers() -> impl Iterator<Item = &'static SetNumber> {
     CATALOGUE.iter().filter(|number| is_live(number))
 }
@@ -80,40 +75,26 @@ pub fn all_live_numbers() -> impl Iterator<Item = &'static SetNumber> {
     live_numbers().chain(space_numbers().filter(move |number| !is_planar(number.key)))
 }
 
-/// Returns the number with a key that can be had at every moment of a run, in space or planar.
-#[must_use]
-pub fn number_of_run(key: &str, is_in_space: bool) -> Option<&'static SetNumber> {
-    if is_in_space {
-        space_number(key)
-    } else {
-        number(key).filter(|number| is_live(number))
-    }
-}
-
-/// Returns the numbers with these keys of a planar run. Fails without any key, and for one that is not known, that not every moment
-/// has, or that is there twice.
+/// Returns the numbers with these keys of a planar run of one radius in a rectangle. Fails without any key, and for one that is not
+/// known, that not every moment has, or that is there twice.
 pub fn numbers_named<K: AsRef<str>>(keys: &[K]) -> Result<Vec<&'static SetNumber>, NumberError> {
-    let is_in_space = false;
-    named(keys, is_in_space)
+    numbers_named_in(keys, Setting::Rectangle)
 }
 
 /// Returns the numbers with these keys of a run in space. Fails as [`numbers_named`].
 pub fn space_numbers_named<K: AsRef<str>>(
     keys: &[K],
 ) -> Result<Vec<&'static SetNumber>, NumberError> {
-    let is_in_space = true;
-    named(keys, is_in_space)
+    numbers_named_in(keys, Setting::Space)
 }
 
-fn named<K: AsRef<str>>(
+/// Returns the numbers with these keys of a run whose samples lie in `setting`. Fails as [`numbers_named`].
+pub fn numbers_named_in<K: AsRef<str>>(
     keys: &[K],
-    is_in_space: bool,
+    setting: Setting,
 ) -> Result<Vec<&'static SetNumber>, NumberError> {
     let known = || {
-        let is_of_run = |number: &&SetNumber| number_of_run(number.key, is_in_space).is_some();
-        let known_keys = all_live_numbers()
-            .filter(is_of_run)
-            .map(|number| number.key);
+        let known_keys = setting.numbers().map(|number| number.key);
         known_keys.collect::<Vec<&str>>().join(", ")
     };
     if keys.is_empty() {
@@ -122,8 +103,8 @@ fn named<K: AsRef<str>>(
 
     let mut numbers: Vec<&SetNumber> = Vec::with_capacity(keys.len());
     for key in keys.iter().map(AsRef::as_ref) {
-        let Some(found) = number_of_run(key, is_in_space) else {
-            return Err(not_found(key, is_in_space, known()));
+        let Some(found) = setting.number(key) else {
+            return Err(not_found(key, setting, known()));
         };
         // Readers of a table find a column by its name, so that no two columns may have the same.
         if numbers.iter().any(|number| number.key == key) {
@@ -136,27 +117,24 @@ fn named<K: AsRef<str>>(
 }
 
 /// Returns why a run has no number with a key at every moment.
-fn not_found(key: &str, is_in_space: bool, known: String) -> NumberError {
+fn not_found(key: &str, setting: Setting, known: String) -> NumberError {
     let (planar, in_space) = (number(key), space_number(key));
     let key = key.to_owned();
     match (planar, in_space) {
         (None, None) => NumberError::Unknown { key, known },
-        (Some(_), _) if !is_in_space => NumberError::NotLive { key, known },
+        (Some(planar), _) if setting != Setting::Space && !is_live(planar) => {
+            NumberError::NotLive { key, known }
+        }
         _ => NumberError::NotHere {
             key,
-            place: place_of(is_in_space),
+            place: setting.place(),
             known,
         },
     }
 }
 
-/// Returns the place of a run in messages.
-pub const fn place_of(is_in_space: bool) -> &'static str {
-    if is_in_space { IN_SPACE } else { IN_THE_PLANE }
-}
-
 /// Returns whether a number is read from what live measures give.
-const fn is_live(number: &SetNumber) -> bool {
+pub const fn is_live(number: &SetNumber) -> bool {
     match number.needs {
         None | Some(Part::Report | Part::Spectrum) => true,
         Some(
@@ -197,8 +175,7 @@ impl LiveMoment {
     #[must_use]
     pub fn measured(&self) -> MeasuredSet {
         let course = self.course();
-        let radius = course.domain().radius();
-        let mut set = MeasuredSet::new(self.count(), course.region(), Some(radius));
+        let mut set = MeasuredSet::new(self.count(), course.region(), Some(course.radius()));
         if let Some(solid) = course.solid_box() {
             set.space = Some(self.measured_in_space(solid.volume_in_radii()));
             return set;
@@ -239,7 +216,7 @@ impl LiveMoment {
 
         let course = self.course();
         let count = course.count_after(course.changes_before(cursor));
-        let mut set = MeasuredSet::new(count, course.region(), Some(course.domain().radius()));
+        let mut set = MeasuredSet::new(count, course.region(), Some(course.radius()));
         set.take_spectrum(spectrum);
         Some((cursor, set))
     }
@@ -262,15 +239,21 @@ impl LiveMoment {
             return None;
         }
 
-        let (region, radius) = (self.course().region(), self.course().domain().radius());
-        let min_distance = pairs.smallest_distance_in_radii() * radius;
-        let r_max = largest_min_distance(count, region.area());
+        let course = self.course();
+        let (radius, area, of_lattice) = (course.radius(), course.area(), course.domain().radius());
+        let min_distance = pairs.smallest_distance_in_radii() * of_lattice;
+        // Where the radius varies, the distances of a packing are many.
+        let relative_radius = if course.setting() == Setting::Field {
+            f64::INFINITY
+        } else {
+            min_distance / largest_min_distance(count, area)
+        };
 
         Some(Report {
             // No judge is asked: these are the numbers that measures keep.
             judges: Vec::new(),
             count,
-            region,
+            region: course.region(),
             radius,
             covering_tolerance: COVERING_TOLERANCE,
             // The verifier stops counting at this limit, and the two numbers must agree.
@@ -279,10 +262,11 @@ impl LiveMoment {
             gaps,
             worst_gaps: Vec::new(),
             min_distance,
-            covering_radius: covering * radius,
+            covering_radius: covering * of_lattice,
             covering_factor: None,
-            density: count as f64 * radius * radius / region.area(),
-            relative_radius: min_distance / r_max,
+            area,
+            density: count as f64 * radius * radius / area,
+            relative_radius,
         })
     }
 }

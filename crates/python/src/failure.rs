@@ -165,7 +165,8 @@ impl From<CourseError> for Failure {
     fn from(error: CourseError) -> Self {
         match error {
             CourseError::Sample(error) => error.into(),
-            CourseError::TooMany { .. } => Self::Value(error.to_string()),
+            CourseError::TooMany { .. } | CourseError::Steep => Self::Value(error.to_string()),
+            CourseError::Ground(error) => error.into(),
         }
     }
 }

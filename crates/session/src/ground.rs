@@ -3,6 +3,7 @@
 
 use serde::{Deserialize, Serialize};
 use tilescope_core::{Parameters, TilingMethod};
+use tilescope_live::{CourseError, LiveGround};
 use tilescope_sets::{
     ExactBlocks, Expression, Ground, PlanarPolygon, RadiusSource, ShapeSource, Stated,
     StippleRecipe, VaryingError, VaryingRecipe,
@@ -247,6 +248,13 @@ impl MadeGround {
             (None, None) => recipe.stated_on(&ground),
         };
         Ok((ground, stated))
+    }
+
+    /// Returns what measures that move with the run need of the field and the shape; an error where too many squares would be
+    /// kept, or the ground is refused.
+    pub fn live(&self) -> Result<LiveGround, String> {
+        let (ground, _) = self.ground().map_err(|error| error.to_string())?;
+        LiveGround::of(&ground.varying.judged).ok_or_else(|| CourseError::Steep.to_string())
     }
 
     /// Returns the least and the greatest radius as text, or the one radius.

@@ -16,7 +16,7 @@ use tilescope_core::{
 };
 use tilescope_debugger::{Event, Outline, Recording};
 use tilescope_gpu::GpuError;
-use tilescope_live::MOMENT_NUMBERS;
+use tilescope_live::{MOMENT_NUMBERS, Setting, moment_numbers_in};
 
 use crate::combination::Combination;
 use crate::ground::MadeGround;
@@ -355,13 +355,35 @@ impl Session {
     pub fn recording(&self) -> Option<&Arc<Recording>> {
         match &self.source {
             RunSource::Recorded(recording) => {
-                // Here, as a session that was sent to a worker lacks them. They measure planar sets.
-                if !recording.is_in_space() {
-                    recording.give_numbers(&MOMENT_NUMBERS);
-                }
+                // Here, as a session that was sent to a worker lacks them.
+                self.give_numbers(recording);
                 Some(recording)
             }
             RunSource::Run(_) => None,
+        }
+    }
+
+    /// Lets expressions over a recording of this session name numbers of the moment, if it has them.
+    fn give_numbers(&self, recording: &Recording) {
+        if let Some(ground) = &self.ground {
+            recording.give_numbers(|| {
+                // The field is made again only where an expression names a number.
+                let ground = ground.clone();
+                Arc::new(moment_numbers_in(move || ground.live()))
+            });
+        } else if recording.run().locality.is_none() && !recording.is_in_space() {
+            // A session in a field or a shape gets its ground after it is made, and its numbers then. Numbers of the
+            // plane are none of a set in space.
+            recording.give_numbers(|| Arc::clone(&MOMENT_NUMBERS));
+        }
+    }
+
+    /// Returns what the samples lie in.
+    #[must_use]
+    pub fn setting(&self) -> Setting {
+        match &self.ground {
+            Some(ground) => Setting::of_ground(!ground.varies()),
+            None => Setting::of_box(self.solid.is_some()),
         }
     }
 

@@ -337,6 +337,8 @@ pub fn planar_report(found: SolidVerdict) -> Report {
         min_distance: report.min_distance,
         covering_radius: found.covering_radius,
         covering_factor: None,
+        // Density and relative radius are by the volume.
+        area: width * height,
         density: report.density,
         relative_radius,
     }

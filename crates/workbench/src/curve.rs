@@ -10,13 +10,13 @@ use serde::{Deserialize, Deserializer, Serialize, Serializer, de::Error as _};
 use tilescope_analysis::measures::SetNumber;
 use tilescope_core::Stage;
 use tilescope_debugger::Direction;
-use tilescope_live::{Curve, CurveMaker, FRAME_STEPS, all_live_numbers, number_of_run};
+use tilescope_live::{Curve, CurveMaker, FRAME_STEPS, Setting, all_live_numbers};
 use tilescope_session::jobs::{Job, Monitor, Wake};
 use tilescope_session::session::Session;
 use tilescope_session::task::{self, SessionRef, Task};
 use tilescope_session::words::sentence;
 
-use crate::live::{ONE_RADIUS, course_of, refusal};
+use crate::live::{course_of, refusal};
 pub use figure::CurveFormat;
 
 /// The heights that a curve can have, in screen points: that of a sparkline, and that of a chart of the analysis.
@@ -37,10 +37,27 @@ impl CurveNumber {
         all_live_numbers().map(Self)
     }
 
-    /// Returns the number of this key that runs in space or planar runs have; `None` if they have none.
+    /// Returns the number of this key that the run of a session has; `None` if it has none. Without a session it is that of a
+    /// planar run of one radius.
     #[must_use]
-    pub fn of_runs(self, is_in_space: bool) -> Option<Self> {
-        number_of_run(self.key(), is_in_space).map(Self)
+    pub fn of_run(self, session: Option<&Session>) -> Option<Self> {
+        setting_of(session).number(self.key()).map(Self)
+    }
+
+    /// Returns why the run of a session has no curve of it; `None` if it has one.
+    #[must_use]
+    pub fn refusal(self, session: Option<&Session>) -> Option<&'static str> {
+        let setting = setting_of(session);
+        if setting.number(self.key()).is_some() {
+            return None;
+        }
+        let is_of_space_alone = Setting::Rectangle.number(self.key()).is_none();
+        Some(match setting {
+            Setting::Space => NOT_IN_SPACE,
+            Setting::Shape if !is_of_space_alone => NOT_IN_A_SHAPE,
+            Setting::Field if !is_of_space_alone => NOT_IN_A_FIELD,
+            Setting::Rectangle | Setting::Shape | Setting::Field => NOT_IN_THE_PLANE,
+        })
     }
 
     /// Returns the number with a key, if it can be had at every moment.
@@ -60,6 +77,11 @@ impl CurveNumber {
     pub const fn row(self) -> &'static SetNumber {
         self.0
     }
+}
+
+/// Returns what the samples of a session lie in.
+fn setting_of(session: Option<&Session>) -> Setting {
+    session.map_or(Setting::Rectangle, Session::setting)
 }
 
 impl PartialEq for CurveNumber {
@@ -200,7 +222,7 @@ impl Task for CurveTask {
     const NAME: &'static str = "curve";
 
     fn run(self, monitor: &Monitor) -> Self::Outcome {
-        let course = Arc::new(course_of(&self.session));
+        let course = Arc::new(course_of(&self.session)?);
         let at_all_moments = None;
         let mut maker = CurveMaker::new(course, &[self.number.row()], at_all_moments)
             .map_err(|error| error.to_string())?;
@@ -297,8 +319,7 @@ impl RunCurve {
     pub fn want(&mut self, session: &Arc<Session>, number: Option<CurveNumber>, wake: &Wake) {
         // Some numbers have one variant for the plane and one for space: this run's variant is followed. A number that
         // this run lacks stays, and `refused` says why there is no curve of it.
-        let is_in_space = session.solid.is_some();
-        let of_run = |asked: CurveNumber| asked.of_runs(is_in_space).unwrap_or(asked);
+        let of_run = |asked: CurveNumber| asked.of_run(Some(session)).unwrap_or(asked);
         let number = number.map(of_run);
         let wanted = number.map(|number| (session.generation, number));
         if self.of != wanted {
@@ -345,21 +366,16 @@ pub const NOT_IN_SPACE: &str = "This number is not followed in space. Those of c
 pub const NOT_IN_THE_PLANE: &str =
     "This number is followed in space alone, where cubes are active.";
 
+/// Why a run in a shape has no curve of a number.
+pub const NOT_IN_A_SHAPE: &str = "This number is not followed in a shape: subdivision finds out whether places are covered, and not how far they are from their samples.";
+
+/// Why a run in a field has no curve of a number.
+pub const NOT_IN_A_FIELD: &str = "This number compares with one radius, which a field does not have. Those of curves there are samples, density, conflicts, open places and spectral slope.";
+
 /// Returns why a session has no curve of a number.
 fn refused(session: &Session, number: Option<CurveNumber>) -> Option<String> {
-    let is_in_space = session.solid.is_some();
-    if number.is_some_and(|number| number.of_runs(is_in_space).is_none()) {
-        let why = if is_in_space {
-            NOT_IN_SPACE
-        } else {
-            NOT_IN_THE_PLANE
-        };
-        return Some(why.to_owned());
-    }
-    let is_in_field_or_shape = session.ground.is_some();
-    is_in_field_or_shape
-        .then(|| ONE_RADIUS.to_owned())
-        .or_else(|| refusal(session))
+    let of_number = number.and_then(|number| number.refusal(Some(session)));
+    of_number.map(str::to_owned).or_else(|| refusal(session))
 }
 
 #[cfg(test)]

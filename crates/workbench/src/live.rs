@@ -5,12 +5,10 @@
 
 use std::sync::Arc;
 
-use tilescope_analysis::LiveSquares;
 use tilescope_analysis::live::{LiveCover, LivePairs, LiveSpectrum};
 use tilescope_analysis::measures::MeasuredSet;
 use tilescope_live::{Course, FRAME_STEPS, LiveMoment, MAX_SAMPLES, Wanted};
 use tilescope_session::geometry::{Key, key_of};
-use tilescope_session::ground::MadeGround;
 use tilescope_session::jobs::{Job, Wake};
 use tilescope_session::moment::ShownMoment;
 use tilescope_session::session::Session;
@@ -177,14 +175,8 @@ impl Live {
         }
         let session = Arc::clone(session);
         let job = Job::start(wake, move |_| {
-            let course = Arc::new(course_of(&session));
-            let moment = match &session.ground {
-                None => Ok(LiveMoment::new(course)),
-                Some(made) => {
-                    squares_of(made).map(|squares| LiveMoment::in_squares(course, squares))
-                }
-            };
-            moment.map(Box::new)
+            let course = Arc::new(course_of(&session)?);
+            Ok(Box::new(LiveMoment::new(course)))
         });
         self.followed = Followed::Away(job);
     }
@@ -218,15 +210,19 @@ impl Live {
     }
 }
 
-/// Why sets in a field or a shape have no curves.
-pub const ONE_RADIUS: &str = "The numbers of curves compare distances with one radius in a rectangle, which a set in a field or a shape does not have; the analysis follows its conflicts and open places, with the radius at each place.";
+/// What the measures of a set in a field are of.
+pub const GLOBAL: &str = "Global: spectrum and g(r) are of all samples together, whatever the radius at each place, in the rectangle around them. Conflicts and open places are those of the judge by subdivision, with the radius at each place, and so is the density.";
 
-/// What the measures of a set in a field or a shape are of.
-pub const GLOBAL: &str = "Global: spectrum and g(r) are of all samples together, whatever the radius at each place, in the rectangle around them. Conflicts and open places are those of the judge by subdivision, with the radius at each place.";
+/// What the measures of a set of one radius in a shape are of.
+pub const GLOBAL_IN_SHAPE: &str = "Global: spectrum and g(r) are of the rectangle around the shape, and its border changes both. Density and relative radius are by the area inside. Conflicts and open places are those of the judge by subdivision.";
 
-/// Why a number of the table is not there of a set in a field or a shape.
+/// Why a number of the table is not there of a set in a field.
 pub const NO_MEANING: &str =
-    "It is not measured in a field or a shape: it is defined for one radius in a rectangle.";
+    "It is not measured in a field: it compares with one radius, which a field does not have.";
+
+/// Why a number of the table is not there of a set in a shape.
+pub const NO_MEANING_IN_SHAPE: &str =
+    "It is not measured in a shape: it is defined in a rectangle, whose border is straight.";
 
 /// Says which numbers of a set in space move with the run, and which do not.
 pub const IN_SPACE: &str = "These numbers are of the whole box, by distances in space, and move with the run. Spectrum and g(r) are measured at rest, and open places are judged at the end, by cubes and by circles.";
@@ -254,22 +250,17 @@ pub(crate) fn refusal(session: &Session) -> Option<String> {
     })
 }
 
-/// Returns the squares of the judge of a set in a field or a shape, without samples.
-fn squares_of(made: &MadeGround) -> Result<LiveSquares, String> {
-    let (ground, _) = made.ground().map_err(|error| error.to_string())?;
-    let too_many = || {
-        "the radius is so small next to every place that too many squares would be kept: moments of this set are not measured"
-            .to_owned()
-    };
-    ground.varying.judged.live().ok_or_else(too_many)
-}
-
-/// Returns the course of a run: which sample comes or goes at which event. Takes a tenth of a second for ten million events.
-pub(crate) fn course_of(session: &Session) -> Course {
-    match session.recording() {
+/// Returns the course of a run: which sample comes or goes at which event. Takes a tenth of a second for ten million events. Fails
+/// where a field is too steep to be followed.
+pub(crate) fn course_of(session: &Session) -> Result<Course, String> {
+    let course = match session.recording() {
         Some(recording) => Course::of_recording(recording),
         // A moment of nested levels is a prefix of their samples in order.
         None => Course::of_order(session.run().domain, &session.run().samples.points),
+    };
+    match &session.ground {
+        Some(made) => Ok(course.in_ground(made.live()?)),
+        None => Ok(course),
     }
 }
 
@@ -278,8 +269,8 @@ fn measured(moment: &LiveMoment) -> MeasuredSet {
     let mut set = moment.measured();
     // Sets of fewer than three samples have no pair correlation.
     if let Some(Ok(mut pairs)) = moment.pairs().map(LivePairs::correlation) {
-        // `pairs` has distances in radii, and the panel shows user units.
-        pairs.r_max *= set.radius.unwrap_or(1.0);
+        // `pairs` has distances in radii of the lattice, and the panel shows user units.
+        pairs.r_max *= moment.course().domain().radius();
         set.pairs = Some(Arc::new(pairs));
     }
     set

@@ -190,6 +190,14 @@ impl MeasuredSet {
         Ok(())
     }
 
+    /// Returns the area that is to be covered: that of the region until a report says that it is a shape, or that the radius
+    /// varies ([`Report::area`]).
+    #[must_use]
+    pub fn area(&self) -> f64 {
+        let judged = self.verdict().map(|report| report.area);
+        judged.unwrap_or_else(|| self.region.area())
+    }
+
     /// Takes the report of a verifier that judged the set before. If no radius is known, it may be that for any
     /// radius: the smallest distance and the covering radius do not depend on it.
     pub fn take_report(&mut self, report: Report) {

@@ -95,12 +95,12 @@ catalogue! {
     }
     {
         key: "density", name: "density", short: Some("Density N r\u{b2}/A"), unit: "N r\u{b2} / area", decimals: 4,
-        needs: None, value: |set| Some(set.samples as f64 * set.r()?.powi(2) / set.region.area()),
-        meaning: "Samples times r\u{b2}, divided by the area: 0.6966 for maximal sets by dart throwing.",
+        needs: None, value: |set| Some(set.samples as f64 * set.r()?.powi(2) / set.area()),
+        meaning: "Samples times r\u{b2}, divided by the area: 0.6966 for maximal sets by dart throwing. Of a shape it is the area inside; where the radius varies, each place counts by its own.",
     }
     {
         key: "packing", name: "packing", unit: "of hexagonal", decimals: 4,
-        needs: None, value: |set| Some(set.samples as f64 * 3f64.sqrt() / 2.0 / set.region.area() * set.r()?.powi(2)),
+        needs: None, value: |set| Some(set.samples as f64 * 3f64.sqrt() / 2.0 / set.area() * set.r()?.powi(2)),
         meaning: "The samples, as a share of the most that disks of this radius allow: those of the hexagonal packing.",
     }
     {

@@ -6,6 +6,7 @@ use crate::error::VerifyError;
 use crate::grid::Grid;
 use crate::input::check_points;
 use crate::judge::{Judge, JudgeChoice};
+use crate::measures::largest_min_distance;
 use crate::monitor::{Control, Monitor};
 use crate::pairs::{self, cell_side};
 use crate::region::Region;
@@ -64,6 +65,22 @@ impl VaryingRegion {
     #[must_use]
     pub const fn radius(&self) -> f64 {
         self.radius
+    }
+
+    /// Returns whether all places have the same radius, so that lengths can be told in it.
+    #[must_use]
+    pub fn has_one_radius(&self) -> bool {
+        self.judge.has_one_radius()
+    }
+
+    /// Returns the area that is to be covered, as [`Report::area`] has it.
+    #[must_use]
+    pub fn area(&self) -> f64 {
+        if self.has_one_radius() {
+            let [x, y] = self.units();
+            return self.judge.area() * x * y;
+        }
+        self.judge.area_in_radii() * self.radius * self.radius
     }
 
     /// Returns the radius at a place of the region, in its own length.
@@ -203,9 +220,13 @@ impl VaryingRegion {
             }
         });
 
-        // The smallest distance in the densest packing of this number of samples, the hexagonal one.
-        let (count, area) = (points.len(), self.region.area());
-        let r_max = (2.0 * area / (3f64.sqrt() * count as f64)).sqrt();
+        let (count, area) = (points.len(), self.area());
+        // Where the radius varies, the distances of a packing are many.
+        let relative_radius = if self.has_one_radius() {
+            min_distance / largest_min_distance(count, area)
+        } else {
+            f64::INFINITY
+        };
         Report {
             judges: vec![Judge::Subdivision],
             count,
@@ -221,9 +242,9 @@ impl VaryingRegion {
             covering_radius: f64::INFINITY,
             // Only `verify_prefix` measures it.
             covering_factor: None,
-            // Where the radius varies, both this and `radius` are by the least one.
+            area,
             density: count as f64 * self.radius * self.radius / area,
-            relative_radius: min_distance / r_max,
+            relative_radius,
         }
     }
 

@@ -15,7 +15,9 @@ use std::sync::Arc;
 use egui::{Button, Color32, DragValue, FontId, ProgressBar, RichText, Sense, Ui, vec2};
 use tilescope_analysis::measures::{MeasuredSet, Spectrum};
 use tilescope_drawing::palette::Palette;
+use tilescope_session::ground::MadeGround;
 use tilescope_session::moment::ShownMoment;
+use tilescope_session::session::Session;
 use tilescope_session::words::{capital, grouped};
 use tilescope_ui::language::Worded;
 use tilescope_ui::theme::semibold;
@@ -30,7 +32,7 @@ use tilescope_workbench::analysis::reference_file::ReferenceFile;
 use tilescope_workbench::analysis::{Analysis, AnalysisCommand, name_of};
 use tilescope_workbench::command::{Command, Which};
 use tilescope_workbench::files::{FileCommand, Purpose};
-use tilescope_workbench::live::{GLOBAL, Live};
+use tilescope_workbench::live::{GLOBAL, GLOBAL_IN_SHAPE, Live};
 use tilescope_workbench::state::{RunView, State};
 
 /// Minimum width of the panel for two columns of charts, in screen points.
@@ -71,6 +73,7 @@ struct RunMeasures<'a> {
     before: Option<&'a MeasuredSet>,
     /// Whether the radius depends on the place, or the domain is a shape.
     is_local: bool,
+    session: &'a Session,
     /// Whether the set is in space, and its numbers are those of sets there.
     is_in_space: bool,
 }
@@ -97,6 +100,7 @@ impl<'a> RunMeasures<'a> {
             live: run.live.of(shown).map(|set| &**set).filter(|_| is_wanted),
             before: before.filter(|_| is_wanted),
             is_local: shown.session.ground.is_some(),
+            session: shown.session,
             is_in_space: shown.session.solid.is_some(),
         }
     }
@@ -109,6 +113,12 @@ impl<'a> RunMeasures<'a> {
             .or_else(|| self.live.and_then(&part))
             .map(|found| (found, false));
         present.or_else(|| self.before.and_then(&part).map(|found| (found, true)))
+    }
+
+    /// Returns whether the radius depends on the place.
+    fn varies(&self) -> bool {
+        let ground = self.session.ground.as_ref();
+        ground.is_some_and(MadeGround::varies)
     }
 
     fn spectrum(&self) -> Option<(&'a Arc<Spectrum>, bool)> {
@@ -180,7 +190,12 @@ pub fn show(ui: &mut Ui, context: &AnalysisContext<'_>, commands: &mut Vec<Comma
     let sets = Sets::of(context, &shown);
     status(ui, context, &shown, &sets, &mut own);
     if sets.first.is_local {
-        let text = RichText::new(ui.words(GLOBAL))
+        let global = if sets.first.varies() {
+            GLOBAL
+        } else {
+            GLOBAL_IN_SHAPE
+        };
+        let text = RichText::new(ui.words(global))
             .size(12.0)
             .color(palette.muted);
         ui.label(text).known_as("analysis.global");

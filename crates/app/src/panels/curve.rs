@@ -80,17 +80,12 @@ pub fn show_alone(ui: &mut Ui, context: &TimeContext<'_>, commands: &mut Vec<Com
     }
 }
 
-/// Returns whether the run is of a set in space.
-fn is_in_space(context: &TimeContext<'_>) -> bool {
-    let session = context.run.session.as_ref();
-    session.is_some_and(|session| session.solid.is_some())
-}
-
 /// Returns the number of the curve with the unit that it has in this run. One that the run does not have stays as it was chosen, and
 /// in the place of its curve stands why.
 fn number_of(context: &TimeContext<'_>) -> Option<CurveNumber> {
     let number = context.curve.number?;
-    number.of_runs(is_in_space(context)).or(Some(number))
+    let session = context.run.session.as_deref();
+    number.of_run(session).or(Some(number))
 }
 
 /// Shows the chart, or why there is none yet.
@@ -130,9 +125,9 @@ fn chooser(ui: &mut Ui, context: &TimeContext<'_>, commands: &mut Vec<Command>) 
     let selected = ui.words(named(number));
     let shown = combo.selected_text(selected).show_ui(ui, |ui| {
         // A number that runs of this kind do not have is left out. Some numbers have another meaning in space:
-        // `of_runs` gives each number with its meaning in this run.
-        let is_in_space = is_in_space(context);
-        let of_run = CurveNumber::all().filter_map(|number| number.of_runs(is_in_space));
+        // `of_run` gives each number with its meaning in this run.
+        let session = context.run.session.as_deref();
+        let of_run = CurveNumber::all().filter_map(|number| number.of_run(session));
         for other in [None].into_iter().chain(of_run.map(Some)) {
             let row = ui.selectable_label(other == number, ui.words(named(other)));
             row.known_as(format_args!(

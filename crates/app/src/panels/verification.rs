@@ -11,6 +11,7 @@ use tilescope_analysis::measures::number;
 use tilescope_analysis::{COVERING_TOLERANCE, Judge, PrefixClaim, Report};
 use tilescope_drawing::palette::Palette;
 use tilescope_session::glossary;
+use tilescope_session::ground::MadeGround;
 use tilescope_session::verification::{Verdict, Witness};
 use tilescope_session::words::{conflicts_in, counted, grouped, significant};
 use tilescope_ui::language::Worded;
@@ -244,7 +245,8 @@ fn meaning(key: &str) -> &'static str {
     found.map_or("", |number| number.meaning)
 }
 
-/// Shows the measures of a set in a field or a shape, in the unit of its domain; all other measures need one radius.
+/// Shows the measures of a set in a field or a shape, with lengths in the unit of its domain; those that need one radius only where
+/// there is one.
 fn local_numbers(ui: &mut Ui, context: &PanelContext<'_>, commands: &mut Vec<Command>) {
     let palette = context.palette;
     let verdict = context.run.verdict();
@@ -261,8 +263,15 @@ fn local_numbers(ui: &mut Ui, context: &PanelContext<'_>, commands: &mut Vec<Com
     });
     let count = report.map_or_else(none, |report| grouped(report.count));
     let judges = report.map_or_else(none, |report| short(&report.judges));
+    let density = report.map_or_else(none, |report| format!("{:.4}", report.density));
+    // Where the radius varies it is infinite, as it is of a single sample.
+    let relative = report.map(|report| report.relative_radius);
+    let relative = relative.filter(|ratio| ratio.is_finite());
+    let relative = relative.map_or_else(none, |ratio| format!("{ratio:.4}"));
     for (name, value) in [
         ("Smallest distance", &least),
+        ("Density N r\u{b2}/A", &density),
+        ("Relative radius", &relative),
         ("Samples", &count),
         ("Verified by", &judges),
     ] {
@@ -274,14 +283,21 @@ fn local_numbers(ui: &mut Ui, context: &PanelContext<'_>, commands: &mut Vec<Com
     if let Verification::Failed(reason) = &context.run.verification {
         ui.label(RichText::new(ui.words(reason)).color(palette.conflict));
     }
-    ui.label(RichText::new(ui.words(LOCAL)).color(palette.muted))
+    let session = context.run.session.as_ref();
+    let varies = session
+        .and_then(|session| session.ground.as_ref())
+        .is_some_and(MadeGround::varies);
+    let of_what = if varies { IN_FIELD } else { IN_SHAPE };
+    ui.label(RichText::new(ui.words(of_what)).color(palette.muted))
         .known_as("local-measures");
     divide(ui, palette);
 }
 
-/// Why a set in a field or a shape has few numbers.
-const LOCAL: &str =
-    "Covering radius and density compare with one radius, which this set does not have.";
+/// What the numbers of a set in a field are of.
+const IN_FIELD: &str = "The density is by the radius at each place. Covering radius and relative radius compare with one radius, which this set does not have.";
+
+/// What the numbers of a set of one radius in a shape are of.
+const IN_SHAPE: &str = "Density and relative radius are by the area of the shape. The covering radius is not measured: squares find out whether places are covered, and not how far away they are.";
 
 /// Shows the measures of the set, each with its meaning. `unit` is the length of r in the unit of the domain.
 fn numbers(ui: &mut Ui, context: &PanelContext<'_>, unit: f64) {

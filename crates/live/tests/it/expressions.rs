@@ -13,7 +13,7 @@ use crate::support::{from_nothing, record, variants};
 /// Returns a debugger of a run whose expressions can name numbers.
 fn debugger() -> (Arc<Recording>, Debugger) {
     let recording = Arc::new(record(&variants()[0]));
-    recording.give_numbers(&MOMENT_NUMBERS);
+    recording.give_numbers(|| Arc::clone(&MOMENT_NUMBERS));
     let debugger = Debugger::new(Arc::clone(&recording), DEFAULT_BUDGET);
     (recording, debugger)
 }

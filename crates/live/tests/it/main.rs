@@ -3,6 +3,7 @@
 mod course;
 mod curve;
 mod expressions;
+mod ground;
 mod moment;
 mod space;
 mod support;

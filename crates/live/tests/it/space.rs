@@ -225,7 +225,7 @@ fn numbers_of_the_other_kind_of_set_are_refused() {
 #[test]
 fn watches_of_a_run_in_space_have_its_numbers() {
     let recording = Arc::new(recorded(3, Boundary::Periodic));
-    recording.give_numbers(&MOMENT_NUMBERS);
+    recording.give_numbers(|| Arc::clone(&MOMENT_NUMBERS));
     let mut debugger = Debugger::new(Arc::clone(&recording), DEFAULT_BUDGET);
     debugger.jump(recording.len() / 2);
     // Projections of balls to a plane are much closer than r, and would be conflicts there.

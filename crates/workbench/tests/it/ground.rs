@@ -18,7 +18,6 @@ use tilescope_workbench::draft::{Choice, FormPart, Preset, RadiusBy};
 use tilescope_workbench::export::ExportKind;
 use tilescope_workbench::files::FileCommand;
 use tilescope_workbench::layout::Panel;
-use tilescope_workbench::live::ONE_RADIUS;
 use tilescope_workbench::{Command, State, link, state};
 
 use crate::exporting::{notice_text, write};
@@ -31,7 +30,7 @@ const PARK: &str = r#"{"type": "Polygon", "coordinates": [
     [[100, 250], [160, 250], [160, 290], [130, 280], [100, 290]],
     [[120, 260], [140, 260], [130, 270]]]}"#;
 
-fn state() -> State {
+pub fn state() -> State {
     let mut state = State::new(Arc::new(|| {}));
     state.settle();
     state
@@ -313,7 +312,7 @@ fn a_dropped_polygon_is_covered_and_its_export_is_judged() {
 
 #[test]
 fn measures_of_one_radius_and_other_things_say_why_they_are_missing() {
-    let mut state = made();
+    let state = made();
     let refused = |state: &State, preset| {
         let runs = state.runs();
         runs.preset_refusal(preset, state.form(), state.gpu())
@@ -336,12 +335,6 @@ fn measures_of_one_radius_and_other_things_say_why_they_are_missing() {
         assert_eq!(layer.is_of(shown.kind()), is_shown, "{layer:?}");
     }
     assert!(!Layer::Field.is_of(SessionKind::Run));
-
-    let curve = tilescope_workbench::curve::CurveNumber::all().next();
-    let command = tilescope_workbench::command::AppearanceCommand::Curve(curve);
-    state.apply(Command::Appearance(command));
-    state.settle();
-    assert_eq!(state.runs().first.curve.failure(), Some(ONE_RADIUS));
 }
 
 #[test]

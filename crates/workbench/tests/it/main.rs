@@ -13,6 +13,7 @@ mod files_in_memory;
 mod files_refused;
 mod gate;
 mod ground;
+mod ground_measures;
 mod indices;
 mod link;
 mod live;

@@ -70,7 +70,7 @@ fn choose(state: &mut State, method: TilingMethod) {
 }
 
 /// A window with the park, and the form of its exact tiling.
-fn asked() -> State {
+pub fn asked() -> State {
     let mut state = state();
     drop_all(&mut state, vec![NamedBytes::new("park.geojson", PARK)]);
     assert_eq!(session(&state).kind(), SessionKind::Varying);
@@ -86,7 +86,7 @@ fn asked() -> State {
 }
 
 /// A window with the exact tiling of the park.
-fn made() -> State {
+pub fn made() -> State {
     let mut state = asked();
     run(&mut state);
     state

@@ -10,7 +10,7 @@ use tilescope_session::words::{conflicts_in, counted, grouped, sentence};
 use tilescope_ui::language::Worded;
 use tilescope_ui::table::{SpokenCell, spoken_row, table};
 use tilescope_ui::widgets::Known;
-use tilescope_workbench::live::NO_MEANING;
+use tilescope_workbench::live::{NO_MEANING, NO_MEANING_IN_SHAPE};
 
 use super::{RunMeasures, Sets};
 use crate::ENABLED;
@@ -140,7 +140,14 @@ fn numbers(
 
         let explanation = match file.as_ref().and_then(unjudged) {
             Some(reason) if is_of_verdict(number) => format!("{} {reason}", number.meaning),
-            _ if !has_meaning(number, &sets.first) => format!("{} {NO_MEANING}", number.meaning),
+            _ if !has_meaning(number, &sets.first) => {
+                let why = if sets.first.varies() {
+                    NO_MEANING
+                } else {
+                    NO_MEANING_IN_SHAPE
+                };
+                format!("{} {why}", number.meaning)
+            }
             _ => number.meaning.to_owned(),
         };
         let key = (number.key, name);
@@ -227,10 +234,10 @@ fn awaits_rest(number: &SetNumber, live: &MeasuredSet) -> bool {
         && number.needs.is_some_and(|part| !live.knows(part))
 }
 
-/// Returns whether a number is one of this run. In a field or a shape these are counts, with conflicts and open places by the judge
-/// of such sets, and the numbers read from the spectrum of all samples.
+/// Returns whether a number is one of this run. In a field or a shape these are the numbers that move with the run, and none is
+/// measured at rest besides; in a field also those that its spectrum has, which is that of all samples.
 fn has_meaning(number: &SetNumber, run: &RunMeasures<'_>) -> bool {
-    !run.is_local || number.decimals == 0 || number.needs == Some(Part::Spectrum)
+    !run.is_local || run.session.setting().defines(number) || number.needs == Some(Part::Spectrum)
 }
 
 /// Returns whether a number depends on the radius that the set was judged with.
