@@ -11,11 +11,12 @@ use tilescope_core::{Parameter, Pattern, SolidDomain, SolidRequest};
 use tilescope_debugger::{Debugger, PatternFile, Recording, Session};
 use tilescope_formats::{read_whole, write_whole};
 use tilescope_live::{
-    Course, Curve, CurveMaker, FRAME_STEPS, is_of_spectrum, live_numbers, numbers_named,
-    space_numbers, space_numbers_named,
+    Course, Curve, CurveMaker, FRAME_STEPS, Setting, is_of_spectrum, live_numbers,
+    numbers_named_in, space_numbers,
 };
 use tilescope_sets::GivenDomain;
 
+use crate::ground::{CoordinateArguments, GroundArguments};
 use crate::make::ask_for_whole;
 use crate::nested::{NEEDS_KDRT, ask_for_levels};
 use crate::parameters::{RunArguments, set_of_file};
@@ -25,6 +26,7 @@ use crate::sample_arguments::{NestedArguments, SamplingMethod};
 use crate::solid::make::{USED, refuse_other_parameters};
 use crate::solid::refuse;
 use crate::space::SpaceArguments;
+use crate::varying::{VaryingArguments, recipe};
 use crate::{EXIT_FINE, interrupt, output};
 
 /// Arguments of `tilescope curve`.
@@ -36,9 +38,16 @@ pub struct CurveArguments {
     #[command(flatten)]
     nested: NestedArguments,
     #[command(flatten)]
+    ground: GroundArguments,
+    #[command(flatten)]
+    coordinates: CoordinateArguments,
+    #[command(flatten)]
     space: SpaceArguments,
+    /// The lower corner of the domain of a field or a shape, in the coordinates of polygons and expressions
+    #[arg(long, num_args = 2, value_names = ["X", "Y"])]
+    origin: Option<Vec<f64>>,
     /// KDRT, exact tiling, or the reference sampler, which uses only radius or count, sides, boundary and seed; if not given,
-    /// KDRT, and for a set in space the reference sampler
+    /// KDRT, and for a set in space, a shape or a radius that varies the reference sampler
     #[arg(long, value_enum)]
     method: Option<SamplingMethod>,
     /// The run of a saved session instead of one that the arguments describe
@@ -66,6 +75,7 @@ fn examples() -> String {
         keys(&mut live_numbers().filter(|number| is_of_spectrum(number) == needs_spectrum))
     };
     let [quick, of_spectrum] = [false, true].map(planar);
+    let in_field = keys(&mut Setting::Field.numbers());
     let in_space = keys(&mut space_numbers());
     format!(
         "\
@@ -75,12 +85,15 @@ defined, as the smallest distance of no samples, is an empty cell.
 
 Numbers, as `tilescope analyze` has them: {quick}.
 Those that need the spectrum: {of_spectrum}.
+In a shape all but covering_radius_r, by the area inside; where the radius varies: {in_field}.
 Those of sets in space, by distances in space: {in_space}.
 
 Examples:
   tilescope curve --radius 0.01 --numbers conflicts,gaps,min_distance_r --out run.csv
   tilescope curve --count 5000 --variant as-printed --numbers samples,gaps
   tilescope curve --count 2000 --method reference --numbers density,low_power --moments 200
+  tilescope curve --shape park.geojson --radius 2 --numbers density,gaps --out park.csv
+  tilescope curve --radius-expression '0.006 + 0.024*x' --numbers samples,conflicts,gaps
   tilescope curve --size 10x10x10 --radius 1 --numbers samples,density,active_cubes
   tilescope curve --session lecture.json --out lecture.csv"
     )
@@ -98,6 +111,12 @@ fn options_of_runs() -> Vec<&'static str> {
             "exactly",
             "depth",
             "sides",
+            "radius_image",
+            "density_image",
+            "radius_expression",
+            "shape",
+            "mask",
+            "origin",
         ])
         .collect()
 }
@@ -108,17 +127,17 @@ pub fn run(arguments: &CurveArguments) -> Result<u8> {
     if let Some(path) = &arguments.out {
         // A table in the place of an input would destroy it.
         let inputs = [&arguments.session, &arguments.run.pattern];
-        check_inputs_stay(path, inputs.into_iter().flatten().map(PathBuf::as_path))?;
+        let given = inputs.into_iter().flatten().map(PathBuf::as_path);
+        check_inputs_stay(path, given.chain(arguments.ground.files()))?;
         check_file(path).context("--out")?;
     }
     // A misspelt number is refused before the run is made. Whether a saved session is of a set in space, its file says.
-    let is_in_space = arguments.space.is_given();
     if arguments.session.is_none() {
-        numbers_of(arguments, is_in_space)?;
+        numbers_of(arguments, asked_setting(arguments))?;
     }
 
     let followed = course(arguments)?;
-    let numbers = numbers_of(arguments, followed.is_in_space())?;
+    let numbers = numbers_of(arguments, followed.setting())?;
     // More samples than a spectrum can follow are refused here, before the first number is computed.
     let maker = CurveMaker::new(Arc::new(followed), &numbers, arguments.moments)?;
     let table = made(maker)?.csv();
@@ -129,18 +148,25 @@ pub fn run(arguments: &CurveArguments) -> Result<u8> {
     Ok(EXIT_FINE)
 }
 
-/// Returns the numbers that the arguments ask for, of a run in space or of a planar one.
-fn numbers_of(arguments: &CurveArguments, is_in_space: bool) -> Result<Vec<&'static SetNumber>> {
-    let keys = &arguments.numbers;
-    match (keys.is_empty(), is_in_space) {
-        (true, true) => Ok(space_numbers().collect()),
-        // Without a choice all numbers but those that need a spectrum at every row, which takes far longer.
-        (true, false) => Ok(live_numbers()
-            .filter(|number| !is_of_spectrum(number))
-            .collect()),
-        (false, true) => space_numbers_named(keys).context("--numbers"),
-        (false, false) => numbers_named(keys).context("--numbers"),
+/// Returns what the samples of the run lie in that the arguments describe. An image, too, counts as a radius that varies.
+fn asked_setting(arguments: &CurveArguments) -> Setting {
+    let ground = &arguments.ground;
+    if ground.is_given() {
+        let has_one_radius = ground.field_option().is_none();
+        return Setting::of_ground(has_one_radius);
     }
+    Setting::of_box(arguments.space.is_given())
+}
+
+/// Returns the numbers that the arguments ask for, of a run whose samples lie in `setting`.
+fn numbers_of(arguments: &CurveArguments, setting: Setting) -> Result<Vec<&'static SetNumber>> {
+    let keys = &arguments.numbers;
+    if keys.is_empty() {
+        // Without a choice all numbers but those that need a spectrum at every row, which takes far longer.
+        let quick = setting.numbers().filter(|number| !is_of_spectrum(number));
+        return Ok(quick.collect());
+    }
+    numbers_named_in(keys, setting).context("--numbers")
 }
 
 /// Makes a curve with a bar; stops on Ctrl-C.
@@ -166,6 +192,18 @@ fn course(arguments: &CurveArguments) -> Result<Course> {
         return Ok(Course::of_recording(&recording));
     }
 
+    if arguments.ground.is_given() {
+        if arguments.space.is_given() {
+            let option = arguments.space.option();
+            let whose = format!("{option} makes a set in space, which has neither field nor shape");
+            arguments.ground.refuse(&whose)?;
+        }
+        return course_in_ground(arguments, &mut watch);
+    }
+    ensure!(
+        arguments.origin.is_none(),
+        "--origin: numbers of a run do not depend on where its rectangle lies; leave it out"
+    );
     if arguments.space.is_given() {
         return course_in_space(arguments, &mut watch);
     }
@@ -201,6 +239,19 @@ fn course(arguments: &CurveArguments) -> Result<Course> {
             Ok(Course::of_exact(&recipe, &mut watch)?)
         }
     }
+}
+
+/// Makes the run of a set in a field or a shape, and returns its course.
+fn course_in_ground(arguments: &CurveArguments, watch: &mut Stopwatch) -> Result<Course> {
+    let asked = VaryingArguments {
+        run: &arguments.run,
+        nested: &arguments.nested,
+        ground: &arguments.ground,
+        coordinates: &arguments.coordinates,
+        origin: arguments.origin.as_ref(),
+        method: arguments.method,
+    };
+    Ok(Course::of_ground(&recipe(&asked)?, watch)?)
 }
 
 /// Makes the run of a set in space, and returns its course.
@@ -262,163 +313,4 @@ fn pattern_beside(session: &Path, file: &PatternFile) -> Result<Pattern> {
 }
 
 #[cfg(test)]
-mod tests {
-    use std::fs;
-
-    use clap::Parser;
-    use tilescope_core::{Parameters, PatternSpec, Unobserved, solid_sample};
-    use tilescope_debugger::{DEFAULT_BUDGET, pattern_digest};
-    use tilescope_formats::{ExportContext, PointSet, export};
-
-    use super::*;
-
-    /// Returns a saved session of a run, with its pattern in a file if there is a name for it.
-    fn saved(pattern: &Pattern, file: Option<&str>) -> Session {
-        let parameters = Parameters {
-            radius: 0.05,
-            leaf: 10.0,
-            ..Parameters::default()
-        };
-        let pattern_used = Arc::new(pattern.clone());
-        let recording =
-            Recording::with_pattern(&parameters, pattern_used, DEFAULT_BUDGET, &mut Unobserved);
-        let mut debugger = Debugger::new(Arc::new(recording.unwrap()), DEFAULT_BUDGET);
-        debugger.pattern = file.map(|path| PatternFile {
-            path: path.to_owned(),
-            digest: pattern_digest(pattern),
-        });
-        debugger.session()
-    }
-
-    #[test]
-    fn a_saved_session_is_the_same_run_or_is_refused() {
-        let pattern = Pattern::of_spec(&PatternSpec::default(), &mut Unobserved).unwrap();
-        let session = saved(&pattern, None);
-        let folder = tempfile::tempdir().unwrap();
-        let path = folder.path().join("saved.json");
-        let read = |session: &Session| {
-            fs::write(&path, session.to_json().unwrap()).unwrap();
-            of_session(&path, &mut Stopwatch::start())
-        };
-        let recording = read(&session).unwrap();
-        assert_eq!(tilescope_debugger::digest(recording.run()), session.digest);
-
-        // The control: another result.
-        let other = Session {
-            digest: "0".repeat(16),
-            ..session
-        };
-        let error = read(&other).err().unwrap().to_string();
-        assert!(error.contains("it is not the same run"), "{error}");
-    }
-
-    #[test]
-    fn the_pattern_of_a_session_lies_beside_it() {
-        let spec = PatternSpec {
-            side: 30.0,
-            seed: 9,
-            ..PatternSpec::default()
-        };
-        let pattern = Pattern::of_spec(&spec, &mut Unobserved).unwrap();
-        let session = saved(&pattern, Some("elsewhere/pattern.npy"));
-        let folder = tempfile::tempdir().unwrap();
-        let path = folder.path().join("saved.json");
-        fs::write(&path, session.to_json().unwrap()).unwrap();
-        let error = of_session(&path, &mut Stopwatch::start()).err().unwrap();
-        assert!(
-            error
-                .to_string()
-                .contains("put the pattern beside the session"),
-            "{error}"
-        );
-
-        let domain = pattern.domain();
-        let set = PointSet::from_points(domain.users_from_lattice(pattern.samples()));
-        let context = ExportContext::new(tilescope_sets::region(domain), domain.radius());
-        let go_on = |_| std::ops::ControlFlow::Continue(());
-        export(&folder.path().join("pattern.npy"), &set, &context, &go_on).unwrap();
-        let recording = of_session(&path, &mut Stopwatch::start()).unwrap();
-        assert_eq!(tilescope_debugger::digest(recording.run()), session.digest);
-    }
-
-    /// Reads the words of a command line.
-    fn arguments(words: &[&str]) -> CurveArguments {
-        let words = ["tilescope", "curve"].iter().chain(words);
-        match crate::Arguments::try_parse_from(words).unwrap().command {
-            Some(crate::Command::Curve(arguments)) => *arguments,
-            _ => panic!("a curve"),
-        }
-    }
-
-    #[test]
-    fn a_curve_in_space_has_the_numbers_of_the_set() {
-        let folder = tempfile::tempdir().unwrap();
-        let path = folder.path().join("run.csv");
-        let out = path.to_str().unwrap();
-        let words = [
-            "--size", "10x10x4", "--radius", "1", "--seed", "3", "--out", out,
-        ];
-        assert_eq!(run(&arguments(&words)).unwrap(), EXIT_FINE);
-
-        let table = fs::read_to_string(&path).unwrap();
-        let mut rows = table.lines();
-        assert_eq!(
-            rows.next(),
-            Some(
-                "event,stage,samples,density,min_distance_r,conflicts,relative_radius,active_cubes"
-            )
-        );
-        // At first nothing has arrived, and at the end no cube is active.
-        assert!(
-            rows.next().is_some_and(|row| row.ends_with(",0,0,,0,,0")),
-            "{table:.200}"
-        );
-        let domain =
-            SolidDomain::from_size([10.0, 10.0, 4.0], 1.0, tilescope_core::Boundary::Periodic);
-        let made = solid_sample(domain.unwrap(), 3, &mut Unobserved).unwrap();
-        let last: Vec<&str> = rows.next_back().unwrap().split(',').collect();
-        assert_eq!(last[2], made.len().to_string());
-        assert_eq!((last[5], last[7]), ("0", "0"));
-
-        // About so many samples by a radius that is searched for.
-        let words = [
-            "--size",
-            "10x10x4",
-            "--count",
-            "400",
-            "--numbers",
-            "samples",
-        ];
-        let found = course(&arguments(&words)).unwrap().final_count();
-        assert!(found.abs_diff(400) <= 4, "{found}");
-    }
-
-    #[test]
-    fn options_and_numbers_of_planar_runs_are_refused_in_space() {
-        let refused = |words: &[&str]| {
-            let words = [&["--size", "10x10x4", "--radius", "1"], words].concat();
-            crate::describe(&run(&arguments(&words)).unwrap_err())
-        };
-        for (words, part) in [
-            (
-                &["--numbers", "gaps"][..],
-                "\"gaps\" is not followed in space",
-            ),
-            (
-                &["--method", "kdrt"],
-                "--method kdrt: --size makes a set in space",
-            ),
-            (&["--leaf", "9"], "--leaf: --size makes a set in space"),
-            (&["--levels", "3"], "--levels: --size makes a whole set"),
-        ] {
-            let said = refused(words);
-            assert!(said.contains(part), "{said}");
-        }
-        let large = arguments(&["--size", "1000x1000x1000", "--radius", "1"]);
-        let said = crate::describe(&run(&large).unwrap_err());
-        assert!(
-            said.contains("about 733") && said.contains("2000000"),
-            "{said}"
-        );
-    }
-}
+mod tests;

@@ -4,12 +4,13 @@ use anyhow::{Context, Error, Result, anyhow, bail, ensure};
 use tilescope_core::{Boundary, NOT_OF_EXACT, Parameter, SampleError};
 use tilescope_sets::{ExactBlocks, RadiusSource, VaryingError, VaryingRecipe};
 
-use crate::ground::{formula, image};
+use crate::ground::{CoordinateArguments, GroundArguments, formula, image};
 use crate::make::Worked;
 use crate::options::pair;
 use crate::output::Work;
+use crate::parameters::RunArguments;
 use crate::progress::Stopwatch;
-use crate::sample_arguments::{SampleArguments, SamplingMethod};
+use crate::sample_arguments::{NestedArguments, SampleArguments, SamplingMethod};
 
 /// The parameters of a set that the reference sampler makes.
 const USED: [Parameter; 5] = [
@@ -29,6 +30,53 @@ const USED_BY_EXACT: [Parameter; 5] = [
     Parameter::Dihedral,
 ];
 
+/// What a set is asked for by, whose radius varies or that covers a shape.
+#[derive(Clone, Copy)]
+pub struct VaryingArguments<'a> {
+    pub run: &'a RunArguments,
+    pub nested: &'a NestedArguments,
+    pub ground: &'a GroundArguments,
+    pub coordinates: &'a CoordinateArguments,
+    pub origin: Option<&'a Vec<f64>>,
+    pub method: Option<SamplingMethod>,
+}
+
+impl<'a> From<&'a SampleArguments> for VaryingArguments<'a> {
+    fn from(arguments: &'a SampleArguments) -> Self {
+        Self {
+            run: &arguments.run,
+            nested: &arguments.nested,
+            ground: &arguments.ground,
+            coordinates: &arguments.coordinates,
+            origin: arguments.origin.as_ref(),
+            method: arguments.method,
+        }
+    }
+}
+
+impl VaryingArguments<'_> {
+    /// Returns whether a shape is to be tiled exactly.
+    const fn is_exact(&self) -> bool {
+        matches!(self.method, Some(SamplingMethod::Exact))
+    }
+
+    /// Returns why options of other ways to make a set are refused.
+    fn reason(&self) -> String {
+        // One option of the ground is always given: without one, other code makes the set.
+        let option = self.ground.option().unwrap_or_default();
+        if self.is_exact() {
+            return format!("exact tiling of {option} has no use for it");
+        }
+        // Exact tiling has some of the options, and covers shapes on request.
+        let unless = if self.ground.field_option().is_some() {
+            ""
+        } else {
+            ", unless --method is exact"
+        };
+        format!("{option} needs the reference sampler, whose darts need no pattern{unless}")
+    }
+}
+
 /// Makes a set whose radius varies, or that covers a shape: by the reference sampler, or on request a shape by exact tiling.
 pub fn make(arguments: &SampleArguments) -> Result<Worked> {
     let recipe = recipe_of(arguments)?;
@@ -44,8 +92,20 @@ pub fn make(arguments: &SampleArguments) -> Result<Worked> {
 
 /// Returns what the arguments ask for. Refuses, by their names, options of other ways to make a set.
 pub fn recipe_of(arguments: &SampleArguments) -> Result<VaryingRecipe> {
-    refuse_tiling(arguments)?;
-    recipe(arguments)
+    let asked = VaryingArguments::from(arguments);
+    let recipe = recipe(&asked)?;
+    ensure!(
+        !arguments.resume,
+        "--resume: {}, and makes whole sets; leave it out",
+        asked.reason()
+    );
+    let method = if asked.is_exact() {
+        "exact tiling of a shape"
+    } else {
+        "the reference sampler"
+    };
+    arguments.engine.check_on_cpu(method)?;
+    Ok(recipe)
 }
 
 /// Adds to the error of a set that does not fit the memory how a part of it is made.
@@ -59,21 +119,8 @@ fn advised(error: VaryingError) -> Error {
 }
 
 /// Refuses, by their names, options of other ways to make a set.
-fn refuse_tiling(arguments: &SampleArguments) -> Result<()> {
-    // One option of the ground is always given: without one, other code makes the set.
-    let option = arguments.ground.option().unwrap_or_default();
-    let is_exact = matches!(arguments.method, Some(SamplingMethod::Exact));
-    let why = if is_exact {
-        format!("exact tiling of {option} has no use for it")
-    } else {
-        // Exact tiling has some of the options, and covers shapes on request.
-        let unless = if arguments.ground.field_option().is_some() {
-            ""
-        } else {
-            ", unless --method is exact"
-        };
-        format!("{option} needs the reference sampler, whose darts need no pattern{unless}")
-    };
+fn refuse_tiling(arguments: &VaryingArguments<'_>) -> Result<()> {
+    let (why, is_exact) = (arguments.reason(), arguments.is_exact());
     match arguments.method {
         None | Some(SamplingMethod::Reference) => {}
         Some(SamplingMethod::Kdrt) => bail!("--method kdrt: {why}; leave it out"),
@@ -92,19 +139,9 @@ fn refuse_tiling(arguments: &SampleArguments) -> Result<()> {
         "--levels: {why}; leave it out"
     );
     ensure!(
-        !arguments.resume,
-        "--resume: {why}, and makes whole sets; leave it out"
-    );
-    ensure!(
         arguments.run.pattern.is_none(),
         "--pattern: {why}; leave it out"
     );
-    let method = if is_exact {
-        "exact tiling of a shape"
-    } else {
-        "the reference sampler"
-    };
-    arguments.engine.check_on_cpu(method)?;
     // The parameters in `NOT_OF_EXACT` pass here: `recipe` refuses them, with a message about exact tiling.
     let is_used = |typed: &Parameter| {
         USED.contains(typed)
@@ -117,9 +154,10 @@ fn refuse_tiling(arguments: &SampleArguments) -> Result<()> {
     }
 }
 
-/// Returns what the arguments ask for.
-fn recipe(arguments: &SampleArguments) -> Result<VaryingRecipe> {
-    let (run, ground) = (&arguments.run, &arguments.ground);
+/// Returns what the arguments ask for; refuses, by their names, options of other ways to make a set.
+pub fn recipe(arguments: &VaryingArguments<'_>) -> Result<VaryingRecipe> {
+    refuse_tiling(arguments)?;
+    let (run, ground) = (arguments.run, arguments.ground);
     let asked = &run.asked;
     let is_typed = |parameter: Parameter| run.typed.contains(&parameter);
     // Without a typed radius there is a formula or a count. A count scales the radius, so that any radius will do.
@@ -153,14 +191,14 @@ fn recipe(arguments: &SampleArguments) -> Result<VaryingRecipe> {
             given(Parameter::Width, asked.width),
             given(Parameter::Height, asked.height),
         ],
-        origin: pair(arguments.origin.as_ref()),
+        origin: pair(arguments.origin),
         boundary: Boundary::of(!is_bounded),
         seed: asked.seed,
         count: run.count,
         exact: None,
     };
 
-    if matches!(arguments.method, Some(SamplingMethod::Exact)) {
+    if arguments.is_exact() {
         // Without a count, the number is that of the whole domain, and the shape has fewer samples. This number only
         // chooses the size of the pattern, for which it is near enough.
         let samples = match run.count {

@@ -3,6 +3,7 @@
 use std::fs;
 
 use crate::support::{analysis, names, tilescope};
+use crate::varying::park;
 use predicates::str::contains;
 use serde_json::Value;
 use tempfile::{TempDir, tempdir};
@@ -70,6 +71,62 @@ fn the_last_row_is_what_analyze_says_of_the_set() {
             );
         }
     }
+}
+
+#[test]
+fn the_last_row_of_a_shape_or_a_field_is_what_analyze_says_of_the_set() {
+    let folder = tempdir().unwrap();
+    park(&folder);
+    let of_shape = "samples,density,packing,conflicts,gaps,min_distance_r,relative_radius";
+    let of_field = "samples,density,conflicts,gaps";
+    let shape = ["--shape", "park.geojson", "--radius", "1.5", "--seed", "4"];
+    let tiled = ["--method", "exact", "--leaf", "8", "--pattern-side", "30"];
+    let field = ["--radius-expression", "0.02 + 0.03*x"];
+    let both = ["--radius-expression", "1 + 0.01*(x - 500000)"];
+    for (run, keys) in [
+        (shape.to_vec(), of_shape),
+        ([&shape[..], &tiled].concat(), of_shape),
+        (field.to_vec(), of_field),
+        ([&both[..], &shape[..2]].concat(), of_field),
+    ] {
+        let asked = [&run[..], &["--numbers", keys, "--moments", "5"]].concat();
+        let (header, rows) = table(&folder, &asked);
+        assert_eq!(header, format!("event,stage,{keys}"));
+        let numbers = analyzed(&folder, &run);
+        for (key, cell) in keys.split(',').zip(&rows[4][2..]) {
+            let (found, expected): (f64, _) =
+                (cell.parse().unwrap(), numbers[key].as_f64().unwrap());
+            let is_near = (found - expected).abs() <= 1e-5 * expected.abs();
+            assert!(is_near, "{run:?} {key}: {found} {expected}");
+        }
+        // A maximal set has about 0.70 for the area that is covered, and more where much of it is border.
+        let density: f64 = rows[4][3].parse().unwrap();
+        assert!((0.66..0.85).contains(&density), "{run:?} {density}");
+        // The control: the run before its end has another number of samples.
+        assert_ne!(rows[2][2], rows[4][2]);
+    }
+
+    let refused = |arguments: &[&str], said: &str| {
+        let mut command = tilescope(&folder);
+        let refusal = command.arg("curve").args(arguments).assert().code(2);
+        refusal.stdout("").stderr(contains(said));
+    };
+    let with = |more: &[&'static str]| [&shape[..], more].concat();
+    refused(
+        &with(&["--numbers", "covering_radius_r"]),
+        "is not followed in a shape",
+    );
+    refused(
+        &[&field[..], &["--numbers", "relative_radius"]].concat(),
+        "is not followed where the radius varies",
+    );
+    refused(&with(&["--method", "kdrt"]), "--method kdrt: --shape");
+    refused(&with(&["--levels", "3"]), "--levels: --shape");
+    refused(&with(&["--depth", "9"]), "--shape: --depth makes");
+    refused(
+        &["--radius", "0.1", "--origin", "1", "2"],
+        "--origin: numbers of a run",
+    );
 }
 
 #[test]
