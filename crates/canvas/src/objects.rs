@@ -8,6 +8,7 @@ use tilescope_drawing::MIN_DISK_SCALE;
 use tilescope_drawing::made::Made;
 use tilescope_drawing::palette::Palette;
 use tilescope_drawing::subject::Subject;
+use tilescope_session::octaves::counted_cells;
 use tilescope_session::selection::Selection;
 use tilescope_session::units::{position, radii};
 use tilescope_session::words::counted;
@@ -40,7 +41,8 @@ pub struct Object {
 pub struct Objects {
     /// Those that are listed: gaps, active cubes that a plane cuts, samples, blocks.
     pub listed: Vec<Object>,
-    /// How many others of each kind are in view, in English; a kind that is listed as a whole has no entry.
+    /// How many active cells of each octave there are, and how many others of each kind are in view, in English; a kind that is
+    /// listed as a whole has no entry.
     pub more: Vec<String>,
 }
 
@@ -56,6 +58,7 @@ impl Objects {
         let view = View::of(subject, rect);
         view.add_gaps(&mut objects);
         view.add_cubes(&mut objects);
+        objects.more.extend(view.octaves());
         view.add_samples(&mut objects);
         view.add_blocks(&mut objects);
         objects
@@ -228,6 +231,18 @@ impl<'a> View<'a> {
                 selection: Selection::Place(near.place),
             }
         });
+    }
+
+    /// Returns how many active cells of each octave throw darts at the moment, in the whole domain; nothing where they have no
+    /// octaves. Single cells are nothing to select, and are not listed.
+    fn octaves(&self) -> Vec<String> {
+        let shown = &self.subject.shown;
+        let counts = shown.session.cells_by_octave(shown.stage);
+        let octaves = counts.unwrap_or_default().into_iter().enumerate();
+        octaves
+            .filter(|&(_, count)| count > 0)
+            .map(|(octave, count)| counted_cells(count, octave))
+            .collect()
     }
 
     fn add_blocks(&self, objects: &mut Objects) {

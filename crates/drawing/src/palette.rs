@@ -6,6 +6,7 @@
 use ecolor::Color32;
 use tilescope_figures::Palette as Marks;
 use tilescope_session::look::Look;
+use tilescope_session::octaves::Octaves;
 
 /// The colours of a look, each named by its meaning.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -145,6 +146,24 @@ impl Palette {
         let part = |k: usize| early[k] + (late[k] - early[k]) * f64::from(age.clamp(0.0, 1.0));
         oklab(part(0), part(1), part(2))
     }
+
+    /// Returns the colour of the active cells of an octave: the larger their radii, the lighter, around the blue of active cells.
+    /// Colours of ages would do as well, but samples have these beside the cells.
+    #[must_use]
+    pub fn octave(&self, octave: usize, octaves: Octaves) -> Color32 {
+        self.octave_at(octaves.share(octave))
+    }
+
+    /// Returns the colour between the first octave, at 0, and the last, at 1.
+    fn octave_at(&self, share: f32) -> Color32 {
+        let (first, last) = if self.dark {
+            ([0.54, 0.16, 275.0], [0.95, 0.09, 195.0])
+        } else {
+            ([0.28, 0.16, 275.0], [0.655, 0.09, 195.0])
+        };
+        let part = |k: usize| first[k] + (last[k] - first[k]) * f64::from(share);
+        oklch(part(0), part(1), part(2))
+    }
 }
 
 /// Returns the sRGB colour of an Oklab lightness, chroma and hue (Ottosson 2020).
@@ -204,6 +223,25 @@ mod tests {
                 assert!(luminance(pair[1]) > luminance(pair[0]), "{pair:?}");
             }
             assert!(contrast(ramp[0], ramp[32]) > 3.0);
+        }
+    }
+
+    #[test]
+    fn octaves_are_told_apart_by_how_light_they_are() {
+        for palette in Look::ALL.map(Palette::of) {
+            // Radii differ by a factor of 64 at most, so that there are seven octaves at most.
+            let ratios = |count: u8| {
+                let shares = (0..count).map(|k| f32::from(k) / f32::from(count - 1));
+                let colors: Vec<_> = shares.map(|share| palette.octave_at(share)).collect();
+                for color in &colors {
+                    assert!(contrast(*color, palette.domain) > 3.0, "{color:?}");
+                }
+                let pairs = colors.windows(2).map(|pair| contrast(pair[0], pair[1]));
+                pairs.fold(f32::INFINITY, f32::min)
+            };
+            assert!(ratios(7) > 1.15, "{}", ratios(7));
+            // Many more would not be.
+            assert!(ratios(30) < 1.15);
         }
     }
 

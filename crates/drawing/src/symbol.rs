@@ -119,13 +119,7 @@ const fn throws_darts(kind: SessionKind) -> bool {
 pub fn symbol(layer: Layer, kind: SessionKind, palette: &Palette) -> Vec<SymbolShape> {
     match layer {
         // Active cells stand in the place of detectors.
-        Layer::Detectors if throws_darts(kind) => {
-            let (corners, color) = (rect(10.0, 10.0), palette.detector);
-            vec![
-                filled(corners, color.gamma_multiply(0.3)),
-                outline(corners, thin(color)),
-            ]
-        }
+        Layer::Detectors if throws_darts(kind) => cell(palette.detector),
         Layer::Samples => vec![dot(Vec2::ZERO, 3.0, palette.sample)],
         Layer::Disks => vec![
             dot(Vec2::ZERO, 6.0, palette.sample.gamma_multiply(0.12)),
@@ -182,6 +176,16 @@ pub fn symbol(layer: Layer, kind: SessionKind, palette: &Palette) -> Vec<SymbolS
             vec![filled([-y, x, y, -x], palette.inserted)]
         }
     }
+}
+
+/// Returns the symbol of active cells of a colour.
+#[must_use]
+pub fn cell(color: Color32) -> Vec<SymbolShape> {
+    let corners = rect(10.0, 10.0);
+    vec![
+        filled(corners, color.gamma_multiply(0.3)),
+        outline(corners, thin(color)),
+    ]
 }
 
 /// Returns the symbol of a field of radii: from a small radius on the left to a large one.

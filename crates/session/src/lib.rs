@@ -35,6 +35,7 @@ pub mod look;
 pub mod moment;
 pub mod nested;
 pub mod nesting;
+pub mod octaves;
 pub mod packing;
 pub mod page_folder;
 pub mod recipe;

@@ -138,6 +138,11 @@ pub fn symbol(painter: &Painter, layer: Layer, kind: SessionKind, at: Pos2, pale
     draw(painter, shapes, at);
 }
 
+/// Draws the symbol of active cells of a colour around `at`.
+pub fn cell_symbol(painter: &Painter, color: egui::Color32, at: Pos2) {
+    draw(painter, tilescope_drawing::symbol::cell(color), at);
+}
+
 /// Explains a layer by a small figure, if there is one, and a sentence or two.
 pub fn explain(ui: &mut Ui, layer: Layer, kind: SessionKind, palette: &Palette) {
     // Figures and explanations are about runs. A kind of session that names the layer otherwise shows something else in

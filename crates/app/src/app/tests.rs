@@ -5,14 +5,17 @@ use egui::accesskit::{Node, NodeId};
 use egui::{Event, Key, Modifiers, PointerButton, Pos2, RawInput, Rect};
 use tilescope_canvas::objects::MAX_OF_KIND;
 use tilescope_classroom::lessons::LessonCommand;
+use tilescope_core::Stage;
 use tilescope_debugger::{EventKind, Target};
+use tilescope_session::octaves::counted_cells;
 use tilescope_session::sentence::happened;
 
 use super::*;
 use tilescope_workbench::clock::Clock;
 use tilescope_workbench::command::{
-    AppearanceCommand, DebugCommand, TimeCommand, ViewCommand, Which, WindowCommand,
+    AppearanceCommand, DebugCommand, FormCommand, TimeCommand, ViewCommand, Which, WindowCommand,
 };
+use tilescope_workbench::draft::Preset;
 use tilescope_workbench::embedding::Embedding;
 use tilescope_workbench::export::{ExportCommand, ExportKind};
 use tilescope_workbench::scenes::SceneCommand;
@@ -733,6 +736,33 @@ fn the_list_of_objects_has_a_dozen_of_each_kind_and_counts_the_others() {
     );
     let is_count = |text: &String| text.ends_with("more samples in view");
     assert!(all.iter().any(is_count), "{all:?}");
+}
+
+#[test]
+fn the_list_counts_active_cells_by_octave() {
+    let mut window = Window::opened([1440.0, 900.0]);
+    window.apply(Command::Form(FormCommand::Preset(Preset::Ramp)));
+    window.apply(Command::Run);
+    let counted = |window: &Window| -> Vec<String> {
+        let all = options(window).into_iter();
+        all.filter(|text| text.contains("of octave")).collect()
+    };
+    // At the end no cell is active.
+    assert!(counted(&window).is_empty());
+
+    // The fifth throw is the first of cells that were cut.
+    window.apply(Command::Time(TimeCommand::ShowStage(4)));
+    let session = window.app.state.runs().first.session.as_ref().unwrap();
+    let counts = session.cells_by_octave(Stage::Iterate(5)).unwrap();
+    let throw = session.iteration(5).unwrap();
+    assert_eq!(counts.iter().sum::<usize>(), throw.cells.len());
+    let wanted: Vec<String> = (counts.into_iter().enumerate())
+        .map(|(octave, count)| counted_cells(count, octave))
+        .collect();
+    // Nodes of the tree come in no order.
+    let said = counted(&window);
+    assert!(wanted.iter().all(|text| said.contains(text)), "{said:?}");
+    assert_eq!([wanted.len(), said.len()], [3, 3]);
 }
 
 #[test]

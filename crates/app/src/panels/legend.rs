@@ -7,7 +7,9 @@ use tilescope_drawing::palette::Palette;
 use tilescope_session::Session;
 use tilescope_session::glossary;
 use tilescope_session::layers::{Colouring, Layer, SessionKind};
-use tilescope_ui::widgets::{Kebab, Known, explain, heading, name_group, symbol};
+use tilescope_session::octaves::counted_cells;
+use tilescope_ui::language::Worded;
+use tilescope_ui::widgets::{Kebab, Known, cell_symbol, explain, heading, name_group, symbol};
 
 use super::content::{Content, Room};
 use super::context::PanelContext;
@@ -48,6 +50,9 @@ pub fn show(
     let is_listed =
         |layer: &Layer| layer.is_of(kind) && (!Layer::NETS.contains(layer) || shown.has(*layer));
     for layer in Layer::ALL.into_iter().filter(is_listed) {
+        if layer == Layer::Detectors && octaves(ui, context, palette) {
+            continue;
+        }
         let draw = |painter: &Painter, rect: Rect| {
             symbol(painter, layer, kind, rect.center(), palette);
         };
@@ -61,6 +66,31 @@ pub fn show(
     if let Some(found) = causes {
         brushed(ui, &found.cause, palette);
     }
+}
+
+/// Shows the colour of the active cells of each octave, with their number in the throw that is shown; returns whether the run
+/// has octaves.
+fn octaves(ui: &mut Ui, context: &PanelContext<'_>, palette: &Palette) -> bool {
+    let session = context.run.session.as_ref();
+    let Some((session, octaves)) = session.and_then(|found| Some((found, found.octaves()?))) else {
+        return false;
+    };
+
+    let stage = context.run.current_stage();
+    let counts = stage.and_then(|stage| session.cells_by_octave(stage));
+    for octave in octaves.all() {
+        let color = palette.octave(octave, octaves);
+        let shown = entry(ui, &octaves.meaning(octave), palette, |painter, rect| {
+            cell_symbol(painter, color, rect.center());
+        });
+        shown.known_as(format_args!("octave-{octave}"));
+        // Between throws no cell is active.
+        if let Some(counts) = &counts {
+            let number = counted_cells(counts[octave], octave);
+            shown.on_hover_text(ui.words(&number));
+        }
+    }
+    true
 }
 
 /// Shows the marks of the brush.

@@ -283,3 +283,26 @@ fn the_analysis_of_a_field_counts_and_says_what_is_global() {
     apply(&mut harness, open(Panel::Legend));
     assert!(find(&harness, "layer.field").is_some() && find(&harness, "layer.blocks").is_none());
 }
+
+#[test]
+fn active_cells_have_the_colour_of_their_octave_in_the_legend() {
+    let mut harness = made(Preset::Ramp);
+    // The fifth throw is the first of cells that were cut.
+    apply(&mut harness, Command::Time(TimeCommand::ShowStage(4)));
+    let open = Command::Window(WindowCommand::OpenPanel(Panel::Legend));
+    apply(&mut harness, open);
+    for (octave, width) in ["1", "2", "4"].into_iter().enumerate() {
+        let said = text(&harness, format_args!("octave-{octave}"));
+        let wanted = format!("active cell of octave {octave}: at first {width} r wide");
+        assert_eq!(said, wanted);
+    }
+    assert!(find(&harness, "octave-3").is_none());
+
+    // A shape of one radius has cells of one kind, and one entry for them.
+    let expression = FormCommand::Choose(Choice::RadiusBy(RadiusBy::Constant));
+    for command in [FormCommand::Preset(Preset::Star), expression].map(Command::Form) {
+        apply(&mut harness, command);
+    }
+    apply(&mut harness, Command::Run);
+    assert!(session(&harness).octaves().is_none() && find(&harness, "octave-0").is_none());
+}

@@ -5,6 +5,7 @@
 use ecolor::Color32;
 use emath::{Rect, Vec2, pos2, vec2};
 use glam::DVec2;
+use tilescope_core::stages::disks::Cell;
 use tilescope_core::{Point, R, RunEvent, Stage, Verdict};
 use tilescope_session::layers::Layer;
 use tilescope_session::units::{position, radii};
@@ -169,8 +170,17 @@ fn cells(scene: &Scene<'_>, surface: &mut impl Surface, number: u32) {
     let Some(iteration) = scene.session.iteration(number) else {
         return;
     };
-    let color = scene.palette.detector;
-    let (fill, stroke) = (color.gamma_multiply(0.18), Stroke::new(1.0, color));
+    // In a field of radii cells have the colour of their octave.
+    let octaves = scene.session.octaves();
+    let color_of = |cell: &Cell| match octaves {
+        Some(octaves) => {
+            let octave = octaves.of_cell(number, cell.side);
+            scene.palette.octave(octave, octaves)
+        }
+        None => scene.palette.detector,
+    };
+    // Colours of octaves are told apart by how light they are, so that less of the ground shines through.
+    let strength = if octaves.is_some() { 0.35 } else { 0.18 };
     let end = scene.session.size_radii();
 
     // Of a set in space only the cubes are drawn that the plane cuts. All cubes of a throw have the same side.
@@ -193,7 +203,9 @@ fn cells(scene: &Scene<'_>, surface: &mut impl Surface, number: u32) {
         let least = Rect::from_center_size(square.center(), Vec2::splat(2.0 * LEAST_HALF));
         let shown = square.union(least);
         if shown.intersects(scene.rect) {
-            surface.rect(shown, Some(fill), Some(stroke));
+            let color = color_of(cell);
+            let fill = color.gamma_multiply(strength);
+            surface.rect(shown, Some(fill), Some(Stroke::new(1.0, color)));
         }
     }
 }

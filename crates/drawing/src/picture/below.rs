@@ -6,11 +6,13 @@ use glam::DVec2;
 use serde::{Deserialize, Serialize};
 use tilescope_figures::{Baseline, Font, Group, Shape, Text, text_width, wrapped};
 use tilescope_session::layers::{Layer, Layers, SessionKind};
+use tilescope_session::octaves::Octaves;
 
 use super::PictureView;
 use super::shapes::{at, color, line, style};
+use crate::palette::Palette;
 use crate::surface::Stroke;
-use crate::symbol::{SymbolShape, symbol};
+use crate::symbol::{SymbolShape, cell, symbol};
 
 /// A legend: the symbols of layers, each with its meaning.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
@@ -19,6 +21,32 @@ pub struct Legend {
     pub layers: Layers,
     /// The kind of the session, in which some layers have other meanings.
     pub kind: SessionKind,
+    /// The octaves of its active cells, each with a colour of its own, if it has several.
+    pub octaves: Option<Octaves>,
+}
+
+impl Legend {
+    /// Returns the symbols with their meanings, in the order of the layers; active cells have one for each octave.
+    fn entries(&self, palette: &Palette) -> Vec<(Vec<SymbolShape>, String)> {
+        let Self {
+            layers,
+            kind,
+            octaves,
+        } = *self;
+        let mut entries = Vec::new();
+        for layer in layers.iter().filter(|layer| layer.is_of(kind)) {
+            let Some(octaves) = octaves.filter(|_| layer == Layer::Detectors) else {
+                let meaning = layer.meaning(kind).to_owned();
+                entries.push((symbol(layer, kind, palette), meaning));
+                continue;
+            };
+            for octave in octaves.all() {
+                let color = palette.octave(octave, octaves);
+                entries.push((cell(color), octaves.meaning(octave)));
+            }
+        }
+        entries
+    }
 }
 
 /// Font size of the caption, relative to the picture's width.
@@ -44,11 +72,10 @@ pub(super) struct Below {
     entries: Vec<LegendEntry>,
 }
 
-/// The symbol of a layer with its meaning.
+/// A symbol with its meaning.
 struct LegendEntry {
-    layer: Layer,
-    kind: SessionKind,
-    meaning: &'static str,
+    symbol: Vec<SymbolShape>,
+    meaning: String,
     /// The left edge, and the middle of the line.
     at: DVec2,
 }
@@ -62,14 +89,13 @@ impl Below {
         let mut height = lines.len() as f64 * LINE_HEIGHT * CAPTION_SIZE * width;
 
         let mut entries = Vec::new();
-        if let Some(Legend { layers, kind }) = view.legend {
+        if let Some(legend) = view.legend {
             let size = LEGEND_SIZE * width;
             let mut x = 0.0;
-            for layer in layers.iter().filter(|layer| layer.is_of(kind)) {
-                let meaning = layer.meaning(kind);
+            for (symbol, meaning) in legend.entries(view.palette()) {
                 // An entry has room for its symbol, and as much again before the next entry.
                 let entry_width =
-                    2.0 * SYMBOL_WIDTH * size + text_width(meaning, Font::Regular, size);
+                    2.0 * SYMBOL_WIDTH * size + text_width(&meaning, Font::Regular, size);
                 // An entry that does not fit goes to the next line. One wider than the picture is not moved from the beginning
                 // of its line, which would leave an empty one.
                 if x > 0.0 && x + entry_width > room {
@@ -77,8 +103,7 @@ impl Below {
                 }
                 let at = DVec2::new(x, height + 0.5 * LINE_HEIGHT * size);
                 entries.push(LegendEntry {
-                    layer,
-                    kind,
+                    symbol,
                     meaning,
                     at,
                 });
@@ -120,8 +145,7 @@ impl Below {
         let legend_size = LEGEND_SIZE * width;
         for entry in &self.entries {
             let LegendEntry {
-                layer,
-                kind,
+                symbol,
                 meaning,
                 at: place,
             } = entry;
@@ -130,7 +154,7 @@ impl Below {
             let middle = left + 0.5 * symbol_width;
             // Symbols are made for the size of the window's letters.
             let scale = legend_size / FONT_OF_SYMBOLS;
-            let shapes = symbol(*layer, *kind, palette).into_iter();
+            let shapes = symbol.iter().cloned();
             legend
                 .shapes
                 .extend(shapes.map(|shape| placed(shape, middle, scale)));

@@ -418,6 +418,7 @@ impl ExportSource<'_> {
         Legend {
             layers,
             kind: self.run.kind(),
+            octaves: (self.run.session.as_ref()).and_then(|session| session.octaves()),
         }
     }
 

@@ -5,6 +5,7 @@ use std::sync::Arc;
 use serde_json::json;
 use tilescope_analysis::VerifyOptions;
 use tilescope_core::{Boundary, RunEvent, Unobserved, Verdict as DartVerdict};
+use tilescope_drawing::palette::Palette;
 use tilescope_formats::{Overrides, check};
 use tilescope_live::Course;
 use tilescope_session::ground::MadeGround;
@@ -12,15 +13,17 @@ use tilescope_session::incoming::NamedBytes;
 use tilescope_session::layers::{Layer, SessionKind};
 use tilescope_session::session::Session;
 use tilescope_sets::{GrayImage, RadiusSource, ShapeSource, VaryingRecipe};
-use tilescope_workbench::command::{FormCommand, PaintCommand, TimeCommand, WindowCommand};
+use tilescope_workbench::command::{
+    FormCommand, PaintCommand, TimeCommand, ViewCommand, Which, WindowCommand,
+};
 use tilescope_workbench::compare::ComparePreset;
 use tilescope_workbench::draft::{Choice, FormPart, Preset, RadiusBy};
-use tilescope_workbench::export::ExportKind;
+use tilescope_workbench::export::{ExportCommand, ExportKind};
 use tilescope_workbench::files::FileCommand;
 use tilescope_workbench::layout::Panel;
 use tilescope_workbench::{Command, State, link, state};
 
-use crate::exporting::{notice_text, write};
+use crate::exporting::{export, fill_in, notice_text, opened, write};
 
 /// A formula of some 700 samples.
 const FORMULA: &str = "0.02 + 0.06*hypot(x - 0.5, y - 0.5)";
@@ -654,4 +657,39 @@ fn a_mask_stays_beside_an_image_of_as_many_pixels_and_an_empty_one_is_refused() 
         "{}",
         notice_text(&state)
     );
+}
+
+#[test]
+fn pictures_of_active_cells_have_the_colours_of_their_octaves_and_explain_them() {
+    let folder = tempfile::tempdir().unwrap();
+    let mut state = opened();
+    let pictured = |state: &mut State, name: &str, preset: Preset, by: RadiusBy| {
+        form(state, FormCommand::Preset(preset));
+        form(state, FormCommand::Choose(Choice::RadiusBy(by)));
+        run(state);
+        state.apply(Command::Time(TimeCommand::ShowStage(4)));
+        state.apply(Command::View(Which::First, ViewCommand::Fit));
+        let path = folder.path().join(name);
+        fill_in(state, ExportKind::Picture, &path, &[]);
+        export(state, ExportCommand::Legend(true));
+        export(state, ExportCommand::Write);
+        state.settle();
+        std::fs::read_to_string(&path).unwrap()
+    };
+
+    let ramp = pictured(&mut state, "ramp.svg", Preset::Ramp, RadiusBy::Expression);
+    let octaves = session(&state).octaves().unwrap();
+    let palette = Palette::of(state.appearance().look);
+    for octave in octaves.all() {
+        let meaning = octaves.meaning(octave);
+        assert!(ramp.contains(&meaning), "{meaning}");
+        let [red, green, blue, _] = palette.octave(octave, octaves).to_array();
+        let color = format!("#{red:02x}{green:02x}{blue:02x}");
+        // One is that of the legend, and the others are those of cells.
+        assert!(ramp.matches(&color).count() > 4, "{color}");
+    }
+    assert!(!ramp.contains("darts fall there"));
+
+    let star = pictured(&mut state, "star.svg", Preset::Star, RadiusBy::Constant);
+    assert!(star.contains("darts fall there") && !star.contains("octave"));
 }
