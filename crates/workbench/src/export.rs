@@ -252,6 +252,15 @@ pub enum ExportContent {
         /// Hundredths of a second for a frame.
         delay: u16,
     },
+    /// An animation in which the dots of a stipple appear in the order of their arrival, as ink on paper.
+    Making {
+        /// The colours, and how large the dots are.
+        look: StippleLook,
+        /// The width in pixels.
+        columns: u32,
+        /// Hundredths of a second for a frame.
+        delay: u16,
+    },
     /// A picture of each scene, in files whose names are numbered.
     Scenes {
         /// Their moments and views.

@@ -111,6 +111,12 @@ impl Sheet<'_> {
                 self.span(ui);
                 self.delay(ui);
             }
+            // The dots of a stipple have no part of a run to choose: all of them arrive.
+            ExportKind::Animation if self.source.is_stipple() => {
+                self.ink(ui);
+                self.width(ui);
+                self.delay(ui);
+            }
             ExportKind::Picture | ExportKind::Scenes => {
                 self.scale(ui);
                 self.colours(ui);
@@ -194,6 +200,10 @@ impl Sheet<'_> {
         }
         if self.source.shows_passage(self.form) {
             return "The plane passes through the set, from one end of the third axis to the other."
+                .to_owned();
+        }
+        if self.source.is_stipple() {
+            return "The dots appear in the order of their arrival, as ink on paper, until all are there."
                 .to_owned();
         }
         let Some(range) = self.source.range(self.form) else {

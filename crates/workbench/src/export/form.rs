@@ -22,6 +22,8 @@ pub const MAX_EVERY: usize = 10_000_000;
 pub const MAX_COLUMNS: u32 = 16_384;
 /// How many pixels a picture of dots is wide at first, as the command line draws stipples.
 const COLUMNS: u32 = 1_600;
+/// How many pixels an animation of dots is wide at first: half as many, since it has a hundred such pictures.
+const ANIMATED_COLUMNS: u32 = 800;
 /// The shortest time for a frame, in ms: viewers slow shorter ones down.
 pub const MIN_DELAY_MS: u32 = 20;
 /// The longest time for a frame, in ms. Chosen, not measured.
@@ -132,6 +134,14 @@ impl ExportForm {
             self.path = path.to_string_lossy().into_owned();
         }
         self.kind = kind;
+        // A width that was typed stays.
+        let [from, to] = match kind {
+            ExportKind::Animation => [COLUMNS, ANIMATED_COLUMNS],
+            _ => [ANIMATED_COLUMNS, COLUMNS],
+        };
+        if self.columns == from.to_string() {
+            self.columns = to.to_string();
+        }
 
         self.look();
         self.asked = false;

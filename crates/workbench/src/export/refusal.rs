@@ -29,9 +29,6 @@ pub enum ExportRefusal {
     /// Animations need events, and nested levels have none.
     #[error("Nested levels have no events, so that there is no time to animate.")]
     Nested,
-    /// Animations need events, and a stipple has none.
-    #[error("A stipple has no events, so that there is no time to animate.")]
-    Stipple,
     /// The format holds no set in space; its reason.
     #[error("{0}")]
     NotInSpace(String),

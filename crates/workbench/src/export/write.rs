@@ -3,13 +3,13 @@
 //! `refusal.rs` lists the reasons for which it does not begin.
 
 mod balls;
+mod paper;
 mod space;
 
 use std::io::{self, Write};
 use std::ops::ControlFlow;
 use std::path::{Path, PathBuf};
 use tilescope_drawing::brushed::BrushedCause;
-use tilescope_drawing::dots::on_paper;
 use tilescope_drawing::orbit::TURN_FRAMES;
 use tilescope_drawing::picture::{PictureView, frame};
 
@@ -32,6 +32,7 @@ use super::provenance::{method, parameter_map, provenance};
 use super::{ExportContent, ExportJob, extension, scene_path};
 use crate::clock::Clock;
 pub use balls::PASSAGE_FRAMES;
+pub use paper::making_frames;
 use tilescope_session::ground::MadeGround;
 use tilescope_session::incoming::NamedBytes;
 use tilescope_session::jobs::Monitor;
@@ -168,7 +169,8 @@ pub fn write(job: &ExportJob, monitor: &Monitor) -> Result<Written, WriteError> 
         // Frames go to the file one by one, as all of them may not fit into memory.
         ExportContent::Animation { .. }
         | ExportContent::Balls { .. }
-        | ExportContent::Passage { .. } => {
+        | ExportContent::Passage { .. }
+        | ExportContent::Making { .. } => {
             let written = write_through(&job.path, |file| animate(job, file, monitor));
             written.map(|()| what(job))
         }
@@ -200,7 +202,8 @@ pub fn render(job: &ExportJob, monitor: &Monitor) -> Result<Outgoing, WriteError
         }),
         ExportContent::Animation { .. }
         | ExportContent::Balls { .. }
-        | ExportContent::Passage { .. } => {
+        | ExportContent::Passage { .. }
+        | ExportContent::Making { .. } => {
             // A browser has no file to write to, so that the whole animation is in memory, up to a limit.
             let mut bytes = Limited(Vec::new());
             animate(job, &mut bytes, monitor).map(|()| {
@@ -322,51 +325,6 @@ fn drawing(
     Some(look.drawing(black, judged, &set.points, is_inverted))
 }
 
-/// Returns the picture of a stipple as dots of ink on paper, as a file of this extension.
-fn picture_of_dots(
-    job: &ExportJob,
-    (moment, look, columns): (&Moment, &StippleLook, u32),
-    monitor: &Monitor,
-) -> Result<Vec<u8>, WriteError> {
-    monitor.set_activity("drawing");
-    go_on(monitor)?;
-    let session = &*job.session;
-    let of_ground = |why: String| WriteError::Ground(why);
-    let none = || of_ground("this set is no stipple".to_owned());
-    let made = session.ground.as_ref().ok_or_else(none)?;
-    let (ground, _stated) = made
-        .ground()
-        .map_err(|error| of_ground(error.to_string()))?;
-
-    let run = session.run();
-    let set = point_set(run, &moment.samples(session));
-    let context = ExportContext {
-        varying: Some(ground.varying),
-        ..ExportContext::new(region(&run.domain), run.domain.radius())
-    };
-    let drawing = drawing(look, made, &context, &set).ok_or_else(none)?;
-    let judged = context.varying.as_ref().map(|varying| &varying.judged);
-    // The context has a field, so that the 1 never stands in.
-    let own = |at| judged.map_or(1.0, |judged| judged.radius_at(at));
-    let dots = set
-        .points
-        .iter()
-        .map(|&at| (at, drawing.dots.radius(own(at))));
-    let colors = [drawing.paper, drawing.ink];
-    let mut scene = on_paper(context.region.size(), columns, colors, dots);
-    scene.metadata = provenance(session);
-
-    // The scene is laid out in pixels already.
-    let scale = 1.0;
-    match extension(&job.path).as_deref() {
-        Some("svg") => Ok(to_svg(&scene)?.into_bytes()),
-        _ => match to_png_controlled(&scene, scale, &mut |_, _| flow(monitor)) {
-            Err(FigureError::Cancelled) => Err(WriteError::Cancelled),
-            bytes => Ok(bytes?),
-        },
-    }
-}
-
 /// Writes the samples and their certificate beside them.
 #[cfg(not(target_arch = "wasm32"))]
 fn write_samples(job: &ExportJob, monitor: &Monitor) -> Result<What, WriteError> {
@@ -424,7 +382,7 @@ fn pictures(job: &ExportJob, monitor: &Monitor) -> Result<Vec<(PathBuf, Vec<u8>)
             look,
             columns,
         } => {
-            let picture = picture_of_dots(job, (moment, look, *columns), monitor)?;
+            let picture = paper::picture(job, *moment, look, *columns, monitor)?;
             return Ok(vec![(job.path.clone(), picture)]);
         }
         ExportContent::Balls { shown, delay: None } => {
@@ -494,7 +452,7 @@ fn add_analysis(
 }
 
 /// Returns the content of an export that has no samples.
-const fn what(job: &ExportJob) -> What {
+fn what(job: &ExportJob) -> What {
     match &job.content {
         ExportContent::Scenes { shown, .. } => What::Scenes { count: shown.len() },
         ExportContent::Animation { cursors, .. } => What::Animation {
@@ -505,6 +463,9 @@ const fn what(job: &ExportJob) -> What {
         },
         ExportContent::Passage { .. } => What::Animation {
             frames: PASSAGE_FRAMES,
+        },
+        ExportContent::Making { .. } => What::Animation {
+            frames: making_frames(job.session.0.summary.count),
         },
         _ => What::Picture,
     }
@@ -520,6 +481,11 @@ fn animate(job: &ExportJob, out: &mut dyn Write, monitor: &Monitor) -> Result<()
         ExportContent::Passage { shown, delay } => {
             return balls::passage(job, shown, *delay, out, monitor);
         }
+        ExportContent::Making {
+            look,
+            columns,
+            delay,
+        } => return paper::making(job, look, *columns, *delay, out, monitor),
         _ => {}
     }
     let ExportContent::Animation {

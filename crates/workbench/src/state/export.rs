@@ -176,6 +176,7 @@ impl Exports {
         match form.kind {
             kind if source.shows_balls(kind) => source.balls_prospect(form),
             ExportKind::Animation if source.shows_passage(form) => source.passage_prospect(form),
+            ExportKind::Animation if source.is_stipple() => source.making_prospect(form),
             ExportKind::Result | ExportKind::Samples if source.is_stipple() => {
                 // The sheet has fields for colours only if the format is SVG. A wrong colour does not refuse another format.
                 if form.draws_samples() {
@@ -282,6 +283,11 @@ impl Exports {
                 shown: source.passage(form)?,
                 delay: form.delay()?,
             },
+            ExportKind::Animation if source.is_stipple() => ExportContent::Making {
+                look: form.ink.look()?,
+                columns: source.making_columns(form)?,
+                delay: form.delay()?,
+            },
             // The result of the run is exported without a moment.
             ExportKind::Result | ExportKind::Samples => ExportContent::Samples {
                 moment: (source.run.moment()).filter(|_| form.kind == ExportKind::Samples),
@@ -377,7 +383,8 @@ impl ExportSource<'_> {
                 Some(ExportRefusal::Combination)
             }
             ExportKind::Animation if session.nested.is_some() => Some(ExportRefusal::Nested),
-            ExportKind::Animation if session.stipple().is_some() => Some(ExportRefusal::Stipple),
+            // The dots of a stipple appear in the order of their arrival.
+            ExportKind::Animation if session.stipple().is_some() => None,
             ExportKind::Animation if session.recording().is_none() => Some(ExportRefusal::NoEvents),
             ExportKind::Samples if !moment.has_samples(session) => Some(ExportRefusal::NoSamples),
             ExportKind::Scenes if self.scenes().is_empty() => Some(ExportRefusal::NoScenes),
@@ -605,5 +612,6 @@ fn fill_in(form: &mut ExportForm, command: ExportCommand) {
 }
 
 mod balls;
+mod making;
 mod outcome;
 pub use outcome::{ExportTask, Outcome};

@@ -388,3 +388,89 @@ fn a_stipple_is_undone_kept_nowhere_and_refused_at_its_fields() {
     };
     assert!(recipe.settled(1.0).is_err());
 }
+
+/// Returns how dark each frame of a GIF is, from 0 for white, as frames add to those before them.
+fn darkness_of_frames(path: &Path) -> Vec<f64> {
+    let bytes = bytes(path);
+    let mut options = gif::DecodeOptions::new();
+    options.set_color_output(gif::ColorOutput::RGBA);
+    let mut decoder = options.read_info(&bytes[..]).expect("an animation");
+    let width = usize::from(decoder.width());
+    let mut canvas = vec![255_u8; width * usize::from(decoder.height())];
+
+    let mut found = Vec::new();
+    while let Some(frame) = decoder.read_next_frame().expect("a frame") {
+        let [left, top, across] = [frame.left, frame.top, frame.width].map(usize::from);
+        for (index, pixel) in frame.buffer.chunks_exact(4).enumerate() {
+            // A transparent pixel is that of the frame before.
+            if pixel[3] > 0 {
+                let at = (top + index / across) * width + left + index % across;
+                canvas[at] = pixel[0];
+            }
+        }
+        let dark: f64 = canvas.iter().map(|&level| 255.0 - f64::from(level)).sum();
+        found.push(dark / canvas.len() as f64);
+    }
+    found
+}
+
+#[test]
+fn an_animation_shows_the_dots_in_the_order_of_their_arrival() {
+    let mut state = made();
+    let folder = tempfile::tempdir().expect("a folder");
+    let [film, still] = ["film.gif", "still.png"].map(|name| folder.path().join(name));
+    // An earlier moment changes nothing: all dots arrive.
+    apply(&mut state, Command::Time(TimeCommand::Jump(50)));
+    fill_in(&mut state, ExportKind::Animation, &film, &[]);
+    let sheet = state.files().exports.sheet.as_ref().expect("a sheet");
+    assert_eq!(sheet.columns, "800");
+    let width = ExportCommand::Type(NumberField::Columns, "200".to_owned());
+    export(&mut state, width);
+    let prospect = state.files().exports.prospect(ExportSource::of(&state));
+    assert_eq!(
+        prospect.as_deref(),
+        Ok("120 frames, 200 pixels wide, 12.0 s")
+    );
+    export(&mut state, ExportCommand::Write);
+    state.settle();
+
+    let frames = darkness_of_frames(&film);
+    assert_eq!(frames.len(), 120, "{}", notice_text(&state));
+    assert!(
+        frames.windows(2).all(|pair| pair[0] < pair[1]),
+        "{frames:?}"
+    );
+    // Dots are equal, so that ink grows with their number.
+    let last = frames[119];
+    assert!((frames[59] / last - 0.5).abs() < 0.03, "{frames:?}");
+
+    // The last frame is the picture of all dots, and not of those at the moment.
+    let darkness_of_still = |state: &mut State, count: usize| {
+        apply(state, Command::Time(TimeCommand::Jump(count)));
+        write(state, ExportKind::Picture, &still, &[]);
+        export(state, ExportCommand::Write);
+        state.settle();
+        let picture = GrayImage::read("still.png", &bytes(&still)).expect("a picture");
+        let [width, height] = picture.pixels();
+        let size = [width, height].map(|side| side as f64);
+        let middle = |at: usize| [at % width, at / width].map(|part| part as f64 + 0.5);
+        let dark: f64 = (0..width * height)
+            .map(|at| picture.darkness_at(middle(at), size))
+            .sum();
+        255.0 * dark / (width * height) as f64
+    };
+    let whole = darkness_of_still(&mut state, 900);
+    assert!((last / whole - 1.0).abs() < 0.03, "{last} {whole}");
+    let part = darkness_of_still(&mut state, 50);
+    assert!((last / part - 1.0).abs() > 1.0, "{last} {part}");
+
+    // Frames have fewer pixels than pictures may have.
+    let wide = [(NumberField::Columns, "16000")];
+    fill_in(&mut state, ExportKind::Animation, &film, &wide);
+    let refusal = state.files().exports.prospect(ExportSource::of(&state));
+    let refusal = refusal.expect_err("too many pixels").to_string();
+    assert!(
+        refusal.contains("16,000") && refusal.contains("16,777,216"),
+        "{refusal}"
+    );
+}

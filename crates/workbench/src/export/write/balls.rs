@@ -144,7 +144,7 @@ pub(super) fn passage(
 
 /// Writes frames as GIF if the extension says so, and otherwise as animated PNG. A frame is shown for `delay`
 /// hundredths of a second.
-fn written(
+pub(super) fn written(
     job: &ExportJob,
     frames: impl ExactSizeIterator<Item = Result<Pixels, FigureError>>,
     delay: u16,

@@ -98,7 +98,7 @@ impl ExportSource<'_> {
 }
 
 /// Returns how long an animation of so many frames takes.
-fn seconds(frames: usize, form: &ExportForm) -> Result<f64, ExportRefusal> {
+pub(super) fn seconds(frames: usize, form: &ExportForm) -> Result<f64, ExportRefusal> {
     // A delay counts hundredths of a second.
     Ok(frames as f64 * f64::from(form.delay()?) / 100.0)
 }
