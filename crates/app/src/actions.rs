@@ -659,11 +659,13 @@ fn colours(list: &mut List, state: &State) {
         ("Colour by origin", Colouring::Provenance),
         ("Colour by age", Colouring::Age),
         ("Colour by level", Colouring::Level),
+        ("Colour by depth", Colouring::Depth),
     ] {
         let command = Command::Appearance(AppearanceCommand::Colour(colouring));
         let kind = state.runs().first.kind();
 
         let refusal = match kind {
+            _ if colouring == Colouring::Depth => "Only samples in space have a depth.",
             SessionKind::Nested => "Samples of nested levels have neither block nor origin.",
             SessionKind::Varying => {
                 "Samples in a field or a shape have neither block nor level; all were thrown as darts."
@@ -671,7 +673,6 @@ fn colours(list: &mut List, state: &State) {
             SessionKind::Solid => {
                 "Samples in space have neither block nor level; all were thrown as darts."
             }
-            // These sessions show all colourings except that of levels.
             SessionKind::Run | SessionKind::Exact | SessionKind::Combination => {
                 "Only nested levels have levels."
             }

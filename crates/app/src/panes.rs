@@ -191,9 +191,15 @@ struct PaneSide<'a> {
 
 /// Describes a picture by its moment, for those who do not see it. A pointer over it names the object there instead.
 fn describe(ui: &Ui, response: &egui::Response, subject: &Subject<'_>) {
-    let mut moment = ui.words(happened(Some(&subject.shown)));
-    if let Some(plane) = in_plane(&subject.shown) {
+    let shown = &subject.shown;
+    let mut moment = ui.words(happened(Some(shown)));
+    if let Some(plane) = in_plane(shown) {
         moment = format!("{moment} {}", ui.words(plane));
+        // Within a throw nothing else says how many cubes are active.
+        let active = (shown.plane).and_then(|at| shown.session.active_in_plane(shown.stage, at));
+        if let Some(active) = active {
+            moment = format!("{moment} {}.", ui.words(active));
+        }
     }
     ui.ctx()
         .accesskit_node_builder(response.id, |node| node.set_description(moment));

@@ -9,7 +9,7 @@ use tilescope_analysis::{COVERING_TOLERANCE, Number, Region, exposed_arcs, lossy
 use tilescope_core::{Boundary, Key, NOT_OF_EXACT, Parameters, PatternSpec, stages};
 use tilescope_drawing::orbit::OrbitView;
 use tilescope_figures::{
-    DiskRadii, FigureError, Palette, PictureOptions, Rect, Scene, SetPicture, set_scene,
+    DiskRadii, FigureError, Palette, PictureOptions, PlaneLook, Rect, Scene, SetPicture, set_scene,
     to_png_controlled,
 };
 use tilescope_formats::{Certificate, CertifiedRadius, PointSet, Provenance, ReadSet, write_whole};
@@ -52,8 +52,9 @@ pub struct DrawArguments {
     /// in a rectangle has none
     #[arg(long)]
     gaps: bool,
-    /// Of a set in space, draw this plane: each ball that it meets is a disk, and places in none of the disks are gaps
-    #[arg(long, value_name = "AXIS=PLACE", value_parser = Slice::parse, conflicts_with = "gaps")]
+    /// Of a set in space, draw this plane: each ball that it meets is a disk, with a dot that is orange above the plane, blue below
+    /// it, and paler the farther away. Places in none of the disks are gaps, which --gaps colours
+    #[arg(long, value_name = "AXIS=PLACE", value_parser = Slice::parse)]
     slice: Option<Slice>,
     /// Of a set in space, draw balls of half the radius, seen from this direction in degrees: around from the x axis, then above;
     /// after them a magnification and "whole", so that no corner is cut out
@@ -248,6 +249,11 @@ fn of_plane(arguments: &DrawArguments, slice: Slice) -> Result<(Scene, usize)> {
     let disks = solid::plane::read(&arguments.file, &arguments.set, slice)?;
     let (count, region) = (disks.middles.len(), disks.region);
     let name = lossy(arguments.file.file_name().unwrap_or_default());
+    let above = disks.above();
+    let look = PlaneLook {
+        above: &above,
+        gaps: arguments.gaps,
+    };
     let picture = SetPicture {
         points: &disks.middles,
         size: region.size(),
@@ -256,6 +262,7 @@ fn of_plane(arguments: &DrawArguments, slice: Slice) -> Result<(Scene, usize)> {
         blocks: Vec::new(),
         block_of: None,
         exposed: Vec::new(),
+        plane: Some(look),
         caption: format!("{name}: {slice} meets {count} of {} balls", disks.samples),
     };
     // The origin of a set in space is left out: reading one refuses --origin, and its certificates state none.
@@ -333,6 +340,7 @@ fn scene(arguments: &DrawArguments, read: &ReadSet, region: Region) -> Result<Sc
         blocks: (certificate.filter(|_| as_certified).and_then(blocks)).unwrap_or_default(),
         block_of: provenance.map(|all| all.iter().map(block_of).collect()),
         exposed: arcs.transpose()?.unwrap_or_default(),
+        plane: None,
         caption: caption(set.len(), radii, &arguments.file),
     };
 

@@ -232,6 +232,11 @@ impl<'a> Looks<'a> {
                 self.swatches.age(nested.map_or(0.0, share))
             }
             (_, Colouring::Age) => self.swatches.age(self.ages.of_sample(id, origin)),
+            // Only a plane has samples above it and below.
+            (_, Colouring::Depth) => {
+                let cut = self.subject.shown.cut(id);
+                self.palette.depth(cut.map_or(0.0, |cut| cut.above))
+            }
             // An inserted sample belongs to no block and to no margin.
             (Origin::Inserted { .. }, _) => self.palette.inserted,
             (Origin::Tiled { block, .. }, Colouring::Block) => self.swatches.block(*block),

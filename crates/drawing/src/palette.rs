@@ -134,6 +134,14 @@ impl Palette {
         oklch(lightness, chroma, hue)
     }
 
+    /// Returns the colour of a sample that lies so many radii above the plane, below it less than 0, as on paper: warm above and
+    /// cool below.
+    #[must_use]
+    pub fn depth(&self, above: f64) -> Color32 {
+        let marks = if self.dark { Marks::DARK } else { Marks::LIGHT };
+        mark(marks.of_height(above))
+    }
+
     /// Returns the colour of an age between 0, early, and 1, late: from blue over grey to yellow with growing
     /// lightness, so that the order is visible with colour blindness, too.
     #[must_use]

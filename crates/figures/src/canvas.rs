@@ -4,7 +4,7 @@
 use glam::DVec2;
 use tilescope_core::Boundary;
 
-use crate::palette::{Palette, with_alpha};
+use crate::palette::{Color, Palette, with_alpha};
 use crate::scene::{Fill, Group, Marker, Rect, Scene, Shape, Stroke, Style, Text, View};
 
 /// Height of the caption, in pixels at a picture width of 1000.
@@ -203,6 +203,15 @@ impl<'a> Canvas<'a> {
         }
     }
 
+    /// Draws the dot of a sample that lies so many radii of its ball above the plane; `radius` is that of its disk there.
+    pub(crate) fn beside_plane(&self, group: &mut Group, point: DVec2, above: f64) {
+        let [red, green, blue, _] = self.palette().of_height(above);
+        // The farther from the plane, the paler, and the smaller with its disk. A quarter of the strength still shows.
+        let strength = (255.0 * (1.0 - 0.75 * above.abs())).round() as u8;
+        let style = Style::filled([red, green, blue, strength]);
+        self.mark(group, Marker::Dot, point, style);
+    }
+
     /// Draws parts of the circles around points. An arc is given by the index of its point and by its first and last
     /// angle.
     pub(crate) fn arcs(&mut self, points: &[DVec2], arcs: &[(usize, [f64; 2])]) {
@@ -243,19 +252,31 @@ impl<'a> Canvas<'a> {
         self.push([group]);
     }
 
+    /// Returns the domain and those of its copies that are shown, filled.
+    pub(crate) fn domain(&self, color: Color) -> impl Iterator<Item = Shape> {
+        let style = Style::filled(color);
+        let whole = Rect::new([0.0; 2], self.size);
+        let copies = self.copies(whole).map(|copy| self.flip_rect(copy));
+        copies.map(move |rect| Shape::Rect { rect, style })
+    }
+
     /// Returns whether disks are drawn: where even the largest, which `radius` is of, are so small that their rings would be
     /// noise, they are left out.
     pub(crate) fn draws_disks(&self) -> bool {
         self.options.disks && self.radius_px() >= MIN_DISK
     }
 
-    /// Returns the images of the disk around a sample.
-    pub(crate) fn disk(&self, point: DVec2, fill: Fill) -> impl Iterator<Item = Shape> {
+    /// Returns the usual style of a disk with a fill: its ring is as thick as the radius that was set last makes it.
+    pub(crate) fn ringed(&self, fill: Fill) -> Style {
         let ring = Stroke::new(with_alpha(self.palette().disk, 110), self.line_px());
-        let style = Style {
+        Style {
             fill: Some(fill),
             stroke: Some(ring),
-        };
+        }
+    }
+
+    /// Returns the images of the disk around a sample.
+    pub(crate) fn disk(&self, point: DVec2, style: Style) -> impl Iterator<Item = Shape> {
         let images = self.images(point);
         images.map(move |image| Shape::circle(self.flip(image), self.radius, style))
     }

@@ -106,6 +106,7 @@ mod tests {
             blocks: Vec::new(),
             block_of: None,
             exposed: Vec::new(),
+            plane: None,
             caption: "many samples".to_owned(),
         }
     }

@@ -46,6 +46,6 @@ pub use raster::{Pixels, to_pixels};
 pub use scene::{
     Anchor, Baseline, Fill, Group, Hatch, Marker, Rect, Scene, Shape, Stroke, Style, Text, View,
 };
-pub use set::{DiskRadii, SetPicture, set_scene, set_scene_controlled};
+pub use set::{DiskRadii, PlaneLook, SetPicture, set_scene, set_scene_controlled};
 pub use stamp::{Stamp, stamp};
 pub use svg::{escape, font_faces, to_svg, to_svg_with_fonts, to_svg_with_fonts_controlled};

@@ -53,6 +53,10 @@ pub struct Palette {
     pub candidate: Color,
     /// An inserted sample: diamond (green).
     pub inserted: Color,
+    /// A sample above the plane that is drawn (orange).
+    pub above: Color,
+    /// A sample below the plane that is drawn (blue).
+    pub below: Color,
 }
 
 impl Palette {
@@ -89,6 +93,8 @@ impl Palette {
         gap: rgb(0xA8_3F92),
         candidate: rgb(0x96_7A00),
         inserted: rgb(0x00_8E68),
+        above: rgb(0xB8_6F00),
+        below: rgb(0x2B_5FB8),
     };
 
     /// Light marks on near-black.
@@ -124,6 +130,8 @@ impl Palette {
         gap: rgb(0xD5_7BC0),
         candidate: rgb(0xF0_E442),
         inserted: rgb(0x19_C79A),
+        above: rgb(0xE6_9F00),
+        below: rgb(0x6F_A8FF),
     };
 
     /// The tint and border of block `index`.
@@ -133,9 +141,23 @@ impl Palette {
         (self.block_tints[at], self.block_borders[at])
     }
 
+    /// Returns the colour of a sample that lies so far above the plane that is drawn, from -1, below it by as much as its disk
+    /// can reach, over 0, in the plane, to 1: warm above and cool below, and that of a sample in the plane.
+    #[must_use]
+    pub fn of_height(&self, above: f64) -> Color {
+        let end = if above < 0.0 { self.below } else { self.above };
+        // Half of the way has the whole colour: samples farther away are drawn pale, where two hues differ little.
+        let share = (2.0 * above.abs()).min(1.0);
+        let mix = |k: usize| {
+            let [from, to] = [self.sample[k], end[k]].map(f64::from);
+            (from + share * (to - from)).round() as u8
+        };
+        [mix(0), mix(1), mix(2), 255]
+    }
+
     /// The colours of marks, which must stand out from the background and from each other.
     #[must_use]
-    pub fn marks(&self) -> [Color; 8] {
+    pub fn marks(&self) -> [Color; 10] {
         [
             self.sample,
             self.disk,
@@ -145,6 +167,8 @@ impl Palette {
             self.gap,
             self.candidate,
             self.inserted,
+            self.above,
+            self.below,
         ]
     }
 }
@@ -203,6 +227,24 @@ mod tests {
                 assert!(!marks[..index].contains(mark));
             }
             assert_eq!(palette.block(1), palette.block(7));
+        }
+    }
+
+    #[test]
+    fn heights_go_from_cool_over_the_sample_to_warm() {
+        for palette in [Palette::LIGHT, Palette::DARK] {
+            let ends = [palette.below, palette.sample, palette.above];
+            assert_eq!(
+                [-1.0, 0.0, 1.0].map(|height| palette.of_height(height)),
+                ends
+            );
+            assert_eq!(palette.of_height(0.5), palette.above);
+            let [red, _, blue, _] = palette.of_height(0.25);
+            let [sample, above] = [palette.sample, palette.above];
+            assert!(
+                red > sample[0].min(above[0]) && blue < sample[2],
+                "{red} {blue}"
+            );
         }
     }
 }

@@ -8,7 +8,7 @@ use tilescope_core::Boundary;
 use crate::canvas::{Canvas, PictureOptions};
 use crate::control::{Control, Steps};
 use crate::error::FigureError;
-use crate::scene::{Fill, Marker, Rect, Scene};
+use crate::scene::{Fill, Marker, Rect, Scene, Style};
 
 /// The radii of the disks around samples, in user units.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -59,8 +59,19 @@ pub struct SetPicture<'a> {
     /// Parts of circles of equal radii around samples that lie in no other disk: the sample's index, and where the part begins and ends,
     /// as angles from the x axis, anticlockwise, in radians.
     pub exposed: Vec<(usize, [f64; 2])>,
+    /// What is drawn of a plane through a set in space; `None` for sets of the plane.
+    pub plane: Option<PlaneLook<'a>>,
     /// A line above the picture.
     pub caption: String,
+}
+
+/// How a plane through a set in space looks.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct PlaneLook<'a> {
+    /// How far each sample lies above the plane, in radii of the balls: from -1 to 1, below it less than 0.
+    pub above: &'a [f64],
+    /// Whether places of the plane that no disk covers have the colour of gaps.
+    pub gaps: bool,
 }
 
 /// Returns the picture of a point set.
@@ -96,6 +107,20 @@ fn laid_out<E>(
     canvas.blocks(set.blocks.iter().copied());
     let points: Vec<DVec2> = set.points.iter().copied().map(DVec2::from).collect();
 
+    // Parts of circles, as of planar sets, would be too short here: a gap is cut by the plane at any of its heights.
+    if set.plane.is_some_and(|plane| plane.gaps) {
+        let covered = Style::filled(options.palette.background);
+        let mut gaps = canvas.group("gaps");
+        gaps.shapes.extend(canvas.domain(options.palette.gap));
+        // What is left of the colour once every disk is painted over it is in no disk.
+        for (index, &point) in points.iter().enumerate() {
+            step()?;
+            canvas.radius = set.radii.of(index);
+            gaps.shapes.extend(canvas.disk(point, covered));
+        }
+        canvas.push([gaps]);
+    }
+
     // Disks lie below all samples: a disk would hide the dots that were painted before it.
     if canvas.draws_disks() {
         let fill = Fill::Solid(options.palette.disk_fill);
@@ -104,7 +129,7 @@ fn laid_out<E>(
             step()?;
             // The canvas draws each image of a sample whose disk, of this radius, reaches into the picture.
             canvas.radius = set.radii.of(index);
-            disks.shapes.extend(canvas.disk(point, fill));
+            disks.shapes.extend(canvas.disk(point, canvas.ringed(fill)));
         }
         canvas.push([disks]);
     }
@@ -116,6 +141,10 @@ fn laid_out<E>(
         // A mark is as large as the canvas's radius makes it; at a radius of 0, which stands for an unknown one,
         // it has a usual size.
         canvas.radius = set.radii.of(index);
+        if let Some(plane) = set.plane {
+            canvas.beside_plane(&mut samples, point, plane.above[index]);
+            continue;
+        }
         let block = set.block_of.as_ref().map(|of| of[index]);
         match block {
             // A sample without a block was inserted. Where blocks are not known, all samples look alike.
@@ -139,7 +168,8 @@ fn laid_out<E>(
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::scene::Shape;
+    use crate::palette::{Color, Palette, with_alpha};
+    use crate::scene::{Group, Shape};
 
     /// The radii of the disks that are drawn.
     fn disks(radii: DiskRadii<'_>) -> Vec<f64> {
@@ -151,6 +181,7 @@ mod tests {
             blocks: Vec::new(),
             block_of: None,
             exposed: Vec::new(),
+            plane: None,
             caption: String::new(),
         };
         let scene = set_scene(&picture, &PictureOptions::default());
@@ -176,5 +207,57 @@ mod tests {
         ] {
             assert!(disks(radii).is_empty(), "{radii:?}");
         }
+    }
+
+    #[test]
+    fn a_plane_has_dots_by_side_and_gaps_below_its_disks() {
+        let palette = Palette::LIGHT;
+        let groups = |gaps: bool| {
+            let picture = SetPicture {
+                points: &[[0.2, 0.5], [0.7, 0.5]],
+                size: [1.0; 2],
+                boundary: Boundary::Bounded,
+                radii: DiskRadii::Own(&[0.1, 0.2]),
+                blocks: Vec::new(),
+                block_of: None,
+                exposed: Vec::new(),
+                plane: Some(PlaneLook {
+                    above: &[0.8, -0.4],
+                    gaps,
+                }),
+                caption: String::new(),
+            };
+            set_scene(&picture, &PictureOptions::default()).groups
+        };
+        let named = |groups: &[Group], name: &str| -> Vec<Shape> {
+            let with_name = groups.iter().filter(|group| group.name == name);
+            with_name.flat_map(|group| group.shapes.clone()).collect()
+        };
+        let fills = |shapes: &[Shape]| -> Vec<Color> {
+            let fill = |shape: &Shape| match shape {
+                Shape::Rect { style, .. }
+                | Shape::Circle { style, .. }
+                | Shape::Marker { style, .. } => style.fill,
+                _ => None,
+            };
+            let color = |fill| match fill {
+                Fill::Solid(color) => Some(color),
+                Fill::Hatch(_) => None,
+            };
+            shapes.iter().filter_map(fill).filter_map(color).collect()
+        };
+
+        let with_gaps = groups(true);
+        let [above, below] = [0.8, -0.4].map(|height| palette.of_height(height));
+        // 1 - 0.75 x 0.8 and 1 - 0.75 x 0.4 of the strength.
+        let dots = [with_alpha(above, 102), with_alpha(below, 179)];
+        assert_eq!(fills(&named(&with_gaps, "samples")), dots);
+        let ground = [palette.gap, palette.background, palette.background];
+        assert_eq!(fills(&named(&with_gaps, "gaps")), ground);
+        // Gaps lie below all disks, which are as they are without gaps.
+        assert_eq!(with_gaps[0].name, "gaps");
+        let without = groups(false);
+        assert!(named(&without, "gaps").is_empty());
+        assert_eq!(named(&without, "disks"), named(&with_gaps, "disks"));
     }
 }

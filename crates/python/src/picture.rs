@@ -67,6 +67,7 @@ pub fn draw(
         blocks: Vec::new(),
         block_of: None,
         exposed: Vec::new(),
+        plane: None,
         caption,
     };
 

@@ -400,20 +400,25 @@ pub enum Colouring {
     Age,
     /// The level that added it.
     Level,
+    /// How far it lies above the plane, or below it. Only sets in space have it.
+    Depth,
 }
 
 impl Colouring {
     /// Returns this colouring, or the one that a kind of session has in its place: nested levels have no blocks, others no
-    /// levels.
+    /// levels, and only sets in space a depth.
     #[must_use]
     pub const fn of(self, kind: SessionKind) -> Self {
         match (self, kind) {
-            (Self::Block | Self::Provenance, SessionKind::Nested) => Self::Level,
-            (Self::Level, SessionKind::Run | SessionKind::Exact | SessionKind::Combination) => {
-                Self::Block
-            }
-            // All samples are inserted, and what tells them apart is when.
-            (_, SessionKind::Varying | SessionKind::Solid) => Self::Age,
+            (Self::Block | Self::Provenance | Self::Depth, SessionKind::Nested) => Self::Level,
+            (
+                Self::Level | Self::Depth,
+                SessionKind::Run | SessionKind::Exact | SessionKind::Combination,
+            ) => Self::Block,
+            // All samples are inserted, and what tells them apart is when,
+            (_, SessionKind::Varying) | (Self::Age, SessionKind::Solid) => Self::Age,
+            // or, in space, what the plane does not show: on which side of it they lie.
+            (_, SessionKind::Solid) => Self::Depth,
             _ => self,
         }
     }

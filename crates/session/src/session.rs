@@ -29,6 +29,7 @@ use crate::recipe::{OwnPattern, Recipe};
 use crate::solid::MadeSolid;
 use crate::stipple::MadeStipple;
 use crate::units;
+use crate::words::grouped;
 pub use report::{MakeError, Reporter};
 pub(crate) use report::{StageShare, part_done, share_of};
 
@@ -235,6 +236,15 @@ impl Session {
         // All cubes of a throw have one side, and each throw has some.
         let side = cells.first()?.side;
         Some([cells.len(), solid.cubes_cut(throw, side, plane).count()])
+    }
+
+    /// Returns "1,992 active in all, 3 in this plane" of a throw of a set in space; `None` where [`Self::active_cubes`] is.
+    #[must_use]
+    pub fn active_in_plane(&self, stage: Stage, plane: i32) -> Option<String> {
+        // Cubes may be active although this plane cuts none of them.
+        let counts = self.active_cubes(stage, plane)?;
+        let [all, cut] = counts.map(grouped);
+        Some(format!("{all} active in all, {cut} in this plane"))
     }
 
     /// Returns how high the place of the last event before a cursor lies that has one, in lattice units; `None` of planar

@@ -39,6 +39,7 @@ pub fn show(
     match (context.appearance.colouring.of(kind), &context.run.session) {
         (Colouring::Age, Some(session)) => ages(ui, Ages::of(session), palette),
         (Colouring::Level, Some(session)) => levels(ui, session, palette),
+        (Colouring::Depth, Some(_)) => depths(ui, palette),
         // Blocks and origins have no order that a scale could show, and before there is a session nothing is coloured.
         _ => {}
     }
@@ -181,6 +182,11 @@ fn colouring(
             "When a sample came: tiled early to late, then inserted iteration by iteration; of nested levels its place in their order.",
         ),
         (Colouring::Level, "by level", glossary::LEVEL.meaning),
+        (
+            Colouring::Depth,
+            "by depth",
+            "How far a sample lies above the plane or below it: the paler and smaller, the farther away.",
+        ),
     ];
     // A colouring that this kind of session lacks would be drawn as another one, and is not offered.
     let offered = (choices.into_iter()).filter(|(colouring, ..)| colouring.of(kind) == *colouring);
@@ -214,6 +220,20 @@ fn levels(ui: &mut Ui, session: &Session, palette: &Palette) {
         entry(ui, &meaning, palette, |painter, rect| {
             let color = palette.age(level_age(level, nested));
             painter.circle_filled(rect.center(), 5.0, color);
+        });
+    }
+}
+
+/// Shows the colours of samples above the plane, in it and below it.
+fn depths(ui: &mut Ui, palette: &Palette) {
+    ui.spacing_mut().item_spacing.y = 1.0;
+    for (above, meaning) in [
+        (0.5, "above the plane"),
+        (0.0, "in the plane"),
+        (-0.5, "below the plane"),
+    ] {
+        entry(ui, meaning, palette, |painter, rect| {
+            painter.circle_filled(rect.center(), 5.0, palette.depth(above));
         });
     }
 }

@@ -64,8 +64,18 @@ pub struct PlaneDisks {
     pub radii: Vec<f64>,
     /// How far each sample lies above the plane; below it, less than 0.
     depths: Vec<f64>,
+    /// The radius of the balls.
+    radius: f64,
     /// How many samples the set has.
     pub samples: usize,
+}
+
+impl PlaneDisks {
+    /// Returns how far each sample lies above the plane, in radii of the balls.
+    pub fn above(&self) -> Vec<f64> {
+        let in_radii = |depth| depth / self.radius;
+        self.depths.iter().map(in_radii).collect()
+    }
 }
 
 /// Reads a set in space and returns the disks of a plane.
@@ -107,6 +117,7 @@ fn disks(
         middles: Vec::new(),
         radii: Vec::new(),
         depths: Vec::new(),
+        radius,
         samples: points.len(),
     };
     for point in points {

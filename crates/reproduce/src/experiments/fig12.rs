@@ -285,6 +285,7 @@ fn scene(glued: &Glued, rects: &[Cells], window: Option<Rect>, title: String) ->
         blocks: blocks.into(),
         block_of: Some(combined.sources.iter().map(block).collect()),
         exposed: Vec::new(),
+        plane: None,
         caption: title,
     };
 

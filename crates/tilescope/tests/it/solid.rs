@@ -227,6 +227,17 @@ fn formats_are_converted_and_planes_are_cut() {
         );
         assert!(folder.path().join(picture).exists());
     }
+    // Places in no disk have the colour of gaps if they are asked for, and no dot has it.
+    ends(
+        &folder,
+        "draw a.ply gaps.svg --slice x=2.5 --size 200 --gaps",
+        0,
+    );
+    let has_gaps = |picture: &str| {
+        let text = fs::read_to_string(folder.path().join(picture)).unwrap();
+        text.contains("a83f92")
+    };
+    assert!(has_gaps("gaps.svg") && !has_gaps("plane.svg"));
     refused(&folder, "draw a.ply plane.png", "--slice z=PLACE");
     refused(
         &folder,

@@ -45,11 +45,12 @@ const OTHERS: &str = "v levels exactly order-within radius-expression shape orig
 const FREE_TEXTS: [&str; 5] = ["break", "watch", "mark", "mark-view", "radius-expression"];
 
 /// Every colouring, in the sequence of their numbers in links.
-pub const COLOURINGS: [Colouring; 4] = [
+pub const COLOURINGS: [Colouring; 5] = [
     Colouring::Block,
     Colouring::Provenance,
     Colouring::Age,
     Colouring::Level,
+    Colouring::Depth,
 ];
 const CLOCKS: [Clock; 3] = [Clock::Event, Clock::Line, Clock::Stage];
 

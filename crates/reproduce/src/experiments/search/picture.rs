@@ -64,6 +64,7 @@ fn scene(set: &Set, witness: &Witness, caption: String) -> Result<Scene> {
         blocks: Vec::new(),
         block_of: None,
         exposed: Vec::new(),
+        plane: None,
         caption,
     };
     let mut scene = set_scene(&picture, &options);

@@ -68,13 +68,8 @@ impl RunView {
         let mut texts = vec![count, moment];
         let stage = session.stages[self.stage];
         let plane = self.plane();
-        if let Some([all, cut]) = plane.and_then(|plane| session.active_cubes(stage, plane)) {
-            // Cubes may be active although this plane cuts none of them.
-            texts.push(format!(
-                "{} active in all, {} in this plane",
-                grouped(all),
-                grouped(cut)
-            ));
+        if let Some(active) = plane.and_then(|plane| session.active_in_plane(stage, plane)) {
+            texts.push(active);
             return texts;
         }
         if let Stage::Iterate(k) = stage {
