@@ -1,5 +1,7 @@
 //! `tilescope draw`: draws a point set as PNG or SVG.
 
+mod part;
+
 use std::ops::RangeInclusive;
 use std::path::{Path, PathBuf};
 
@@ -22,6 +24,7 @@ use crate::paths::{InFile, check_file, check_inputs_stay, extension, named};
 use crate::progress::verifying;
 use crate::solid::{self, Slice, orbit};
 use crate::{EXIT_FINE, interrupt, output};
+use part::{Shown, window};
 
 /// Widths of a picture in pixels. In a smaller one even the disks of the coarsest periodic set, 10 r wide, would be no more than
 /// three pixels across; the exporters refuse wider ones ([`tilescope_figures::MAX_SIDE`]).
@@ -96,6 +99,11 @@ pub fn run(arguments: &DrawArguments) -> Result<u8> {
     interrupt::listen();
 
     let path = &arguments.picture;
+    // The parser does not ask for --orbit beside an option that cannot stand with it, such as --slice.
+    ensure!(
+        !arguments.turn || arguments.orbit.is_some(),
+        "--turn turns the balls that --orbit draws: give --orbit, or leave --turn out"
+    );
     let kind = PictureKind::of(path, arguments.turn)?;
 
     // Checked before the set is read. A picture over the set would destroy it and its certificate.
@@ -113,25 +121,30 @@ pub fn run(arguments: &DrawArguments) -> Result<u8> {
     if let Some(view) = arguments.orbit {
         return of_space(arguments, view, kind);
     }
-    let (laid_out, count) = match arguments.slice {
+    let (laid_out, shown) = match arguments.slice {
         Some(slice) => of_plane(arguments, slice)?,
         None => of_set(arguments)?,
     };
     write_picture(path, &laid_out, kind)?;
-    output::emit(&format!("{count} samples drawn into {}\n", named(path)))?;
+    output::emit(&format!("{shown} samples drawn into {}\n", named(path)))?;
     Ok(EXIT_FINE)
 }
 
 /// Writes a picture that is laid out in pixels.
 fn write_picture(path: &Path, laid_out: &Scene, kind: PictureKind) -> Result<()> {
-    let bytes = if kind == PictureKind::Svg {
-        tilescope_figures::to_svg(laid_out)?.into_bytes()
-    } else {
-        let scale = 1.0;
-        match to_png_controlled(laid_out, scale, &mut |_, _| interrupt::flow()) {
-            // Only a request to end cancels the picture, and the check below reports it.
-            Err(FigureError::Cancelled) => Vec::new(),
-            drawn => drawn?,
+    let bytes = match kind {
+        PictureKind::Svg => tilescope_figures::to_svg(laid_out)?.into_bytes(),
+        PictureKind::Png => {
+            let scale = 1.0;
+            match to_png_controlled(laid_out, scale, &mut |_, _| interrupt::flow()) {
+                // Only a request to end cancels the picture, and the check below reports it.
+                Err(FigureError::Cancelled) => Vec::new(),
+                drawn => drawn?,
+            }
+        }
+        // A file of another kind than its name says would be worse than none.
+        PictureKind::Gif | PictureKind::Apng => {
+            bail!("{}: one picture is written as .png or .svg", named(path))
         }
     };
 
@@ -218,8 +231,8 @@ fn refuse_ground(arguments: &DrawArguments) -> Result<()> {
     solid::refuse(ground.as_slice(), solid::PLANAR)
 }
 
-/// Returns the picture of a planar set, and how many samples it has.
-fn of_set(arguments: &DrawArguments) -> Result<(Scene, usize)> {
+/// Returns the picture of a planar set, and how many samples it shows.
+fn of_set(arguments: &DrawArguments) -> Result<(Scene, Shown)> {
     ensure!(
         !solid::is_in_space(&arguments.set, &arguments.file),
         "{}: the set has a third side, and a picture is that of a plane of it, --slice z=PLACE, or of its balls, --orbit",
@@ -240,11 +253,11 @@ fn of_set(arguments: &DrawArguments) -> Result<(Scene, usize)> {
         .refuse_degrees(&read, region)
         .in_file(&arguments.file)?;
 
-    Ok((scene(arguments, &read, region)?, read.set.len()))
+    scene(arguments, &read, region)
 }
 
-/// Returns the picture of a plane of a set in space, and how many balls it meets.
-fn of_plane(arguments: &DrawArguments, slice: Slice) -> Result<(Scene, usize)> {
+/// Returns the picture of a plane of a set in space, and how many samples it shows, of those whose balls meet the plane.
+fn of_plane(arguments: &DrawArguments, slice: Slice) -> Result<(Scene, Shown)> {
     refuse_ground(arguments)?;
     let disks = solid::plane::read(&arguments.file, &arguments.set, slice)?;
     let (count, region) = (disks.middles.len(), disks.region);
@@ -267,7 +280,8 @@ fn of_plane(arguments: &DrawArguments, slice: Slice) -> Result<(Scene, usize)> {
     };
     // The origin of a set in space is left out: reading one refuses --origin, and its certificates state none.
     let options = picture_options(arguments, &region, [0.0; 2])?;
-    Ok((set_scene(&picture, &options), count))
+    let shown = Shown::of(picture.points, &region, options.window);
+    Ok((set_scene(&picture, &options), shown))
 }
 
 /// Returns how a picture is drawn of a domain whose lower corner lies at `origin` in the units of the file.
@@ -287,8 +301,8 @@ fn picture_options(
     })
 }
 
-/// Returns the scene of a set in the plane: its samples and the parts that the arguments add.
-fn scene(arguments: &DrawArguments, read: &ReadSet, region: Region) -> Result<Scene> {
+/// Returns the scene of a set in the plane, and how many samples it shows: the samples and the parts that the arguments add.
+fn scene(arguments: &DrawArguments, read: &ReadSet, region: Region) -> Result<(Scene, Shown)> {
     let given = &arguments.set;
     let (set, certificate) = (&read.set, read.certificate.as_ref());
     let radius_of_each = own_radii(arguments, read)?;
@@ -345,7 +359,8 @@ fn scene(arguments: &DrawArguments, read: &ReadSet, region: Region) -> Result<Sc
     };
 
     let options = picture_options(arguments, &region, origin.unwrap_or_default())?;
-    Ok(set_scene(&picture, &options))
+    let shown = Shown::of(&set.points, &region, options.window);
+    Ok((set_scene(&picture, &options), shown))
 }
 
 /// Returns the radius of each sample; `None` if all have the same one, if no disks are drawn, and if the field that the
@@ -403,32 +418,6 @@ fn exposed(set: &PointSet, region: Region, radius: Option<f64>) -> Result<Vec<(u
         .iter()
         .map(|arc| (arc.sample, [arc.from, arc.to]))
         .collect())
-}
-
-/// Returns the part of the domain to draw, whose lower corner lies at `origin` in the units of the file; `None`, for
-/// the whole domain, if no part is given.
-fn window(given: Option<&[f64]>, region: &Region, origin: [f64; 2]) -> Result<Option<Rect>> {
-    let Some(&[x0, y0, x1, y1]) = given else {
-        return Ok(None);
-    };
-    ensure!(
-        [x0, y0, x1, y1].iter().all(|v| v.is_finite()) && x0 < x1 && y0 < y1,
-        "--window is {x0} {y0} {x1} {y1}; it must be X0 < X1 and Y0 < Y1"
-    );
-
-    // In the picture the domain's lower corner lies at zero.
-    let [left, right] = [x0, x1].map(|x| x - origin[0]);
-    let [bottom, top] = [y0, y1].map(|y| y - origin[1]);
-    // A window may reach beyond the domain, but it has to overlap it.
-    ensure!(
-        right > 0.0 && top > 0.0 && left < region.width && bottom < region.height,
-        "--window is {x0} {y0} {x1} {y1}; it lies outside the domain, {} x {} at {} {}",
-        region.width,
-        region.height,
-        origin[0],
-        origin[1]
-    );
-    Ok(Some(Rect::new([left, bottom], [right, top])))
 }
 
 /// Returns the building blocks of the tiling that a certificate describes, if it describes one.
