@@ -34,6 +34,7 @@ mod spectrum;
 mod thinned;
 
 use glam::DVec3;
+use rayon::prelude::*;
 use serde::{Deserialize, Serialize};
 
 use crate::exact::covering_limit;
@@ -57,6 +58,9 @@ pub use thinned::{ThinnedSolid, verify_thinned_solid};
 /// The edge of the cubes that are not cut further, in radii. A place that is farther than the limit by less than this may
 /// pass: a thousandth of the tolerance that sets are judged with.
 const RESOLUTION: f64 = 1.0 / (1 << 26) as f64;
+
+/// Uncovered places that a judge keeps, of which the deepest are listed.
+const MAX_PLACES: usize = 1_024;
 
 /// A place that is too far from all samples.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
@@ -87,8 +91,9 @@ pub struct SolidReport {
     /// Number of cubes, or of circles, in which an uncovered place was found. One hole usually has several; none means that
     /// every place of the region is within [`Self::covering_bound`] of a sample.
     pub gaps: u64,
-    /// Uncovered places of the first of these.
-    pub first_gaps: Vec<SolidGap>,
+    /// The deepest of up to 1,024 uncovered places that were kept, deepest first. Of those nearer than a radius to a deeper
+    /// one, which mostly lie in the same hole, none is listed.
+    pub worst_gaps: Vec<SolidGap>,
     /// Smallest distance between two samples (periodic: at most the shortest extent). Infinite for one sample in a bounded
     /// region.
     #[serde(with = "crate::report::finite_or_null")]
@@ -265,13 +270,19 @@ impl SolidQuestion<'_> {
             tolerance,
             witnesses,
         } = self;
-        // The nearest of all samples is found by comparing all of them, since only a few places are listed.
+        // The nearest of all samples is found by comparing all of them, for at most `MAX_PLACES` places: less work than
+        // that of the judges.
         let gap = |&center: &[f64; 3]| {
             let distances = points.iter().map(|&point| region.distance(point, center));
             SolidGap {
                 center,
                 distance: distances.fold(f64::INFINITY, f64::min),
             }
+        };
+        let gaps_of_places: Vec<SolidGap> = if witnesses == 0 {
+            Vec::new()
+        } else {
+            places.par_iter().map(gap).collect()
         };
 
         SolidReport {
@@ -283,11 +294,35 @@ impl SolidQuestion<'_> {
             conflicts: pairs.conflicts.min(MAX_CONFLICTS),
             worst_conflicts: pairs.worst.into_sorted(),
             gaps,
-            first_gaps: places.iter().take(witnesses).map(gap).collect(),
+            worst_gaps: deepest(gaps_of_places, &region, radius, witnesses),
             min_distance: pairs.min_distance,
             density: points.len() as f64 * radius.powi(3) / region.volume(),
         }
     }
+}
+
+/// Returns the deepest of some gaps, at most `witnesses`, deepest first. One that is nearer than the radius to a deeper one
+/// is left out: it mostly lies in the same hole.
+fn deepest(
+    gaps: impl IntoIterator<Item = SolidGap>,
+    region: &SolidRegion,
+    radius: f64,
+    witnesses: usize,
+) -> Vec<SolidGap> {
+    let mut sorted: Vec<SolidGap> = gaps.into_iter().collect();
+    // Of equally deep ones the first found stays first, on any number of threads.
+    sorted.sort_by(|a, b| b.distance.total_cmp(&a.distance));
+    let mut kept: Vec<SolidGap> = Vec::new();
+    for gap in sorted {
+        if kept.len() == witnesses {
+            break;
+        }
+        let is_apart = |other: &SolidGap| region.distance(other.center, gap.center) >= radius;
+        if kept.iter().all(is_apart) {
+            kept.push(gap);
+        }
+    }
+    kept
 }
 
 /// Whether cubes and circles are asked about the given number of samples. Refuses the judge of planar sets.
@@ -313,7 +348,7 @@ fn agreed(cubes: SolidReport, circles: SolidReport) -> Result<SolidReport, Solid
     // have places beyond the limit alone, which is less than the bound. So cubes may show gaps where circles show none,
     // unless a listed gap is beyond the bound. The share of 1e-12 is again for rounding.
     let bound = cubes.covering_bound() * (1.0 + 1e-12);
-    let is_deep = cubes.first_gaps.iter().any(|gap| gap.distance > bound);
+    let is_deep = cubes.worst_gaps.iter().any(|gap| gap.distance > bound);
     // Circles decline a set with conflicts. They have judged this one, so that cubes must not have found a conflict
     // either.
     let difference = if cubes.conflicts > 0 || !near {

@@ -197,7 +197,7 @@ impl Verdict {
             closest = sharper.worst_conflicts.first().copied();
         }
 
-        let gap = found.report.first_gaps.first().copied();
+        let gap = found.report.worst_gaps.first().copied();
         Ok(Self {
             report: planar_report(found),
             claim: None,

@@ -19,9 +19,9 @@ use rayon::prelude::*;
 
 use crate::monitor::Monitor;
 
-use super::SolidQuestion;
 use super::error::SolidError;
 use super::region::SolidRegion;
+use super::{MAX_PLACES, SolidQuestion};
 
 /// By how much rounding may make an arc longer or a ball wider, relative to the radius: a thousand times what it does.
 const MARGIN: f64 = 1e-12;
@@ -50,18 +50,18 @@ impl CirclesFound {
         }
     }
 
-    fn add(&mut self, place: [f64; 3], witnesses: usize) {
+    fn add(&mut self, place: [f64; 3]) {
         self.exposed += 1;
-        if self.places.len() < witnesses {
+        if self.places.len() < MAX_PLACES {
             self.places.push(place);
         }
     }
 
-    fn merge(&mut self, other: Self, witnesses: usize) {
+    fn merge(&mut self, other: Self) {
         self.min_distance = self.min_distance.min(other.min_distance);
         self.exposed += other.exposed;
         self.places.extend(other.places);
-        self.places.truncate(witnesses);
+        self.places.truncate(MAX_PLACES);
     }
 }
 
@@ -76,7 +76,6 @@ pub(super) fn search(
         points,
         ref region,
         radius,
-        witnesses,
         ..
     } = question;
     // If the first judge shows no gap, all places are within this distance of a sample. With a smaller one, this judge
@@ -105,7 +104,7 @@ pub(super) fn search(
                 region,
                 near: &near,
             };
-            sphere.add_exposed(&mut found, witnesses);
+            sphere.add_exposed(&mut found);
         }
         found
     };
@@ -118,7 +117,7 @@ pub(super) fn search(
         let chunks = starts.map(|start| of_chunk(start..end.min(start + CHUNK)));
         let found: Vec<CirclesFound> = chunks.collect();
         for found in found {
-            all.merge(found, witnesses);
+            all.merge(found);
         }
         monitor.advance((end - batch) as u64)?;
         if all.min_distance < radius {
@@ -136,7 +135,7 @@ pub(super) fn search(
         // A sample and its own image are the shortest period apart.
         all.min_distance = all.min_distance.min(region.shortest());
     } else {
-        add_bare_edges(points, region, limit, witnesses, &mut all);
+        add_bare_edges(points, region, limit, &mut all);
     }
     Ok(Some(all))
 }
@@ -369,12 +368,12 @@ struct Sphere<'a> {
 
 impl Sphere<'_> {
     /// Adds a place of each circle that is not covered, and of the sphere if it has no circles.
-    fn add_exposed(&self, found: &mut CirclesFound, witnesses: usize) {
+    fn add_exposed(&self, found: &mut CirclesFound) {
         let faces = self.faces();
         // A sphere that meets no other one and no face lies in the region and is bare all over: any place of it serves.
         let faces_met = || faces.iter().filter(|face| face.distance < self.limit);
         if self.near.is_empty() && faces_met().next().is_none() {
-            found.add(self.place_at([0.0, 0.0, self.limit]), witnesses);
+            found.add(self.place_at([0.0, 0.0, self.limit]));
             return;
         }
 
@@ -394,7 +393,7 @@ impl Sphere<'_> {
                 .iter()
                 .map(|face| circle.share_beyond(face, self.limit));
             if let Some(angle) = bare_angle(balls.chain(beyond), &mut arcs) {
-                found.add(self.place_at(circle.place(angle)), witnesses);
+                found.add(self.place_at(circle.place(angle)));
             }
         }
         // On a face the sphere's circle is bare unless balls or the half-spaces beyond other faces cover it.
@@ -405,7 +404,7 @@ impl Sphere<'_> {
             let others = faces.iter().filter(|other| other.normal != face.normal);
             let beyond = others.map(|other| circle.share_beyond(other, self.limit));
             if let Some(angle) = bare_angle(balls.chain(beyond), &mut arcs) {
-                found.add(self.place_at(circle.place(angle)), witnesses);
+                found.add(self.place_at(circle.place(angle)));
             }
         }
     }
@@ -474,13 +473,7 @@ fn bare(intervals: &mut [[f64; 2]], end: f64) -> Option<f64> {
 }
 
 /// Adds a place of each edge of a bounded region that is not covered.
-fn add_bare_edges(
-    points: &[[f64; 3]],
-    region: &SolidRegion,
-    limit: f64,
-    witnesses: usize,
-    found: &mut CirclesFound,
-) {
+fn add_bare_edges(points: &[[f64; 3]], region: &SolidRegion, limit: f64, found: &mut CirclesFound) {
     let size = region.size();
     for edge in 0..12 {
         // Four edges lie along each axis: the two bits of `side` say at which end of each of the other two axes.
@@ -500,7 +493,7 @@ fn add_bare_edges(
         let mut intervals: Vec<[f64; 2]> = points.iter().filter_map(interval).collect();
         if let Some(value) = bare(&mut intervals, size[axis]) {
             corner[axis] = value;
-            found.add(corner, witnesses);
+            found.add(corner);
         }
     }
 }

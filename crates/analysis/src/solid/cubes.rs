@@ -9,7 +9,7 @@ use rayon::prelude::*;
 use crate::monitor::Monitor;
 
 use super::error::SolidError;
-use super::{RESOLUTION, SolidQuestion};
+use super::{MAX_PLACES, RESOLUTION, SolidQuestion};
 use groups::{LANES, SampleGroup};
 
 /// With this many samples near it or fewer, a cube is left to one thread: a few milliseconds.
@@ -26,9 +26,6 @@ pub(super) struct CubesFound {
     /// An uncovered place of each of the first ones.
     pub places: Vec<[f64; 3]>,
 }
-
-/// Places that are kept of each task.
-const MAX_PLACES: usize = 1_024;
 
 impl CubesFound {
     /// Counts the gap of a cube, of which a place is uncovered.

@@ -12,9 +12,9 @@ use rayon::prelude::*;
 
 use crate::monitor::Monitor;
 
-use super::SolidQuestion;
 use super::cubes::{Cube, TASK_SAMPLES};
 use super::error::SolidError;
+use super::{SolidGap, SolidQuestion};
 
 /// A squared distance counts as larger than another one only if it is larger by this share. For the distances
 /// themselves the share is half as large: 2^-30.
@@ -33,11 +33,37 @@ const SKETCH_CUTS: u32 = 24;
 /// small cubes are. Chosen, not measured.
 const SMALLEST_TASK: f64 = 1.0 / 4_096.0;
 
-/// Returns the covering radius, to within one part in 2^30 of it. It does not depend on the number of threads.
+/// A place, and how far it is from its nearest sample.
+#[derive(Clone, Copy)]
+struct FarPlace {
+    /// The square of the distance.
+    squared: f64,
+    place: [f64; 3],
+}
+
+impl FarPlace {
+    /// No place yet: any other one is at least as far.
+    const NONE: Self = Self {
+        squared: 0.0,
+        place: [0.0; 3],
+    };
+
+    /// Returns the farther of two places; the first if they are equally far, so that no result depends on threads.
+    const fn or_farther(self, other: Self) -> Self {
+        if other.squared > self.squared {
+            other
+        } else {
+            self
+        }
+    }
+}
+
+/// Returns the place that is farthest from all samples, and its distance, which is the covering radius to within one part in
+/// 2^30 of it. Neither depends on the number of threads.
 pub(super) fn search(
     question: &SolidQuestion<'_>,
     monitor: &Monitor<'_>,
-) -> Result<f64, SolidError> {
+) -> Result<SolidGap, SolidError> {
     let region = &question.region;
     let size = region.size();
     let root = Cube {
@@ -58,22 +84,26 @@ pub(super) fn search(
     };
     // The sketch comes first, and the proof begins with the distance that it found.
     task.known = Some(task.of_cube(&root, &near)?);
-    Ok(task.of_cube(&root, &near)?.sqrt())
+    let farthest = task.of_cube(&root, &near)?;
+    Ok(SolidGap {
+        center: farthest.place,
+        distance: farthest.squared.sqrt(),
+    })
 }
 
 /// The whole search, divided among threads.
 struct FarthestTask<'a> {
     root: Cube,
     count: f64,
-    /// The squared distance that the sketch found; none during the sketch.
-    known: Option<f64>,
+    /// The place that the sketch found; none during the sketch.
+    known: Option<FarPlace>,
     monitor: &'a Monitor<'a>,
 }
 
 impl FarthestTask<'_> {
-    /// Returns the largest squared distance that is found in a cube, or that of the sketch if none is larger, given all
-    /// samples that may be nearest to a place of the cube.
-    fn of_cube(&self, cube: &Cube, near: &[[f64; 3]]) -> Result<f64, SolidError> {
+    /// Returns the farthest place that is found in a cube, or that of the sketch if none is farther, given all samples
+    /// that may be nearest to a place of the cube.
+    fn of_cube(&self, cube: &Cube, near: &[[f64; 3]]) -> Result<FarPlace, SolidError> {
         // The distance of a sample from its farthest place of the cube bounds that of each place from its nearest
         // sample. The least of these bounds is the best.
         let bounds = near.iter().map(|&sample| cube.distances(sample).farthest);
@@ -87,7 +117,7 @@ impl FarthestTask<'_> {
             let all = 0..near.len();
             let mut search = FarthestSearch {
                 lists: near,
-                farthest: self.known.unwrap_or(0.0),
+                farthest: self.known.unwrap_or(FarPlace::NONE),
                 distances_left: SKETCH_DISTANCES,
             };
             match self.known {
@@ -101,9 +131,12 @@ impl FarthestTask<'_> {
         }
 
         let parts: Vec<Cube> = cube.parts().all().collect();
-        let found: Result<Vec<f64>, _> =
+        let found: Result<Vec<FarPlace>, _> =
             (parts.par_iter().map(|part| self.of_cube(part, &near))).collect();
-        Ok(found?.into_iter().fold(0.0, f64::max))
+        // In the order of the parts, whichever thread was first.
+        Ok(found?
+            .into_iter()
+            .fold(FarPlace::NONE, FarPlace::or_farther))
     }
 }
 
@@ -112,8 +145,8 @@ impl FarthestTask<'_> {
 struct FarthestSearch {
     /// The lists of the cubes that are being cut, one after another.
     lists: Vec<[f64; 3]>,
-    /// The largest squared distance so far, that of some place.
-    farthest: f64,
+    /// The farthest place so far.
+    farthest: FarPlace,
     /// How many more distances the sketch may compute.
     distances_left: usize,
 }
@@ -128,6 +161,11 @@ struct RankedCube {
 }
 
 impl FarthestSearch {
+    /// Takes a place whose nearest sample is at a squared distance, if it is the farthest so far.
+    const fn see(&mut self, squared: f64, place: [f64; 3]) {
+        self.farthest = self.farthest.or_farther(FarPlace { squared, place });
+    }
+
     /// Looks for far places in a cube, given the samples that may be nearest to a place of it, without a proof that there are no
     /// farther ones.
     fn sketch(&mut self, cube: &Cube, near: &Range<usize>, cuts: u32) {
@@ -143,7 +181,7 @@ impl FarthestSearch {
             };
             self.distances_left = left;
             let ranked = self.ranked(part, near);
-            self.farthest = self.farthest.max(ranked.middle);
+            self.see(ranked.middle, part.middle);
             // The list of a part is dropped once the part is done.
             let first = self.lists.len();
             let listed = self.list(&ranked, near);
@@ -176,7 +214,8 @@ impl FarthestSearch {
         let apart = |axis: usize| (centre[axis] - cube.middle[axis]).abs();
         if (0..3).all(|axis| apart(axis) <= cube.half[axis]) {
             let distances = samples.iter().map(|&sample| place.distances(sample).middle);
-            self.farthest = self.farthest.max(distances.fold(f64::INFINITY, f64::min));
+            let nearest = distances.fold(f64::INFINITY, f64::min);
+            self.see(nearest, centre);
         }
     }
 
@@ -197,7 +236,7 @@ impl FarthestSearch {
         let parts = cube.parts().all().map(|part| self.ranked(part, near));
         let mut parts: Vec<RankedCube> = parts.collect();
         for part in &parts {
-            self.farthest = self.farthest.max(part.middle);
+            self.see(part.middle, part.cube.middle);
         }
 
         // The part with the largest bound leads to the farthest place most quickly, which then spares most others. In
@@ -207,7 +246,7 @@ impl FarthestSearch {
 
         for part in &parts {
             // The bound nears the middle's distance as cubes become smaller, so that this ends.
-            if part.bound <= self.farthest * (1.0 + SHARE) {
+            if part.bound <= self.farthest.squared * (1.0 + SHARE) {
                 break;
             }
 

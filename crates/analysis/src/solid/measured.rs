@@ -6,7 +6,9 @@ use crate::exact::covering_limit;
 use crate::monitor::{Control, Monitor};
 use crate::verify::VerifyOptions;
 
-use super::{SolidError, SolidQuestion, SolidRegion, SolidReport, error, farthest, verify_solid};
+use super::{
+    SolidError, SolidQuestion, SolidRegion, SolidReport, deepest, error, farthest, verify_solid,
+};
 
 /// The largest factor of the radius that is measured. In a periodic region of 4 radii no place is near two images of a sample up
 /// to it.
@@ -90,7 +92,8 @@ pub fn measure_solid(
     error::check(&question)?;
     // Measured first, since the factor of a beginning is what the judges are asked about.
     let monitor = Monitor::begin(control, points.len() as u64)?;
-    let measured = farthest::search(&question, &monitor)?;
+    let farthest = farthest::search(&question, &monitor)?;
+    let measured = farthest.distance;
 
     // A set that covers within less than its radius has the factor 1. The tolerance that the judges are given leaves
     // room for the error of the measured factor, and is never less than that of the caller.
@@ -105,11 +108,18 @@ pub fn measure_solid(
         covering_tolerance: tolerance,
         ..options.clone()
     };
-    let report = verify_solid(points, region, radius, &options, control)?;
+    let mut report = verify_solid(points, region, radius, &options, control)?;
+    let covering_radius = agreed(measured, &report, covering_limit(tolerance, radius))?;
+    if !report.maximal() {
+        // The judges list a place of each hole; of the deepest hole, the deepest place is known here.
+        let listed = std::mem::take(&mut report.worst_gaps);
+        let all = std::iter::once(farthest).chain(listed);
+        report.worst_gaps = deepest(all, &region, radius, options.witnesses);
+    }
     Ok(SolidVerdict {
-        covering_radius: agreed(measured, &report, covering_limit(tolerance, radius))?,
-        covering_factor,
         report,
+        covering_radius,
+        covering_factor,
     })
 }
 
@@ -124,7 +134,7 @@ fn agreed(measured: f64, report: &SolidReport, limit: f64) -> Result<f64, SolidE
         return Ok(measured.min(limit));
     }
     // Of a set with gaps each of the places listed is beyond the limit.
-    let gaps = report.first_gaps.iter().map(|gap| gap.distance);
+    let gaps = report.worst_gaps.iter().map(|gap| gap.distance);
     Ok(gaps.fold(measured, f64::max))
 }
 

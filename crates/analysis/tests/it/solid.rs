@@ -8,8 +8,8 @@ use std::sync::atomic::{AtomicU64, Ordering};
 
 use proptest::prelude::*;
 use tilescope_analysis::{
-    Boundary, Judge, JudgeChoice, Progress, SolidError, SolidRegion, SolidReport, VerifyOptions,
-    verify_solid,
+    Boundary, Judge, JudgeChoice, Progress, SolidError, SolidGap, SolidRegion, SolidReport,
+    VerifyOptions, measure_solid, verify_solid,
 };
 
 use crate::support::{BOTH, Random, go_on, on_threads};
@@ -69,7 +69,7 @@ fn check(points: &[[f64; 3]], region: SolidRegion, radius: f64) -> SolidReport {
     if let Some(circles) = by_circles(points, region, radius) {
         assert_eq!(circles.maximal(), report.maximal());
         assert!((circles.min_distance - least).abs() <= 1e-12 * least);
-        for gap in &circles.first_gaps {
+        for gap in &circles.worst_gaps {
             assert!(
                 gap.distance >= report.covering_bound() * (1.0 - 1e-9),
                 "{gap:?}"
@@ -80,12 +80,12 @@ fn check(points: &[[f64; 3]], region: SolidRegion, radius: f64) -> SolidReport {
     }
 
     // Whatever is said to be uncovered is, and if nothing is, every place is covered.
-    for gap in &report.first_gaps {
+    for gap in &report.worst_gaps {
         let apart = nearest(&region, points, gap.center);
         assert!(apart > radius && apart == gap.distance, "{gap:?}");
         assert!(region.contains(gap.center), "{gap:?}");
     }
-    assert_eq!(report.gaps == 0, report.first_gaps.is_empty());
+    assert_eq!(report.gaps == 0, report.worst_gaps.is_empty());
     if report.maximal() {
         let step = |axis: usize, k: u32| region.size()[axis] * f64::from(k) / 15.0;
         for k in 0..15_u32.pow(3) {
@@ -244,7 +244,7 @@ fn each_planted_hole_is_found() {
             let report = judged(&fewer, region, 0.9999);
             assert_eq!(report.judges, [Judge::Subdivision, Judge::Circles]);
             assert!(report.conflict_free() && !report.maximal());
-            let away = distance(&region, report.first_gaps[0].center, place);
+            let away = distance(&region, report.worst_gaps[0].center, place);
             // At a border the hole reaches up to it.
             let wide = if boundary == Boundary::Periodic {
                 0.01
@@ -252,6 +252,67 @@ fn each_planted_hole_is_found() {
                 1.0
             };
             assert!(away < wide, "{away}");
+        }
+    }
+}
+
+/// Holes are listed by their depth, and not as they are found: the deepest has its deepest place.
+#[test]
+fn the_deepest_hole_comes_first() {
+    let (points, radius) = (lattice(8, &[[0.5; 3]]), 0.9999);
+    let number = |x: usize, y: usize, z: usize| {
+        let wanted = [x, y, z].map(|at| at as f64 + 0.5);
+        let is_there = |point: &[f64; 3]| {
+            distance(&region([8.0; 3], Boundary::Periodic), *point, wanted) < 1e-9
+        };
+        points
+            .iter()
+            .position(is_there)
+            .expect("a sample of the lattice")
+    };
+    // A single sample is missing near the beginning of the region, and eight that are neighbours near its end.
+    let shallow = vec![number(1, 1, 1)];
+    let corners = (0..8).map(|at| number(5 + at % 2, 5 + at / 2 % 2, 5 + at / 4));
+    let both: Vec<usize> = shallow.iter().copied().chain(corners).collect();
+
+    let without = |missing: &[usize]| -> Vec<[f64; 3]> {
+        let all = points.iter().enumerate();
+        all.filter(|(index, _)| !missing.contains(index))
+            .map(|(_, point)| *point)
+            .collect()
+    };
+    for boundary in BOTH {
+        let region = region([8.0; 3], boundary);
+        for judges in [JudgeChoice::Subdivision, JudgeChoice::Circles] {
+            let options = VerifyOptions {
+                judges,
+                ..VerifyOptions::default()
+            };
+            let measured = |missing: &[usize]| {
+                measure_solid(&without(missing), region, radius, false, &options, &go_on)
+                    .expect("a verdict")
+            };
+            let found = measured(&both);
+            let gaps = &found.report.worst_gaps;
+            assert!(
+                gaps.is_sorted_by(|a, b| a.distance >= b.distance),
+                "{gaps:?}"
+            );
+            // The place between the eight is farther from all others than any place of the single hole.
+            assert!(
+                distance(&region, gaps[0].center, [6.0; 3]) < 0.01,
+                "{gaps:?}"
+            );
+            assert_eq!(gaps[0].distance, found.covering_radius);
+            let is_of_single = |gap: &&SolidGap| distance(&region, gap.center, [1.5; 3]) < 0.6;
+            assert_eq!(gaps.iter().filter(is_of_single).count(), 1, "{gaps:?}");
+
+            // The control: without the deep hole, the shallow one is the first.
+            let gaps = measured(&shallow).report.worst_gaps;
+            assert!(
+                distance(&region, gaps[0].center, [1.5; 3]) < 0.6,
+                "{gaps:?}"
+            );
         }
     }
 }

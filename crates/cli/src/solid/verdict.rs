@@ -75,14 +75,14 @@ pub fn text(verdict: &SolidVerdict) -> String {
         Judge::joined(&report.judges),
     );
 
-    // A set may have millions of conflicts and of gaps; three of each show the fault.
+    // A set may have millions of conflicts and of gaps; the three worst of each show the fault.
     for conflict in report.worst_conflicts.iter().take(3) {
         let (apart, _) = compared(conflict.distance / r, 1.0, 6);
         let (a, b) = (conflict.first, conflict.second);
         let _ = writeln!(out, "  conflict: samples {a} and {b}, {apart} r apart");
     }
-    for gap in report.first_gaps.iter().take(3) {
-        let ([x, y, z], (far, _)) = (gap.center, compared(gap.distance / r, limit, 6));
+    for gap in report.worst_gaps.iter().take(3) {
+        let ([x, y, z], (far, _)) = (place(gap.center, r), compared(gap.distance / r, limit, 6));
         let _ = writeln!(
             out,
             "  gap: ({x}, {y}, {z}) is {far} r from the nearest sample"
@@ -90,4 +90,33 @@ pub fn text(verdict: &SolidVerdict) -> String {
     }
     let _ = writeln!(out, "verdict        {}", validity(verdict.valid()));
     out
+}
+
+/// Returns the coordinates of a place to a millionth of a radius, which finds the place and is read at a glance.
+fn place(at: [f64; 3], radius: f64) -> [Number; 3] {
+    // Decimals are counted from the radius on: a set of small balls needs more of them. Doubles have no more than 17.
+    let decimals = (6.0 - radius.log10()).ceil().clamp(0.0, 17.0) as usize;
+    at.map(|value| {
+        let rounded = format!("{value:.decimals$}");
+        // Through a number, so that zeros at the end are left out; adding 0 turns -0 into 0.
+        Number(rounded.parse::<f64>().unwrap_or(value) + 0.0)
+    })
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn places_have_digits_as_fine_as_a_millionth_of_the_radius() {
+        let text = |at, radius| place(at, radius).map(|value| value.to_string());
+        let at = [9.313_225_746_154_785e-9, 0.25, 1.0 / 3.0];
+        assert_eq!(text(at, 1.0), ["0", "0.25", "0.333333"]);
+        // Of balls of a thousandth, three digits more; what is not small stays as it is.
+        assert_eq!(text(at, 1e-3), ["9e-9", "0.25", "0.333333333"]);
+        assert_eq!(
+            text([-1e-12, 1234.5678, 5e5], 100.0),
+            ["0", "1234.5678", "500000"]
+        );
+    }
 }

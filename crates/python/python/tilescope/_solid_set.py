@@ -79,8 +79,8 @@ class SolidReport:
     """The closest of them, at most 16."""
     gaps: int
     """Cubes, or circles, in which a place is uncovered. One hole usually has several."""
-    first_gaps: tuple[SolidGap, ...]
-    """Uncovered places of the first of these, at most 16."""
+    worst_gaps: tuple[SolidGap, ...]
+    """The deepest uncovered places, at most 16, deepest first; none is nearer than the radius to a deeper one."""
     density: float
     """``count * radius**3 / volume``."""
     relative_radius: float
@@ -121,7 +121,7 @@ def solid_report_of(found: dict[str, Any], differences: list[str] | None = None)
         size=(region["width"], region["height"], region["depth"]),
         boundary=region["boundary"],
         worst_conflicts=tuple(Conflict(**one) for one in found["worst_conflicts"]),
-        first_gaps=tuple(SolidGap(tuple(one["center"]), one["distance"]) for one in found["first_gaps"]),
+        worst_gaps=tuple(SolidGap(tuple(one["center"]), one["distance"]) for one in found["worst_gaps"]),
         judges=tuple(found["judges"]),
         differences=tuple(differences or ()),
         **{name: found[name] for name in same},

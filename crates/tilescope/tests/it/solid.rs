@@ -104,7 +104,15 @@ fn planted_faults_are_seen() {
         (&found["maximal"], &found["conflict_free"]),
         (&json!(false), &json!(true))
     );
-    assert!(ends(&folder, "verify a.csv", 1).contains("gap: ("));
+    let said = ends(&folder, "verify a.csv", 1);
+    // The first gap is the deepest, which is as deep as the set is bare.
+    let covering = said.split("covering radius ").nth(1).expect("a radius");
+    let gap = said.split("gap: (").nth(1).expect("a gap");
+    let deepest = gap.split(") is ").nth(1).expect("a depth");
+    assert_eq!(covering[..7], deepest[..7], "{said}");
+    // Places have no more digits than are of use.
+    let place = gap.split(')').next().expect("a place");
+    assert!(place.split(", ").all(|number| number.len() <= 8), "{said}");
     let beside: Vec<f64> = rows[1]
         .split(',')
         .map(|field| field.parse().unwrap())
@@ -238,6 +246,22 @@ fn formats_are_converted_and_planes_are_cut() {
         text.contains("a83f92")
     };
     assert!(has_gaps("gaps.svg") && !has_gaps("plane.svg"));
+    // A part of the plane has a part of its samples; the whole plane is the control.
+    let drawn = |options: &str| {
+        let said = ends(
+            &folder,
+            &format!("draw a.ply part.png --slice z=3 --size 200{options}"),
+            0,
+        );
+        said.split(" samples drawn").next().unwrap().to_owned()
+    };
+    assert_eq!(drawn(""), count.to_string());
+    let part = drawn(" --window 0 0 3 3");
+    let (shown, all) = part.split_once(" of ").expect("a part of all");
+    assert!(
+        all == count.to_string() && shown.parse::<i32>().unwrap() < count / 2,
+        "{part}"
+    );
     refused(&folder, "draw a.ply plane.png", "--slice z=PLACE");
     refused(
         &folder,
@@ -320,6 +344,12 @@ fn balls_are_drawn_as_pictures_and_turn() {
         ),
         ("draw a.ply x.svg --orbit --turn", ".gif, .apng or .png"),
         ("draw a.ply x.png --turn", "--orbit"),
+        // Beside options that cannot stand with --orbit, --turn needs it all the same.
+        ("draw a.ply x.gif --slice z=1 --turn", "give --orbit"),
+        ("draw a.ply x.png --slice z=1 --turn", "give --orbit"),
+        ("draw a.ply x.gif --gaps --turn", "give --orbit"),
+        ("draw a.ply x.gif --slice z=1", "must be .png or .svg"),
+        ("draw a.ply x.jpg --slice z=1", "must be .png or .svg"),
         ("draw a.ply x.png --orbit north", "is no direction"),
         ("draw a.ply x.png --orbit 300,120", "it must be -89 to 89"),
         ("draw a.ply x.png --orbit 300,30,50", "must be 0.5 to 20"),
@@ -330,6 +360,9 @@ fn balls_are_drawn_as_pictures_and_turn() {
         ),
     ] {
         refused(&folder, line, wanted);
+    }
+    for file in ["x.png", "x.gif", "x.jpg", "x.svg"] {
+        assert!(!folder.path().join(file).exists(), "{file}");
     }
     ends(&folder, "sample --radius 0.1 --out planar.csv", 0);
     refused(&folder, "draw planar.csv x.png --orbit", "no third side");
