@@ -17,6 +17,7 @@ mod curve;
 mod cut;
 mod domain;
 mod failure;
+mod field_plane;
 mod files;
 mod ground;
 mod judge;
@@ -42,6 +43,8 @@ mod _tilescope {
     use crate::curve::curve;
     #[pymodule_export]
     use crate::cut::verify_window;
+    #[pymodule_export]
+    use crate::field_plane::PythonFieldPlane;
     #[pymodule_export]
     use crate::files::{certify, digest, named_by_content, read, save, write_file};
     #[pymodule_export]

@@ -191,6 +191,26 @@ pub fn sample_field<'py>(
     blocks: Option<PyRef<'py, RunRequest>>,
     progress: Option<Py<PyAny>>,
 ) -> PyResult<(PythonSet<'py>, Ground)> {
+    let recipe = field_recipe(given, field, count, seed, blocks)?;
+    // The recipe itself asks for memory, since it finds the radius.
+    let (made, recipe) = run(py, progress, |watch| {
+        Ok(recipe.make_settled(&mut watch.observer())?)
+    })?;
+    // The set keeps the field and the shape, which `verify` and pictures need and positions do not show.
+    let ground = Ground::of_made(recipe, &made.facts);
+    // A set that covers a shape with one radius has a ground as well, so that this never fails.
+    let ground = ground.ok_or_else(|| PyValueError::new_err("the set has no field"))?;
+    Ok((into_python(made, py)?, ground))
+}
+
+/// Returns what makes a set whose radius varies, or that covers a shape. With `blocks` it is tiled exactly.
+pub fn field_recipe<'py>(
+    given: GivenDomain,
+    field: FieldArgument<'py>,
+    count: Option<&Bound<'py, PyAny>>,
+    seed: &Bound<'py, PyAny>,
+    blocks: Option<PyRef<'py, RunRequest>>,
+) -> PyResult<VaryingRecipe> {
     // The domain, count and seed alone: `field` adds radius and shape.
     let like = VaryingRecipe {
         count: count.map(|count| whole("count", count)).transpose()?,
@@ -211,13 +231,5 @@ pub fn sample_field<'py>(
         };
         recipe.exact = Some(blocks.exact_blocks(samples)?);
     }
-    // The recipe itself asks for memory, since it finds the radius.
-    let (made, recipe) = run(py, progress, |watch| {
-        Ok(recipe.make_settled(&mut watch.observer())?)
-    })?;
-    // The set keeps the field and the shape, which `verify` and pictures need and positions do not show.
-    let ground = Ground::of_made(recipe, &made.facts);
-    // A set that covers a shape with one radius has a ground as well, so that this never fails.
-    let ground = ground.ok_or_else(|| PyValueError::new_err("the set has no field"))?;
-    Ok((into_python(made, py)?, ground))
+    Ok(recipe)
 }

@@ -376,3 +376,36 @@ def test_pictures_have_a_disk_of_its_own_radius_for_each_sample(slope, trees, tm
     assert slope._repr_png_().startswith(b"\x89PNG")
     trees.draw(tmp_path / "trees.png", size=400)
     assert Path(tmp_path / "trees.png").stat().st_size > 1000
+
+
+@pytest.mark.parametrize(
+    ("given", "corners"),
+    [
+        ({"radius": ramp}, (0.2, 0.3, 0.7, 0.75)),
+        ({"radius_expression": "0.03 + 0.02*y", "boundary": "periodic", "width": 1, "height": 1}, (0.1, 0.2, 0.6, 0.9)),
+        ({"radius": 1.5, "shape": PARK}, (3, 2, 41, 27)),
+    ],
+)
+def test_windows_of_fields_and_shapes_are_parts_of_the_whole(given, corners):
+    whole = tilescope.sample(seed=4, **given)
+    plane = tilescope.FieldPlane(seed=4, **given)
+    assert (plane.origin, plane.domain) == (whole.origin, whole.domain)
+    x0, y0, x1, y1 = corners
+    x, y = whole.points.T
+    inside = (x >= x0) & (x < x1) & (y >= y0) & (y < y1)
+    part = plane.window(*corners)
+    assert len(part) > 30 and np.array_equal(part, whole.points[inside]) and not part.flags.writeable
+    assert plane.is_valid(*corners) and plane.parameters == whole.parameters
+    assert not np.array_equal(tilescope.FieldPlane(seed=5, **given).window(*corners), part)
+
+
+def test_impossible_windows_of_fields_are_refused():
+    plane = tilescope.FieldPlane(radius_expression="0.01 + 0.01*x")
+    with pytest.raises(ValueError, match="holds no place of the domain, 1 x 1 from 0 0 on"):
+        plane.window(2, 0, 2.5, 1)
+    with pytest.raises(ValueError, match="the window's width"):
+        plane.window(0, 0, 1.5, 1)
+    with pytest.raises(ValueError, match="may have 2e8"):
+        tilescope.FieldPlane(radius_expression="2e-5 + 1e-9*x").window(0, 0, 1, 1)
+    with pytest.raises(ValueError, match=r"tilescope\.Plane has such windows"):
+        tilescope.FieldPlane(radius=0.1)

@@ -47,6 +47,7 @@ if TYPE_CHECKING:
 __all__ = [
     "Conflict",
     "Domain",
+    "FieldPlane",
     "Gap",
     "Level",
     "LevelReport",
@@ -633,6 +634,123 @@ def _plane_of(arguments: dict[str, Any], parameters: str) -> Plane:
     plane = Plane(**arguments)
     plane._parameters = parameters
     return plane
+
+
+class FieldPlane:
+    """A set whose radius varies, or that covers a shape, from which any window can be computed alone.
+
+    A window has exactly the samples that the whole set has there, and costs only its own area: the set of
+    ``tilescope.sample`` with the same arguments, which is not made.
+
+    Parameters are those of :func:`sample` for a radius that varies and for shapes, but for `count`: which scale of the
+    radii gives so many samples is known of the whole set alone.
+
+    Examples
+    --------
+    >>> plane = tilescope.FieldPlane(radius_expression="1e-4 + 2e-4*x", seed=3)
+    >>> part = plane.window(0.5, 0.5, 0.52, 0.52)
+    >>> 5_500 < len(part) < 8_500, plane.is_valid(0.5, 0.5, 0.52, 0.52)
+    (True, True)
+    >>> whole = tilescope.sample(radius_expression="0.02 + 0.02*x", seed=3).points
+    >>> inside = (whole >= 0.25).all(axis=1) & (whole < 0.75).all(axis=1)
+    >>> plane = tilescope.FieldPlane(radius_expression="0.02 + 0.02*x", seed=3)
+    >>> bool((plane.window(0.25, 0.25, 0.75, 0.75) == whole[inside]).all())
+    True
+    """
+
+    __slots__ = ("_domain", "_origin", "_parameters", "_plane", "_radius")
+
+    def __init__(
+        self,
+        *,
+        radius: Radius | None = None,
+        radius_expression: str | None = None,
+        density: Pixels | None = None,
+        mask: Pixels | None = None,
+        shape: Any = None,
+        planar: bool = False,
+        extent: tuple[float, float, float, float] | None = None,
+        width: float | None = None,
+        height: float | None = None,
+        boundary: Boundary | None = None,
+        seed: SupportsIndex = 1,
+        origin: tuple[float, float] | None = None,
+    ) -> None:
+        if extent is not None:
+            if not (width is None and height is None and origin is None):
+                raise ValueError("extent is given with width, height or origin, which it says; leave these out")
+            width, height, *corner = place_of(extent)
+            origin = (corner[0], corner[1])
+        at = None if origin is None else place("origin", origin)
+        field = field_of(radius, radius_expression, density, mask, shape, planar)
+        if field is None:
+            raise ValueError("nothing makes the radius vary, and no shape is given: tilescope.Plane has such windows")
+        given = _Given(None, width, height, boundary, at)
+        self._plane = _tilescope.FieldPlane(given, field, seed, None)
+        facts = json.loads(self._plane.facts())
+        self._domain = Domain(*facts["domain"])
+        self._radius: tuple[float, float] = (facts["radius"][0], facts["radius"][1])
+        self._origin: tuple[float, float] = (facts["origin"][0], facts["origin"][1])
+        self._parameters = json.dumps(facts["parameters"])
+
+    @property
+    def domain(self) -> Domain:
+        """Width, height and boundary of the whole set's domain."""
+        return self._domain
+
+    @property
+    def radius(self) -> tuple[float, float]:
+        """The least and the greatest radius."""
+        return self._radius
+
+    @property
+    def origin(self) -> tuple[float, float]:
+        """Where the lower corner of the domain lies, which corners of windows and positions are counted from."""
+        return self._origin
+
+    @property
+    def parameters(self) -> dict[str, Any]:
+        """Every parameter by its name."""
+        parameters: dict[str, Any] = json.loads(self._parameters)
+        return parameters
+
+    def window(
+        self, x0: float, y0: float, x1: float, y1: float, *, progress: Progress = False
+    ) -> npt.NDArray[np.float64]:
+        """Returns the samples with ``x0 <= x < x1`` and ``y0 <= y < y1``, counted from the domain's lower corner.
+
+        In a periodic domain the window may cross the border or lie beyond it; positions are those
+        in the domain. In a bounded one a window that reaches the upper border includes it.
+
+        Parameters
+        ----------
+        x0, y0, x1, y1 : float
+            The corners.
+        progress
+            As in :func:`sample`.
+
+        Returns
+        -------
+        numpy.ndarray of shape (N, 2)
+            The positions, in the sequence of the whole set; read-only.
+
+        Raises
+        ------
+        ValueError
+            If the window is empty, larger than the domain, far from it, or has more than 2e8 samples.
+        """
+        with following(progress) as told:
+            return self._plane.window((x0, y0, x1, y1), told)
+
+    def is_valid(self, x0: float, y0: float, x1: float, y1: float, *, progress: Progress = False) -> bool:
+        """Returns whether the places of a window are covered, and no sample in it is in conflict with any."""
+        with following(progress) as told:
+            conflicts, gaps = self._plane.verify((x0, y0, x1, y1), told)
+        return conflicts == gaps == 0
+
+    def __repr__(self) -> str:
+        (least, greatest), (width, height, boundary) = self.radius, self.domain
+        return f"<FieldPlane: radius {least:.6g} to {greatest:.6g}, {width:g} x {height:g}, {boundary}>"
 
 
 def verify(
