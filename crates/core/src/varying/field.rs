@@ -1,7 +1,6 @@
 //! The radius at each place: one for all places, or integers at nodes and bilinear between them. Every decision about a
 //! varying radius is made with the integer that this file gives.
 
-use glam::I64Vec2;
 use thiserror::Error;
 
 use super::patch::FieldPatch;
@@ -367,21 +366,15 @@ impl RadiusField {
 
     /// Returns radii between which all radii lie that are at most `reach` from a cell on both axes.
     pub(super) fn range_around(&self, cell: Cell, reach: i64) -> RadiusRange {
-        let min = I64Vec2::from(cell.min) - reach;
-        let max = I64Vec2::from(cell.min) + (i64::from(cell.side) - 1 + reach);
-        self.range_between(min, max)
-    }
-
-    /// Returns radii between which all radii lie at places from `min` to `max` on both axes, which may leave the domain.
-    pub(super) fn range_between(&self, min: I64Vec2, max: I64Vec2) -> RadiusRange {
         if let Some(range) = self.of_one_radius() {
             return range;
         }
-        // A span across the border of a periodic domain is two spans.
-        let [columns, rows] = [0, 1].map(|axis| {
-            let span = [min[axis], max[axis]].map(|value| value >> self.bits);
-            self.cell_spans(span, axis)
+        let spans = [cell.min.x, cell.min.y].map(|min| {
+            let (min, side) = (i64::from(min), i64::from(cell.side));
+            [min - reach, min + side - 1 + reach].map(|value| value >> self.bits)
         });
+        // A span across the border of a periodic domain is two spans.
+        let [columns, rows] = [0, 1].map(|axis| self.cell_spans(spans[axis], axis));
 
         let mut range = RadiusRange::NOTHING;
         for [bottom, top] in rows.into_iter().flatten() {

@@ -29,11 +29,14 @@ const LAYERS: usize = 8;
 /// How many more a window gets that is in doubt.
 const MORE_LAYERS: usize = 4;
 
-/// From so many layers on the whole set is made instead. No window has been seen that needs more than a third.
+/// With more layers the whole set is made instead. Chosen, not measured: no window has been seen to need so many.
 const MAX_LAYERS: usize = 64;
 
-/// The longest side of a square piece of a window, in its least radius; larger windows are made in pieces.
+/// The longest side of a square piece of a window, in radii as they are in it; larger windows are made in pieces. Chosen, not measured.
 const PIECE_SIDE: f64 = 64.0;
+
+/// Places along each side of a piece at which its radii are looked at. They only say whether it is cut.
+const PIECE_LOOKS: i64 = 16;
 
 /// Bytes that a sample of a window takes: twice 24 while it is brought into order, 8 for its place and 16 for its position in user
 /// units, and a tenth. Counted by the sizes of the types, not measured.
@@ -114,24 +117,29 @@ pub fn varying_window(
 /// Returns about how many samples lie in a window, if all of it is covered.
 #[must_use]
 pub fn expected_in_window(field: &RadiusField, window: &Window) -> f64 {
+    let size = (window.max - window.min).max(I64Vec2::ZERO);
+    let area = size.x as f64 * size.y as f64;
+    MAXIMAL_DENSITY * area / typical_radius(field, window, LOOKS).powi(2)
+}
+
+/// Returns the radius, in units, that everywhere would give a window as many samples as it has, by so many places along each side.
+fn typical_radius(field: &RadiusField, window: &Window, looks: i64) -> f64 {
     let domain = field.domain();
-    let last = domain.rect().max;
-    let last = I64Vec2::from(last) - 1;
+    let last = I64Vec2::from(domain.rect().max) - 1;
     let size = (window.max - window.min).max(I64Vec2::ZERO);
 
     let mut sum = 0.0;
-    for row in 0..LOOKS {
-        for column in 0..LOOKS {
+    for row in 0..looks {
+        for column in 0..looks {
             // The middle of each part of the window, in the domain.
             let part = I64Vec2::new(2 * column + 1, 2 * row + 1);
-            let place = window.min + size * part / (2 * LOOKS);
+            let place = window.min + size * part / (2 * looks);
             let place = in_domain(domain, place).clamp(I64Vec2::ZERO, last);
             let radius = field.radius_at(Point::new(place.x as i32, place.y as i32));
             sum += f64::from(radius).powi(-2);
         }
     }
-    let area = size.x as f64 * size.y as f64;
-    MAXIMAL_DENSITY * area * sum / (LOOKS * LOOKS) as f64
+    ((looks * looks) as f64 / sum).sqrt()
 }
 
 /// Returns the place of the domain that a place of the plane shows. In a bounded domain it is the place itself.
@@ -220,10 +228,11 @@ fn pieces(field: &RadiusField, window: &Window) -> Vec<Window> {
             continue;
         }
 
-        let least = f64::from(field.range_between(part.min, part.max - 1).least);
+        // By the least radius, pieces of steep fields were so small that their surroundings had most cells.
+        let radius = typical_radius(field, &part, PIECE_LOOKS);
         // A thin piece has most of its cells around it, so that these are counted, too.
         let margin = 2.0 * LAYERS as f64;
-        let [width, height] = [size.x, size.y].map(|side| side as f64 / least + margin);
+        let [width, height] = [size.x, size.y].map(|side| side as f64 / radius + margin);
         if width * height <= (PIECE_SIDE + margin).powi(2) {
             pieces.push(part);
             continue;
