@@ -43,17 +43,31 @@ pub fn run(arguments: &SampleArguments, corners: [f64; 4]) -> Result<u8> {
 
 /// Returns the window between two corners. Refuses one without a place of the domain, and one with too many samples.
 fn checked_window(ground: &Ground, corners: [f64; 4]) -> Result<Window> {
+    let domain = ground.field.domain();
+    let place_of = |axis: usize| {
+        [
+            ground.origin[axis],
+            ground.origin[axis] + domain.size()[axis],
+        ]
+    };
+    let none = |axis: usize| {
+        let (low, high, [first, end]) = (corners[axis], corners[axis + 2], place_of(axis));
+        let name = ["width", "height"][axis];
+        format!(
+            "the window's {name} runs from {low} to {high} and holds no place of the domain, {first} to {end}"
+        )
+    };
+    // Where a bounded domain ends, nothing is left of a window beyond, however far away it is.
+    for axis in [0, 1].into_iter().filter(|_| !domain.is_periodic()) {
+        let [first, end] = place_of(axis);
+        let is_beyond = corners[axis + 2] <= first || corners[axis] > end;
+        ensure!(!is_beyond, none(axis));
+    }
+
     let window = ground.window(corners)?;
-    let size = ground.field.domain().size();
-    for (axis, name) in ["width", "height"].into_iter().enumerate() {
-        let [low, high] = [corners[axis], corners[axis + 2]];
-        let first = ground.origin[axis];
-        // A window of a bounded domain was cut at the border.
-        ensure!(
-            window.min[axis] < window.max[axis],
-            "the window's {name} runs from {low} to {high} and holds no place of the domain, {first} to {}",
-            first + size[axis]
-        );
+    for axis in 0..2 {
+        // A window between two lattice lines has no place either.
+        ensure!(window.min[axis] < window.max[axis], none(axis));
     }
     check_expected(ground.expected_in(&window))?;
     Ok(window)

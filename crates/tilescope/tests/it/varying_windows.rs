@@ -156,15 +156,15 @@ fn windows_that_cannot_be_made_are_refused_by_name() {
     refused(&folder, origin, "--origin");
 }
 
-/// A set that is far too large for the memory has windows, and the refusal says so.
+/// The whole would have hundreds of millions of samples, which no computer that builds this makes here.
 #[test]
 fn a_set_too_large_for_the_memory_has_windows() {
     let folder = tempdir().unwrap();
-    let line = "sample --radius-expression 2e-5+1e-5*x --window 0.5 0.5 0.502 0.502 --json";
+    let line = "sample --radius-expression 4e-5+1e-5*x --window 0.5 0.5 0.503 0.503 --json";
     let made = run(&folder, line, 0);
     assert_eq!(made["valid"], json!(true));
     assert!(
-        (3_500..5_500).contains(&made["count"].as_u64().unwrap()),
+        (2_700..3_500).contains(&made["count"].as_u64().unwrap()),
         "{}",
         made["count"]
     );
