@@ -622,7 +622,10 @@ mod tests {
         for preset in Preset::all() {
             let draft = Draft::from_parameters(preset.parameters());
             let ground = preset.ground();
-            let varies = matches!(preset, Preset::Ramp | Preset::Star);
+            let varies = matches!(
+                preset,
+                Preset::Ramp | Preset::Star | Preset::StillLife | Preset::Landscape
+            );
             assert_eq!(ground.is_some(), varies, "{}", preset.name());
             let draft = draft
                 .with_nesting(preset.nesting())

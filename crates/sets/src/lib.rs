@@ -48,8 +48,8 @@ pub use recipe::{EXACT_PAYS_FROM, GivenPattern, Recipe, Settled, exact_pattern, 
 pub use solid::{BallSize, SolidMade, SolidRecipe, columns_of};
 pub use solid_window::SolidSurroundings;
 pub use varying::{
-    Brush, BrushStroke, DEFAULT_WHITE, ExactBlocks, Expression, GivenGround, GivenRadius,
-    GrayImage, Ground, MAX_CORNERS, MAX_EXPRESSION, MAX_PIXELS, PAINTED, PaintedRadii,
+    Brush, BrushStroke, ComputedPicture, DEFAULT_WHITE, ExactBlocks, Expression, GivenGround,
+    GivenRadius, GrayImage, Ground, MAX_CORNERS, MAX_EXPRESSION, MAX_PIXELS, PAINTED, PaintedRadii,
     PlanarPolygon, RadiusGrid, RadiusSource, ShapeSource, Stipple, StippleLook, StippleRecipe,
     Tone, VaryingError, VaryingRecipe, WindowMade, check_pixels, check_white, color_of,
 };

@@ -5,8 +5,10 @@ use std::f64::consts::TAU;
 use tilescope_core::{
     Boundary, Insertion, NestedRequest, Parameters, Search, TilingMethod, WithinLevel,
 };
+use tilescope_sets::{ComputedPicture, DEFAULT_WHITE, Tone};
 
 use crate::ground::{GroundRequest, PortableGround};
+use crate::stipple::StippleRequest;
 
 /// Parameters to begin with.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, serde::Serialize, serde::Deserialize)]
@@ -32,6 +34,10 @@ pub enum Preset {
     Ramp,
     /// A star, with a radius that grows from its middle.
     Star,
+    /// Three balls on a table, stippled.
+    StillLife,
+    /// Ridges behind a lake, stippled.
+    Landscape,
 }
 
 /// What the menu says of a preset.
@@ -42,7 +48,7 @@ struct Row {
 }
 
 /// Every preset, in the order of the menu.
-const ROWS: [Row; 10] = [
+const ROWS: [Row; 12] = [
     Row {
         preset: Preset::First,
         name: "The first session",
@@ -93,7 +99,20 @@ const ROWS: [Row; 10] = [
         name: "Star",
         explanation: "The domain is a star with a hole: darts outside do not exist, and the radius grows from the middle.",
     },
+    Row {
+        preset: Preset::StillLife,
+        name: "Still life, stippled",
+        explanation: "12,000 dots, as dense as a picture is dark: three balls on a table, which the program computes. Its shades are smooth.",
+    },
+    Row {
+        preset: Preset::Landscape,
+        name: "Landscape, stippled",
+        explanation: "12,000 dots, as dense as a picture is dark: ridges behind a lake, which the program computes. Its edges are sharp.",
+    },
 ];
+
+/// The dots of the stipples: enough to see the pictures, and made in less than a second.
+const DOTS: u64 = 12_000;
 
 /// The expressions of the radius of the ramp and of the star.
 const RAMP: &str = "0.008 + 0.032*x";
@@ -126,6 +145,11 @@ impl Preset {
             Self::First | Self::Nested => {}
             // A preset with a field is bounded, as fields are seldom periodic.
             Self::Ramp | Self::Star => p.boundary = Boundary::Bounded,
+            // The unit of a stipple is a pixel, as on the command line.
+            Self::StillLife | Self::Landscape => {
+                p.boundary = Boundary::Bounded;
+                [p.width, p.height] = ComputedPicture::SIZE.map(|pixels| pixels as f64);
+            }
             Self::SmallBlocks => {
                 p.leaf = 20.0;
                 p.pattern.boundary = Boundary::Bounded;
@@ -153,6 +177,8 @@ impl Preset {
         let (text, rings) = match self {
             Self::Ramp => (RAMP, Vec::new()),
             Self::Star => (STAR, star()),
+            Self::StillLife => return stipple(ComputedPicture::StillLife),
+            Self::Landscape => return stipple(ComputedPicture::Landscape),
             // These have one radius in a rectangle.
             Self::First
             | Self::SmallBlocks
@@ -181,6 +207,24 @@ impl Preset {
             order_within: WithinLevel::Random,
         })
     }
+}
+
+/// Returns the request for dots of a picture.
+fn stipple(picture: ComputedPicture) -> Option<GroundRequest> {
+    // No picture is refused, as a test that makes each preset shows.
+    let image = picture.image().ok()?;
+    Some(GroundRequest {
+        radius: None,
+        shape: None,
+        origin: [0.0; 2],
+        stipple: Some(StippleRequest {
+            image,
+            tone: Tone::default(),
+            white: DEFAULT_WHITE,
+            dots: DOTS,
+            runs_on: false,
+        }),
+    })
 }
 
 /// Returns the corners of a star with five points in the unit square, and of the hole in it.
