@@ -100,7 +100,7 @@ Examples:
   tilescope sample --count 100000 --method exact --out exact.npy
   tilescope sample --count 5000 --method reference --json
   tilescope sample --radius-expression '0.006 + 0.024*x' --out ramp.csv
-  tilescope sample --density-image photo.png --count 20000 --out stipple.csv
+  tilescope sample --density-image photo.png --count 20000 --out dense.csv
   tilescope sample --radius-image grey.png --radius 0.002..0.02 --out field.ply
   tilescope sample --shape park.geojson --radius 2 --out trees.csv
   tilescope sample --radius-expression '0.0001 + 0.0002*x' --window 0.5 0.5 0.52 0.52 --out part.csv

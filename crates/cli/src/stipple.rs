@@ -7,8 +7,7 @@ use clap::{Args, ValueEnum};
 use serde_json::json;
 use tilescope_analysis::VaryingRegion;
 use tilescope_core::{Parameters, grouped};
-use tilescope_drawing::dots::on_paper;
-use tilescope_figures::{FigureError, to_png_controlled};
+use tilescope_figures::{FigureError, on_paper, to_png_controlled};
 use tilescope_formats::{Drawing, ExportContext, Format, Precision, write_whole};
 use tilescope_sets::{
     DEFAULT_WHITE, Made, Stipple, StippleLook, StippleRecipe, Tone, VaryingError, color_of,

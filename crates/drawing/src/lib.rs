@@ -15,7 +15,6 @@
 pub mod age;
 pub mod brushed;
 pub mod camera;
-pub mod dots;
 pub mod figure;
 pub mod labels;
 pub mod look;

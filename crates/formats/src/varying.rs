@@ -18,7 +18,11 @@ pub struct VaryingDomain {
 
 impl VaryingDomain {
     /// Judges points in domain units, as a whole set or as the beginning of a larger one.
-    pub(crate) fn verify(
+    ///
+    /// # Errors
+    ///
+    /// [`VerifyError`] when there is no verdict.
+    pub fn verify(
         &self,
         points: &[[f64; 2]],
         is_prefix: bool,

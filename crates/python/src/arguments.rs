@@ -20,6 +20,7 @@ use tilescope_sets::{
 use crate::arrays::rows;
 use crate::failure::Failure;
 use crate::ground::Ground;
+use crate::stipple::DrawingFields;
 use crate::task::run;
 use crate::values::{named, real, real_if_given, shortened, shown, whole};
 
@@ -125,6 +126,12 @@ pub struct SetArgument<'py> {
     /// The field and the shape, if its radius varies or it covers a shape.
     #[pyo3(attribute("_ground"))]
     pub ground: Option<Py<Ground>>,
+    /// How many samples were made, if the set is the first of those.
+    #[pyo3(attribute("_first_of"))]
+    pub made: Option<u64>,
+    /// How its samples are drawn as dots, if it is a stipple.
+    #[pyo3(attribute("_drawing"))]
+    pub drawing: Option<DrawingFields>,
     /// The parameters as a JSON object.
     #[pyo3(attribute("_parameters"))]
     pub parameters: String,

@@ -262,7 +262,12 @@ impl From<VaryingError> for Failure {
                     // The option is --mask.
                     _ => "mask",
                 };
-                needed(&format!("{what} from {from}"), format!("{name}={value}"))
+                let argument = match name {
+                    // Stipples are made from an image as well.
+                    "density" => format!("density={value}, or image={value} of a stipple"),
+                    _ => format!("{name}={value}"),
+                };
+                needed(&format!("{what} from {from}"), argument)
             }
             VaryingError::NeedsGrid { name } => {
                 let what = "a field from an array or a function";

@@ -23,6 +23,7 @@ use crate::ground::{FieldArgument, Ground};
 use crate::judge::{self, of_report};
 use crate::memory::{ask_to_export, ask_to_read};
 use crate::sample::{PythonSet, set_into_python};
+use crate::stipple::drawing;
 use crate::task::run;
 use crate::values::{named, whole};
 
@@ -135,6 +136,7 @@ fn of_found<'py>(
         "origin": found.origin,
         "levels": holding.map(|stated| level_fields(&stated.claims())).unwrap_or_default(),
         "summary": null,
+        "made": holding.and_then(|stated| stated.prefix).map(|prefix| prefix.made),
         "certificate": holding,
     });
     // Ranks are those of the levels that the certificate states; without such a certificate both are empty.
@@ -368,6 +370,8 @@ fn context(set: &SetArgument<'_>) -> PyResult<ExportContext> {
         levels: claims(&set.levels),
         ranks: set.ranks()?.into(),
         varying: set.varying(),
+        made: set.made,
+        drawing: set.drawing.map(drawing),
         ..ExportContext::new(set.region()?, set.radius()?)
     })
 }

@@ -19,6 +19,7 @@ use tilescope_sets::{
 use crate::arrays::rows;
 use crate::domain::GivenDomain;
 use crate::failure::Failure;
+use crate::stipple::Picture;
 use crate::task::run;
 use crate::values::real_if_given;
 
@@ -35,6 +36,8 @@ pub struct FieldArgument<'py> {
     radii: Option<PyReadonlyArray2<'py, f64>>,
     /// A PNG file whose grey stands for radii that a certificate states.
     image: Option<PathBuf>,
+    /// The image of a stipple, whose radius of black a certificate states.
+    picture: Option<Picture<'py>>,
     density: Option<Density<'py>>,
     mask: Option<Pixels<'py>>,
     /// The name of the file or nothing, and `GeoJSON`.
@@ -72,7 +75,8 @@ impl Pixels<'_> {
     }
 }
 
-fn image(path: &Path) -> Result<GrayImage, Failure> {
+/// Reads an image.
+pub fn image(path: &Path) -> Result<GrayImage, Failure> {
     let name = lossy(path.file_name().unwrap_or_default());
     Ok(GrayImage::read(&name, &read_whole(path)?)?)
 }
@@ -132,6 +136,9 @@ impl FieldArgument<'_> {
         if let Some(path) = &self.image {
             return Ok(GivenRadius::Image(image(path)?));
         }
+        if let Some(picture) = &self.picture {
+            return Ok(GivenRadius::Image(picture.image()?));
+        }
         match &self.density {
             None => Ok(GivenRadius::Nothing),
             Some(Density::Grey(grey)) => Ok(GivenRadius::Image(grey.image()?)),
@@ -168,6 +175,11 @@ impl FieldArgument<'_> {
                 // Black pixels have the density 1, and so the radius that is given.
                 let black = scale;
                 RadiusSource::Density { image, black }
+            }
+            GivenRadius::Image(_) if self.picture.is_some() => {
+                let text = "image is that of a stipple, whose certificate states the radius of black; of positions without \
+                            a certificate give density and radius";
+                return Err(PyValueError::new_err(text));
             }
             GivenRadius::Image(_) => {
                 let text = "radius is the path of an image, which is for sets whose certificate states the radii of black \

@@ -29,13 +29,14 @@ pub fn verify(
     // Where the radius varies, the set's own is the least one, and `varying` has the others.
     let (points, region, radius) = (set.points()?, set.region()?, set.radius()?);
     let (options, claimed, varying) = (verify_options(judge)?, claims(&set.levels), set.varying());
+    let is_prefix = set.made.is_some();
 
     let report = run(py, progress, |watch| {
         // Memory is asked for first, as a failed allocation would end the interpreter.
         ask_to_judge(points.len())?;
         let control = watch.control("verify");
         let whole = match &varying {
-            Some(varying) => varying.judged.verify(points, &options, &control)?,
+            Some(varying) => varying.verify(points, is_prefix, &options, &control)?,
             None => tilescope_analysis::verify(points, region, radius, &options, &control)?,
         };
         let control = watch.control("levels");

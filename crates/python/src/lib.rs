@@ -29,6 +29,7 @@ mod recorded;
 mod sample;
 mod solid;
 mod space;
+mod stipple;
 mod task;
 mod values;
 
@@ -68,6 +69,8 @@ mod _tilescope {
     };
     #[pymodule_export]
     use crate::space::PythonSpace;
+    #[pymodule_export]
+    use crate::stipple::{draw_dots, stipple};
     #[pymodule_export]
     use crate::task::set_threads;
 }

@@ -100,7 +100,7 @@ pub fn draw(
 }
 
 /// Returns the width of a picture in pixels.
-fn width(size: &Bound<'_, PyAny>) -> PyResult<u64> {
+pub fn width(size: &Bound<'_, PyAny>) -> PyResult<u64> {
     let size = whole("size", size)?;
     if SIZES.contains(&size) {
         return Ok(size);
@@ -124,7 +124,10 @@ fn palette(theme: &str) -> PyResult<Palette> {
 
 /// Returns the corners of a window, from the domain's lower corner on; `None` if no window is given. Refuses a window
 /// that is empty, that does not reach into the domain, or whose corners are not finite.
-fn window_within(window: Option<&Bound<'_, PyAny>>, region: &Region) -> PyResult<Option<[f64; 4]>> {
+pub fn window_within(
+    window: Option<&Bound<'_, PyAny>>,
+    region: &Region,
+) -> PyResult<Option<[f64; 4]>> {
     let window = window
         .map(|corners| rectangle("window", corners))
         .transpose()?;

@@ -54,7 +54,7 @@ pub fn set_into_python<'py>(
 }
 
 /// Returns facts as the Python class `PointSet` takes them.
-fn facts_of(facts: &Facts) -> Value {
+pub fn facts_of(facts: &Facts) -> Value {
     let Facts { region, levels, .. } = facts;
     // The number of samples is that of the positions, and not stated again.
     let counts = |summary: &Summary| {
@@ -74,6 +74,7 @@ fn facts_of(facts: &Facts) -> Value {
         "origin": facts.origin,
         "levels": level_fields(levels),
         "summary": facts.summary.as_ref().map(counts),
+        "made": facts.made,
     })
 }
 

@@ -20,7 +20,7 @@ from tilescope import _tilescope
 
 MODULES = [
     "tilescope", "tilescope._point_set", "tilescope._progress", "tilescope._report", "tilescope._solid_set",
-    "tilescope._spectrum", "tilescope.qmc",
+    "tilescope._spectrum", "tilescope._stipple", "tilescope.qmc",
 ]  # fmt: skip
 README = Path(__file__).parents[1] / "README.md"
 NOTEBOOK = Path(__file__).parents[3] / "assets/notebook/tilescope.ipynb"
@@ -132,6 +132,9 @@ def test_types_are_right(tmp_path):
         "ramp.save('ramp.geojson', format='geojson')\n"
         "dense = tilescope.sample(100, density=np.ones((3, 3)), mask=np.ones((3, 3), dtype=bool))\n"
         "passed: bool = tilescope.verify('ramp.geojson', lambda x, y: 0.01 + 0.04 * x).passed\n"
+        "stipple = tilescope.stipple(np.zeros((9, 9), dtype=np.uint8), dots=20, dot_size='darkness')\n"
+        "factor: float | None = stipple.prefix(9).verify().covering_factor\n"
+        "kept: int = stipple.made + stipple.runs\n"
         "disks = tilescope.sample(size=(5, 5, 5), radius=1).slice(z=2).radii.max()\n"
     )
     bad = tmp_path / "bad.py"

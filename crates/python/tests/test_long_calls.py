@@ -22,6 +22,7 @@ LONG = {
     "exact": ("tilescope.sample({}, method='exact')", 60_000_000),
     "pattern": ("tilescope.sample(radius=0.02, pattern_side={} ** 0.5, pattern_seed=4)", 4_000_000),
     "levels": ("tilescope.sample(radius={} ** -0.5, levels=6, order_within='farthest')", 25_000_000),
+    "stipple": ("tilescope.stipple(numpy.full((1500, 1500), 99, dtype='uint8'), {})", 4_000_000),
     "window": ("tilescope.Plane(radius=2e-5).window(0, 0, 0.3, 1e-3 * {})", 300),
     "window of levels": ("tilescope.Plane(radius=2e-5, levels=2).window(0, 0, 0.1, 1e-3 * {})", 100),
     "verify": ("points({}).verify(judge='delaunay')", 4_000_000),
@@ -51,7 +52,7 @@ def hundredths_after_ctrl_c(call, folder, delay):
     """
     text, whole, *stage = call
     code = f"""
-        import functools, hashlib, os, signal, sys, threading, time
+        import functools, hashlib, numpy, os, signal, sys, threading, time
         import tilescope
 
         # A shell has the programs that it starts in the background ignore Ctrl-C, and their children inherit that.

@@ -33,6 +33,7 @@ import numpy.typing as npt
 
 from tilescope import _optional, _parquet, _tilescope
 from tilescope._field import Field, Pixels, Radius, field_of, place_of
+from tilescope._image import Image, image_of
 from tilescope._input import Path, local_path, numbers, place, shown, shown_text
 from tilescope._point_set import Boundary, Format, Judge, PointSet
 from tilescope._progress import Progress, following
@@ -40,6 +41,7 @@ from tilescope._report import Conflict, Domain, Gap, Level, LevelReport, Report,
 from tilescope._solid_set import SolidGap, SolidJudge, SolidReport, SolidSet, SolidSlice, sides, solid_report_of
 from tilescope._space import Space
 from tilescope._spectrum import Spectrum
+from tilescope._stipple import Arguments, Stipple
 
 if TYPE_CHECKING:
     from tilescope._widget import Widget
@@ -60,6 +62,7 @@ __all__ = [
     "SolidSlice",
     "Space",
     "Spectrum",
+    "Stipple",
     "analyze",
     "combine",
     "curve",
@@ -67,6 +70,7 @@ __all__ = [
     "read_solid",
     "sample",
     "set_threads",
+    "stipple",
     "verify",
     "verify_solid",
     "widget",
@@ -362,6 +366,98 @@ def sample(
         made = PointSet._made(_tilescope.sample(request, method, engine, told))
     made._origin = (0.0, 0.0) if at is None else at
     return made
+
+
+def stipple(
+    image: Image,
+    dots: SupportsIndex,
+    *,
+    gamma: float = 1.0,
+    contrast: float = 1.0,
+    invert: bool = False,
+    white: float = 1 / 64,
+    run_on: bool = False,
+    width: float | None = None,
+    seed: SupportsIndex = 1,
+    dot_size: Literal["constant", "darkness"] = "constant",
+    dot_radius: float | None = None,
+    paper: str | None = None,
+    ink: str | None = None,
+    progress: Progress = False,
+) -> Stipple:
+    """Draws an image in dots, as dense as it is dark, exactly as many as are asked for.
+
+    Names, defaults and dots are those of ``tilescope stipple``. No radius gives a maximal set of exactly so many dots. So a
+    set of a few more is made, and its first dots by arrival are the stipple, verified and certified as that.
+
+    Parameters
+    ----------
+    image : array_like of shape (rows, columns) or (rows, columns, channels), or path-like
+        The image, with the highest row first, as images are stored: uint8, uint16, bool, or floating-point numbers from 0,
+        black, to 1, white. It has one channel of grey, two with opacity, three of red, green and blue, or four with opacity.
+        Colours become grey by their luminance (Rec. 709), and transparent pixels lie before white. An image of Pillow is
+        taken as it is: ``PIL.ImageOps.exif_transpose`` turns one upright. A path is that of a PNG or JPEG file.
+    dots : int
+        How many dots: at least 1. A dot needs pixels: the least radius is at least 1/32 of one.
+    gamma : float
+        Raise the light of pixels to this power, from 0.1 to 10: 2.2 gives dots by the light that a screen sends.
+    contrast : float
+        Multiply differences from half grey by this, from 0 to 100, before `gamma`.
+    invert : bool
+        Dots where the image is light. Paper is then black and ink white, unless they are given.
+    white : float
+        No dots where the image is lighter than this share of black, from 0 to 0.5. With 0 no place is left out.
+    run_on : bool
+        Make dots beyond the frame, too, and drop them: at a border there are a few more dots otherwise.
+    width : float, optional
+        The width of the image in the unit of positions and radii. If not given, its columns.
+    seed : int
+        Seed of the dots: any 64-bit number.
+    dot_size : {'constant', 'darkness'}
+        In pictures, dots of one size, or the larger the darker.
+    dot_radius : float, optional
+        Radius of a dot where the image is black, in the unit of positions. If not given, such that all dots together have
+        as much ink as the image is dark.
+    paper, ink : str, optional
+        Colours of pictures: ``'#rrggbb'``, ``'black'`` or ``'white'``.
+    progress : bool or callable
+        As in :func:`sample`. Each set that is made begins anew.
+
+    Returns
+    -------
+    Stipple
+        The dots, as a set whose radius varies.
+
+    Raises
+    ------
+    ValueError
+        If an argument is wrong, a value of the image is no light, no place is dark, or there are too few pixels for as many
+        dots; the text names the value and the limit.
+    TypeError
+        If the image has values of another type.
+    OSError
+        If the file cannot be read.
+    KeyboardInterrupt
+        Within a fraction of a second after Ctrl-C.
+
+    Examples
+    --------
+    >>> y, x = np.mgrid[-1:1:90j, -1:1:90j]
+    >>> ball = np.where(np.hypot(x, y) < 0.9, np.hypot(x + 0.3, y + 0.3) / 2, 1.0)
+    >>> dots = tilescope.stipple(ball, dots=2000, dot_size="darkness")
+    >>> len(dots), dots.verify().valid, dots.verify().covering_factor < 1.2
+    (2000, True, True)
+    >>> dots.save(folder / "ball.svg").valid
+    True
+    >>> tilescope.verify(folder / "ball.svg", image=ball).passed
+    True
+    """
+    arguments = Arguments(
+        dot_size, dots=dots, gamma=gamma, contrast=contrast, invert=invert, white=white, run_on=run_on, width=width, seed=seed,
+        dot_radius=dot_radius, paper=paper, ink=ink,
+    )  # fmt: skip
+    with following(progress) as told:
+        return Stipple._stippled(*_tilescope.stipple(image_of(image), arguments, told))
 
 
 def _refuse_planar(**given: Any) -> None:
@@ -762,6 +858,7 @@ def verify(
     mask: Pixels | None = None,
     shape: Any = None,
     planar: bool = False,
+    image: Image | None = None,
     width: float | None = None,
     height: float | None = None,
     boundary: Boundary | None = None,
@@ -784,6 +881,8 @@ def verify(
         Of a file, arrays, functions and images must be given again, which its certificate states by their digests;
         formulas and polygons need not. An image that stands for radii is given as ``radius=pathlib.Path('grey.png')``.
         Positions in an array are in the coordinates of the shape.
+    image : array_like or path-like, optional
+        Of a file of a stipple, the image that it was made from, as it was given to :func:`stipple`.
     width, height, boundary, optional
         The domain. If not given, that of the set or its certificate, and else the periodic unit
         square, or what :func:`sample` has for a field or a shape.
@@ -824,7 +923,7 @@ def verify(
         raise ValueError(
             f"{shown_text(local_path(points))} has a third side by its certificate; tilescope.verify_solid judges it"
         )
-    field = field_of(radius, radius_expression, density, mask, shape, planar)
+    field = field_of(radius, radius_expression, density, mask, shape, planar, image)
     if field is not None and prefix is not None:
         raise ValueError(f"{field.name} is given with prefix, which is for nested levels: they have one radius")
     if not isinstance(points, (str, os.PathLike)):
@@ -1039,6 +1138,7 @@ def read(
     mask: Pixels | None = None,
     shape: Any = None,
     planar: bool = False,
+    image: Image | None = None,
     width: float | None = None,
     height: float | None = None,
     boundary: Boundary | None = None,
@@ -1062,6 +1162,8 @@ def read(
         is the periodic unit square and the radius is not known.
     radius_expression, density, mask, shape, planar, optional
         With `radius` the field and the shape of the set, as in :func:`verify`.
+    image : array_like or path-like, optional
+        Of a stipple, the image that it was made from, as it was given to :func:`stipple`.
     format : str, optional
         The format, if neither the extension nor the content says it.
     set : int, optional
@@ -1089,7 +1191,7 @@ def read(
     """
     if not isinstance(certificate, bool):
         raise TypeError(f"certificate is {shown(certificate)}; it must be True or False")
-    field = field_of(radius, radius_expression, density, mask, shape, planar)
+    field = field_of(radius, radius_expression, density, mask, shape, planar, image)
     radius = radius if field is None else None
     return _read(path, radius, field, width, height, boundary, format, set, origin, certificate, progress)
 

@@ -10,6 +10,7 @@ from typing import Any, TypeAlias, Union
 import numpy as np
 import numpy.typing as npt
 
+from tilescope._image import image_of
 from tilescope._input import Path, local_path, numbers, shown
 
 RadiusFunction: TypeAlias = Callable[[npt.NDArray[np.float64], npt.NDArray[np.float64]], npt.ArrayLike]
@@ -29,9 +30,11 @@ _WHITE = 0xFFFF
 class Field:
     """What is said of a radius that varies and of a shape. The native module reads its attributes."""
 
-    __slots__ = ("density", "expression", "function", "image", "mask", "planar", "radii", "radius", "shape")
+    __slots__ = ("density", "expression", "function", "image", "mask", "picture", "planar", "radii", "radius", "shape")
 
-    def __init__(self, radius: Any, expression: str | None, density: Any, mask: Any, shape: Any, planar: bool) -> None:
+    def __init__(
+        self, radius: Any, expression: str | None, density: Any, mask: Any, shape: Any, planar: bool, image: Any
+    ) -> None:
         self.radius: object = None
         self.function: Callable[..., npt.NDArray[np.float64]] | None = None
         self.radii: npt.NDArray[np.float64] | None = None
@@ -45,6 +48,7 @@ class Field:
         else:
             self.radius = radius
         self.expression = expression
+        self.picture = None if image is None else image_of(image)
         self.density = None if density is None else _density(density)
         self.mask = None if mask is None else _mask(mask)
         self.shape = None if shape is None else _geojson(shape)
@@ -69,6 +73,7 @@ class Field:
         is_field = self.function is not None or self.radii is not None or self.image is not None
         given = {
             "radius": is_field, "radius_expression": self.expression is not None, "density": self.density is not None,
+            "image": self.picture is not None,
             "mask": self.mask is not None, "shape": self.shape is not None,
         }  # fmt: skip
         return [name for name, is_given in given.items() if is_given]
@@ -90,13 +95,14 @@ def is_array(value: object) -> bool:
 
 
 def field_of(
-    radius: Any, expression: str | None = None, density: Any = None, mask: Any = None, shape: Any = None, planar: bool = False
+    radius: Any, expression: str | None = None, density: Any = None, mask: Any = None, shape: Any = None,
+    planar: bool = False, image: Any = None,
 ) -> Field | None:
     """Returns what is said of a field and a shape; ``None`` if nothing is, so that the set has one radius in a rectangle."""
     is_plain = not (callable(radius) or isinstance(radius, os.PathLike) or is_array(radius))
-    if is_plain and all(one is None for one in (expression, density, mask, shape)) and not planar:
+    if is_plain and all(one is None for one in (expression, density, mask, shape, image)) and not planar:
         return None
-    return Field(radius, expression, density, mask, shape, planar)
+    return Field(radius, expression, density, mask, shape, planar, image)
 
 
 def _table(name: str, values: Any) -> npt.NDArray[np.float64]:

@@ -64,7 +64,7 @@ class PointSet:
     """
 
     __slots__ = (
-        "_certificate", "_domain", "_ground", "_levels", "_method", "_origin", "_parameters", "_points", "_provenance", "_radius",
+        "_certificate", "_domain", "_drawing", "_first_of", "_ground", "_levels", "_method", "_origin", "_parameters", "_points", "_provenance", "_radius",
         "_ranks", "_summary",
     )  # fmt: skip
 
@@ -93,26 +93,37 @@ class PointSet:
         self._method = "unknown"
         self._parameters = "{}"
         self._summary: dict[str, Any] | None = None
+        # How many samples were made, if the set is the first of those.
+        self._first_of: int | None = None
+        # How samples are drawn as dots, if the set is a stipple.
+        self._drawing: _tilescope.DrawingFields | None = None
         self._certificate: str | None = None
 
     @classmethod
     def _made(cls, parts: _tilescope.MadeSet, ground: _tilescope.Ground | None = None) -> PointSet:
         """Returns a set that the native module made, whose arrays are read-only."""
-        points, provenance, ranks, facts = parts
-        made, known = cls.__new__(cls), json.loads(facts)
-        made._ground = ground
-        made._points, made._provenance, made._ranks = points, provenance, ranks
-        made._radius = known["radius"]
-        made._domain = Domain(*known["domain"])
-        x, y = known.get("origin", (0.0, 0.0))
-        made._origin = (x, y)
-        made._levels = tuple(Level(*level) for level in known["levels"])
-        made._method = known["method"]
-        made._parameters = json.dumps(known["parameters"])
-        made._summary = known["summary"]
-        stated = known.get("certificate")
-        made._certificate = None if stated is None else json.dumps(stated)
+        made = cls.__new__(cls)
+        made._take(parts, ground)
         return made
+
+    def _take(self, parts: _tilescope.MadeSet, ground: _tilescope.Ground | None) -> None:
+        """Takes over a set that the native module made."""
+        points, provenance, ranks, facts = parts
+        known = json.loads(facts)
+        self._ground = ground
+        self._points, self._provenance, self._ranks = points, provenance, ranks
+        self._radius = known["radius"]
+        self._domain = Domain(*known["domain"])
+        x, y = known.get("origin", (0.0, 0.0))
+        self._origin = (x, y)
+        self._levels = tuple(Level(*level) for level in known["levels"])
+        self._method = known["method"]
+        self._parameters = json.dumps(known["parameters"])
+        self._summary = known["summary"]
+        self._first_of = known.get("made")
+        self._drawing = None
+        stated = known.get("certificate")
+        self._certificate = None if stated is None else json.dumps(stated)
 
     @classmethod
     def _on(cls, points: npt.ArrayLike, ground: _tilescope.Ground) -> PointSet:

@@ -80,7 +80,8 @@ class Report:
     """
 
     valid: bool
-    """Whether the set is both conflict-free and maximal; with nested levels, whether each level is as promised."""
+    """Whether the set is both conflict-free and maximal; with nested levels, whether each level is as promised; of a
+    stipple, whether it is conflict-free and covers within `covering_factor`."""
     conflict_free: bool
     """Whether no two samples are closer than the radius."""
     maximal: bool
@@ -111,6 +112,8 @@ class Report:
     """``min_distance`` over that of the densest packing of as many samples."""
     judges: tuple[str, ...]
     """Who judged: ``'delaunay'``, ``'circles'``, or both, which agree."""
+    covering_factor: float | None = None
+    """Of a stipple, the least factor of its radius within which every place is near a dot, as it was measured."""
     levels: tuple[LevelReport, ...] = ()
     """The nested levels, if the set has any: of each, what was found of all samples to its end."""
     differences: tuple[str, ...] = ()
@@ -129,6 +132,11 @@ class Report:
         else:
             verdict = "NOT VALID, CERTIFICATE NOT TRUE" if self.differences else "NOT VALID"
         r = self.radius
+        if self.covering_factor is not None:
+            return (
+                f"<Report: {verdict} prefix, {self.count} samples, {self.conflicts} conflicts, {self.gaps} gaps, "
+                f"covering within {self.covering_factor:.6f} of the radius>"
+            )
         return (
             f"<Report: {verdict}, {self.count} samples, {self.conflicts} conflicts, {self.gaps} gaps, "
             f"smallest distance {self.min_distance / r:.6f} r, covering radius {self.covering_radius / r:.6f} r>"
@@ -157,6 +165,7 @@ def report_of(found: dict[str, Any], differences: list[str] | None = None) -> Re
             Gap((one["center"][0], one["center"][1]), one["distance"], one["kind"]) for one in found["worst_gaps"]
         ),
         judges=tuple(found["judges"]),
+        covering_factor=found["covering_factor"],
         levels=tuple(_level_of(level) for level in found["levels"]),
         differences=tuple(differences or ()),
         **fields,

@@ -9,9 +9,14 @@ from tilescope._field import Field
 from tilescope._point_set import Boundary, PointSet, Window
 from tilescope._progress import ProgressFunction
 from tilescope._report import Level
+from tilescope._stipple import Arguments
 
 # Positions, where each sample came from, and facts as JSON.
 MadeSet = tuple[npt.NDArray[np.float64], npt.NDArray[np.uint32] | None, npt.NDArray[np.float64] | None, str]
+
+# How dots are drawn: paper, ink, whether their areas follow the darkness, and the radius of a dot or, if they do, its product
+# with the radius of the sample.
+DrawingFields = tuple[tuple[int, int, int], tuple[int, int, int], bool, float]
 
 # Positions in space, and facts as JSON.
 MadeSolid = tuple[npt.NDArray[np.float64], npt.NDArray[np.uint32] | None, npt.NDArray[np.uint32] | None, str]
@@ -109,6 +114,15 @@ def draw(
     theme: str,
     progress: ProgressFunction | None,
 ) -> bytes: ...
+def draw_dots(
+    set: PointSet,
+    radii: npt.NDArray[np.float64],
+    *,
+    svg: bool,
+    size: SupportsIndex,
+    window: Window | None,
+    progress: ProgressFunction | None,
+) -> bytes: ...
 def ground_of(given: _Given, field: Field) -> Ground: ...
 def is_in_space(path: str) -> bool: ...
 def named_by_content(path: str) -> str: ...
@@ -177,6 +191,9 @@ def save_solid(
 ) -> str: ...
 def set_threads(threads: SupportsIndex) -> None: ...
 def spectrum(set: PointSet, nu: float | None, progress: ProgressFunction | None) -> dict[str, Any]: ...
+def stipple(
+    image: npt.NDArray[np.uint16] | str, arguments: Arguments, progress: ProgressFunction | None
+) -> tuple[MadeSet, Ground, tuple[int, float, int, DrawingFields]]: ...
 def verify(set: PointSet, judge: str | None, progress: ProgressFunction | None) -> str: ...
 def verify_window(
     set: PointSet, window: Window, judge: str | None, progress: ProgressFunction | None

@@ -6,6 +6,7 @@ mod tone;
 
 use std::sync::Arc;
 
+use png::ColorType;
 use serde::{Deserialize, Serialize};
 use serde_json::{Value, json};
 use tilescope_formats::bytes_digest;
@@ -159,16 +160,59 @@ impl GrayImage {
     /// [`VaryingError::Grid`] unless there are whole rows, [`VaryingError::Pixels`] with more than [`MAX_PIXELS`].
     pub fn from_grey(columns: usize, grey: Vec<u16>) -> Result<Self, VaryingError> {
         check_pixels(columns, grey.len())?;
-        // Without the number of columns, arrays of other shapes and the same values would have one digest.
-        let mut bytes = format!("tilescope grey: {columns} columns\n").into_bytes();
-        bytes.extend(grey.iter().flat_map(|grey| grey.to_le_bytes()));
-
         let pixels = Pixels {
             columns,
             light: upside_down(&grey, columns),
             alpha: None,
         };
-        Ok(Self {
+        Ok(Self::unnamed(pixels, grey))
+    }
+
+    /// Returns an image of pixels of 16 bits, row by row from the highest row down: what [`Self::read`] reads of a PNG file
+    /// of them. Each has so many `channels`: grey, grey and opacity, three colours, or these and opacity.
+    ///
+    /// # Errors
+    ///
+    /// [`VaryingError::Grid`] unless there are whole rows of whole pixels of at most four channels, [`VaryingError::Pixels`]
+    /// with more than [`MAX_PIXELS`].
+    pub fn from_channels(
+        columns: usize,
+        channels: usize,
+        words: &[u16],
+    ) -> Result<Self, VaryingError> {
+        let count = words.len();
+        let partial = VaryingError::Grid { count, columns };
+        let color = match channels {
+            1 => ColorType::Grayscale,
+            2 => ColorType::GrayscaleAlpha,
+            3 => ColorType::Rgb,
+            4 => ColorType::Rgba,
+            _ => return Err(partial),
+        };
+        // Words beyond the last whole pixel are no pixel.
+        if !words.len().is_multiple_of(channels) {
+            return Err(partial);
+        }
+        check_pixels(columns, words.len() / channels)?;
+        let pixels = png_file::pixels(words, color, columns);
+        let grey = pixels.grey(&Tone::default());
+        Ok(Self::unnamed(pixels, grey))
+    }
+
+    /// Returns an image that is not from a file, with its grey values as they are in no other tone. Certificates know it by a
+    /// digest of its pixels.
+    fn unnamed(pixels: Pixels, grey: Vec<u16>) -> Self {
+        let columns = pixels.columns;
+        // Without the number of columns, arrays of other shapes and the same values would have one digest.
+        let mut bytes = format!("tilescope grey: {columns} columns\n").into_bytes();
+        let light = upside_down(&pixels.light, columns);
+        bytes.extend(light.iter().flat_map(|light| light.to_le_bytes()));
+        // Of an opaque image this adds nothing, so that it has the digest of its grey values.
+        for alpha in pixels.alpha.iter().flatten() {
+            bytes.extend(alpha.to_le_bytes());
+        }
+
+        Self {
             name: String::new(),
             digest: bytes_digest(&bytes),
             columns,
@@ -176,7 +220,7 @@ impl GrayImage {
             tone: Tone::default(),
             block: 1,
             pixels: Arc::new(pixels),
-        })
+        }
     }
 
     /// Returns the image that [`Self::read`] reads of a PNG file of these grey values, which are row by row from the lowest row up, and

@@ -78,7 +78,7 @@ fn words(data: &[u8], depth: BitDepth) -> Vec<u16> {
 }
 
 /// Returns the luminance of pixels, and their alpha if some of them are transparent.
-fn pixels(words: &[u16], color: ColorType, columns: usize) -> Pixels {
+pub(super) fn pixels(words: &[u16], color: ColorType, columns: usize) -> Pixels {
     let (channels, has_alpha) = match color {
         ColorType::Grayscale => (1, false),
         ColorType::GrayscaleAlpha => (2, true),

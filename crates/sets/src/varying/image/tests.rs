@@ -49,6 +49,57 @@ fn colours_have_their_luminance_and_transparent_pixels_are_white() {
 }
 
 #[test]
+fn pixels_of_a_program_are_those_of_a_file() {
+    let words: Vec<u16> = (0..48)
+        .map(|word| 65_535 - 1_300 * (word * 7 % 48))
+        .collect();
+    let data: Vec<u8> = words.iter().flat_map(|word| word.to_be_bytes()).collect();
+    let tone = Tone {
+        gamma: 1.7,
+        contrast: 1.2,
+        is_inverted: true,
+    };
+    for (channels, columns, color) in [
+        (1, 6, ColorType::Grayscale),
+        (2, 4, ColorType::GrayscaleAlpha),
+        (3, 4, ColorType::Rgb),
+        (4, 3, ColorType::Rgba),
+    ] {
+        let rows = 48 / (columns * channels);
+        let file = png([columns, rows], color, BitDepth::Sixteen, &data);
+        let file = read(&file).expect("an image").toned(tone).expect("a tone");
+        let of = |words: &[u16]| {
+            let image = GrayImage::from_channels(columns as usize, channels as usize, words);
+            image.and_then(|image| image.toned(tone)).expect("an image")
+        };
+        let image = of(&words);
+        assert_eq!((&image.grey, image.inside()), (&file.grey, file.inside()));
+
+        // The controls: other pixels are another image, and so is another opacity alone.
+        let mut other = words.clone();
+        other[47] ^= 1 << 15;
+        assert_ne!(of(&other), image);
+        // Rows of other lengths and words beyond the last pixel.
+        let columns = columns as usize;
+        for (channels, words) in [
+            (0, &words[..]),
+            (5, &words[..]),
+            (channels as usize, &words[1..]),
+        ] {
+            assert!(GrayImage::from_channels(columns, channels, words).is_err());
+        }
+    }
+
+    // One with a channel of opacity that is opaque everywhere is the image without it.
+    let opaque = [9, 65_535, 700, 65_535];
+    let plain = GrayImage::from_grey(2, vec![9, 700]).expect("whole rows");
+    assert_eq!(
+        GrayImage::from_channels(2, 2, &opaque).expect("an image"),
+        plain
+    );
+}
+
+#[test]
 fn jpeg_images_have_their_luma_as_it_is_stored() {
     let photo = include_bytes!("../../../../tilescope/tests/it/images/photo.jpg");
     let image = read(photo).expect("an image");

@@ -1,6 +1,6 @@
 //! A picture of points as dots of ink on paper.
 
-use tilescope_figures::{Group, Scene, Shape, Style, View};
+use crate::scene::{Group, Scene, Shape, Style, View};
 
 /// Returns the picture of dots, each a place and a radius in the unit of a domain of this size. The picture is
 /// `columns` pixels wide. The domain's y points up.
@@ -40,9 +40,8 @@ pub fn on_paper(
 
 #[cfg(test)]
 mod tests {
-    use tilescope_figures::to_pixels;
-
     use super::*;
+    use crate::to_pixels;
 
     #[test]
     fn dots_have_ink_at_their_places_and_the_rest_is_paper() {
