@@ -1,5 +1,7 @@
 //! Sets of varying radius, in domains of any shape, before a judge that knows the field's nodes and nothing else of the sampler.
 
+mod evaluations;
+
 use std::ops::ControlFlow;
 
 use proptest::prelude::*;
@@ -55,9 +57,12 @@ impl Case {
         (columns, (0..columns * rows).map(pixel).collect())
     }
 
-    fn samples(&self) -> Vec<[i32; 2]> {
-        let field = RadiusField::from_nodes(self.domain, self.bits, &self.nodes).expect("a field");
-        let shape = match self.kind {
+    fn field(&self) -> RadiusField {
+        RadiusField::from_nodes(self.domain, self.bits, &self.nodes).expect("a field")
+    }
+
+    fn shape(&self) -> Shape {
+        match self.kind {
             ShapeKind::Rectangle => Shape::rectangle(),
             ShapeKind::Polygon => {
                 let point = |&[x, y]: &[i32; 2]| Point::new(x, y);
@@ -72,8 +77,11 @@ impl Case {
                 let (columns, pixels) = self.pixels();
                 Shape::mask(14, columns, &pixels).expect("pixels")
             }
-        };
-        let samples = varying_sample(&field, &shape, self.seed, &mut Unobserved);
+        }
+    }
+
+    fn samples(&self) -> Vec<[i32; 2]> {
+        let samples = varying_sample(&self.field(), &self.shape(), self.seed, &mut Unobserved);
         samples
             .expect("samples")
             .iter()
@@ -119,65 +127,96 @@ fn judged(judge: &SquaresJudge, samples: &[[i32; 2]]) -> SquaresReport {
     judge.judge(samples, 16, &go_on).expect("a report")
 }
 
+const KINDS: [ShapeKind; 3] = [ShapeKind::Rectangle, ShapeKind::Polygon, ShapeKind::Mask];
+
+/// What a case is made from: sides beyond the shortest, in radii, and whether it is periodic; the bits of the pitch, the form
+/// of the field, and the octaves of its radii.
+#[derive(Clone, Copy, Debug)]
+struct Draft {
+    sides: (i32, i32, bool),
+    bits: u32,
+    form: u8,
+    octaves: u32,
+    seed: u64,
+    kind: ShapeKind,
+}
+
+impl Draft {
+    fn case(self) -> Case {
+        let Self {
+            sides: (width, height, periodic),
+            bits,
+            form,
+            octaves,
+            seed,
+            kind,
+        } = self;
+        let octaves = if periodic { octaves.min(3) } else { octaves };
+        let least = if periodic { (4 << octaves) + 8 } else { 4 };
+        let units = |side: i32| {
+            let side = (side + least) * R;
+            if periodic {
+                side >> 18 << 18
+            } else {
+                side + (seed % 32_768) as i32
+            }
+        };
+        // A multiple of every pitch that is still long enough.
+        let units = |side: i32| units(side) + if periodic { 1 << 18 } else { 0 };
+        let size = [width, height].map(|side| f64::from(units(side)) / f64::from(R));
+        let domain = Domain::from_size(size, 1.0, Boundary::of(periodic)).expect("a domain");
+        let [columns, rows] = RadiusField::node_counts(&domain, bits).expect("a pitch");
+
+        let most = f64::from((R << octaves) - R);
+        let key = Key::from_seed(seed);
+        let node = |index: usize| {
+            let (column, row) = ((index % columns) as f64, (index / columns) as f64);
+            let noise = f64::from(key.draw(Stream::Order, index as u32)[0]) / 2_f64.powi(32);
+            let share = match form {
+                0 => noise,
+                1 => f64::from(u8::from(noise < 0.03)),
+                2 => f64::from(u8::from(noise > 0.03)),
+                3 => column / columns as f64,
+                4 => 0.5 + 0.5 * (column * 0.4).sin() * (row * 0.3).cos(),
+                _ => f64::from(u8::from(
+                    (column / 9.0) as i64 % 2 == (row / 7.0) as i64 % 2,
+                )),
+            };
+            R + (share * most) as i32
+        };
+        let nodes = (0..columns * rows).map(node).collect();
+        Case {
+            domain,
+            bits,
+            nodes,
+            kind,
+            seed,
+        }
+    }
+}
+
 /// Steep and noisy fields whose domains are no multiples of the pitch unless they are periodic.
 fn cases() -> impl Strategy<Value = Case> {
-    let kinds = [ShapeKind::Rectangle, ShapeKind::Polygon, ShapeKind::Mask];
     let sides = (0_i32..40, 0_i32..40, any::<bool>());
-    (
+    let numbers = (
         sides,
         12_u32..18,
         0_u8..6,
         0_u32..7,
         any::<u64>(),
         0_usize..3,
-    )
-        .prop_map(
-            move |((width, height, periodic), bits, form, octaves, seed, kind)| {
-                let octaves = if periodic { octaves.min(3) } else { octaves };
-                let least = if periodic { (4 << octaves) + 8 } else { 4 };
-                let units = |side: i32| {
-                    let side = (side + least) * R;
-                    if periodic {
-                        side >> 18 << 18
-                    } else {
-                        side + (seed % 32_768) as i32
-                    }
-                };
-                // A multiple of every pitch that is still long enough.
-                let units = |side: i32| units(side) + if periodic { 1 << 18 } else { 0 };
-                let size = [width, height].map(|side| f64::from(units(side)) / f64::from(R));
-                let domain =
-                    Domain::from_size(size, 1.0, Boundary::of(periodic)).expect("a domain");
-                let [columns, rows] = RadiusField::node_counts(&domain, bits).expect("a pitch");
-
-                let most = f64::from((R << octaves) - R);
-                let key = Key::from_seed(seed);
-                let node = |index: usize| {
-                    let (column, row) = ((index % columns) as f64, (index / columns) as f64);
-                    let noise =
-                        f64::from(key.draw(Stream::Order, index as u32)[0]) / 2_f64.powi(32);
-                    let share = match form {
-                        0 => noise,
-                        1 => f64::from(u8::from(noise < 0.03)),
-                        2 => f64::from(u8::from(noise > 0.03)),
-                        3 => column / columns as f64,
-                        4 => 0.5 + 0.5 * (column * 0.4).sin() * (row * 0.3).cos(),
-                        _ => f64::from(u8::from(
-                            (column / 9.0) as i64 % 2 == (row / 7.0) as i64 % 2,
-                        )),
-                    };
-                    R + (share * most) as i32
-                };
-                let nodes = (0..columns * rows).map(node).collect();
-                Case {
-                    domain,
-                    bits,
-                    nodes,
-                    kind: kinds[kind],
-                    seed,
-                }
-            },
-        )
+    );
+    numbers.prop_map(|(sides, bits, form, octaves, seed, kind)| {
+        let draft = Draft {
+            sides,
+            bits,
+            form,
+            octaves,
+            seed,
+            kind: KINDS[kind],
+        };
+        draft.case()
+    })
 }
 
 /// Judges a set, and the same set with a sample less and with one more.

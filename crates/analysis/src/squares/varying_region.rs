@@ -90,6 +90,12 @@ impl VaryingRegion {
         f64::from(self.judge.radius_at(self.lattice_point(place))) * x.min(y)
     }
 
+    /// Returns the judge of the region's lattice points.
+    #[must_use]
+    pub const fn judge(&self) -> &SquaresJudge {
+        &self.judge
+    }
+
     /// Returns the conflicts and the open places of samples that come and go in this region, as lattice points, before there is
     /// one; `None` where the radii differ so steeply that there are too many squares to keep.
     #[must_use]
