@@ -18,9 +18,9 @@ use tilescope_sets::{
 };
 
 use crate::arrays::rows;
+use crate::drawing::DrawingFields;
 use crate::failure::Failure;
 use crate::ground::Ground;
-use crate::stipple::DrawingFields;
 use crate::task::run;
 use crate::values::{named, real, real_if_given, shortened, shown, whole};
 

@@ -18,12 +18,12 @@ use tilescope_formats::{
 use crate::arguments::{SetArgument, claims, format, level_fields, overrides, verify_options};
 use crate::arrays::rows;
 use crate::domain::GivenDomain;
+use crate::drawing::drawing;
 use crate::failure::Failure;
 use crate::ground::{FieldArgument, Ground};
 use crate::judge::{self, of_report};
 use crate::memory::{ask_to_export, ask_to_read};
 use crate::sample::{PythonSet, set_into_python};
-use crate::stipple::drawing;
 use crate::task::run;
 use crate::values::{named, whole};
 

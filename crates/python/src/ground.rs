@@ -8,9 +8,8 @@ use numpy::prelude::*;
 use numpy::{PyArray1, PyReadonlyArray2};
 use pyo3::exceptions::PyValueError;
 use pyo3::prelude::*;
-use tilescope_analysis::lossy;
 use tilescope_core::Boundary;
-use tilescope_formats::{Certificate, Overrides, VaryingDomain, first_points, read_whole};
+use tilescope_formats::{Certificate, Overrides, VaryingDomain, first_points};
 use tilescope_sets::{
     Expression, Facts, GivenGround, GivenRadius, GrayImage, PlanarPolygon, RadiusGrid,
     RadiusSource, ShapeSource, VaryingRecipe,
@@ -19,7 +18,7 @@ use tilescope_sets::{
 use crate::arrays::rows;
 use crate::domain::GivenDomain;
 use crate::failure::Failure;
-use crate::stipple::Picture;
+use crate::image::{Picture, image};
 use crate::task::run;
 use crate::values::real_if_given;
 
@@ -73,12 +72,6 @@ impl Pixels<'_> {
             Self::File(path) => image(path),
         }
     }
-}
-
-/// Reads an image.
-pub fn image(path: &Path) -> Result<GrayImage, Failure> {
-    let name = lossy(path.file_name().unwrap_or_default());
-    Ok(GrayImage::read(&name, &read_whole(path)?)?)
 }
 
 /// Returns the pixels of a row, and all of them; none of an array with gaps, which Python does not pass.

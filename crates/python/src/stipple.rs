@@ -1,69 +1,22 @@
 //! `stipple`: dots as dense as an image is dark, and pictures of them.
 
-use std::path::PathBuf;
-
-use numpy::{PyReadonlyArray1, PyReadonlyArray3};
+use numpy::PyReadonlyArray1;
 use pyo3::exceptions::PyValueError;
 use pyo3::prelude::*;
 use tilescope_core::ParameterError;
 use tilescope_figures::{on_paper, to_png_controlled, to_svg_with_fonts_controlled};
-use tilescope_formats::{Dots, Drawing};
-use tilescope_sets::{
-    GrayImage, Stipple, StippleLook, StippleRecipe, Tone, VaryingError, color_of,
-};
+use tilescope_sets::{Stipple, StippleLook, StippleRecipe, Tone, VaryingError, color_of};
 
 use crate::arguments::SetArgument;
+use crate::drawing::{DrawingFields, drawing, fields_of};
 use crate::failure::Failure;
-use crate::ground::{Ground, image};
+use crate::ground::Ground;
+use crate::image::Picture;
 use crate::memory::ask_to_draw;
 use crate::picture::{width, window_within};
 use crate::sample::{PythonSet, facts_of, set_into_python};
 use crate::task::run;
 use crate::values::{real, real_if_given, shortened, whole};
-
-/// An image as Python passes it: pixels of 16 bits, of shape (rows, columns, channels) from the highest row down, or a PNG or
-/// JPEG file.
-#[derive(FromPyObject)]
-pub enum Picture<'py> {
-    Array(PyReadonlyArray3<'py, u16>),
-    File(PathBuf),
-}
-
-impl Picture<'_> {
-    pub fn image(&self) -> Result<GrayImage, Failure> {
-        match self {
-            Self::Array(pixels) => {
-                let [_, columns, channels] = pixels.as_array().dim().into();
-                // Python passes contiguous arrays. Of any other array no pixels are read, and an image without any is
-                // refused.
-                let words = pixels.as_slice().unwrap_or_default();
-                Ok(GrayImage::from_channels(columns, channels, words)?)
-            }
-            Self::File(path) => image(path),
-        }
-    }
-}
-
-/// How dots are drawn, as the Python class `Stipple` holds it: paper, ink, and the radius of the dots, or, if their areas
-/// follow the darkness, its product with the radius of the sample.
-pub type DrawingFields = (Color, Color, bool, f64);
-
-/// Red, green and blue.
-type Color = (u8, u8, u8);
-
-/// Returns how dots are drawn, as the formats take it.
-pub fn drawing((paper, ink, by_density, number): DrawingFields) -> Drawing {
-    let dots = if by_density {
-        Dots::ByDensity(number)
-    } else {
-        Dots::Constant(number)
-    };
-    Drawing {
-        paper: paper.into(),
-        ink: ink.into(),
-        dots,
-    }
-}
 
 /// The arguments of a stipple beside its image, as Python passes them.
 #[derive(FromPyObject)]
@@ -89,6 +42,7 @@ impl StippleArguments<'_> {
             contrast: real("contrast", &self.contrast)?,
             is_inverted: self.invert,
         };
+        // Refused before the image is read.
         tone.check().map_err(Failure::from)?;
         Ok(tone)
     }
@@ -96,6 +50,7 @@ impl StippleArguments<'_> {
     /// Returns how many dots there are to be.
     fn dots(&self) -> PyResult<u64> {
         let dots = whole("dots", &self.dots)?;
+        // A recipe of no dots makes one, and leaves it out.
         if dots == 0 {
             let text = "dots is 0; it must be at least 1";
             return Err(PyValueError::new_err(text));
@@ -116,6 +71,7 @@ impl StippleArguments<'_> {
     }
 
     fn look(&self) -> PyResult<StippleLook> {
+        // The message has the reason alone, and the name and the value are those of Python.
         let color = |name: &str, text: &Option<String>| {
             let read = |text: &String| {
                 color_of(text).map_err(|reason| {
@@ -165,6 +121,7 @@ pub fn stipple<'py>(
         };
         let made = recipe.make(&mut watch.observer());
         let made = made.map_err(|error| of_dots(error, dots))?;
+        // Copies of the set are judged in the field of the radii that were found.
         let settled = recipe.settled(made.black)?;
         Ok((made, settled))
     })?;
@@ -182,21 +139,13 @@ pub fn stipple<'py>(
         &made.set.points,
         tone.is_inverted,
     );
-    let (by_density, number) = match drawing.dots {
-        Dots::Constant(radius) => (false, radius),
-        Dots::ByDensity(product) => (true, product),
-    };
-    let fields = (
-        runs,
-        black,
-        capped,
-        (drawing.paper.into(), drawing.ink.into(), by_density, number),
-    );
+    let fields = (runs, black, capped, fields_of(&drawing));
 
     let ground = Ground::of_made(settled, &made.facts);
     // A stipple has a field always, so that this never fails.
     let ground = ground.ok_or_else(|| PyValueError::new_err("the stipple has no field"))?;
     let facts = facts_of(&made.facts);
+    // Only nested levels have ranks.
     let ranks = Vec::new();
     Ok((
         set_into_python(made.set, ranks, &facts, py)?,
@@ -209,6 +158,7 @@ pub fn stipple<'py>(
 fn of_dots(error: VaryingError, dots: u64) -> Failure {
     let named = |many: &str| format!("dots is {dots}, which is too {many}: {error}");
     match error {
+        // Many dots have small radii, in which the sides are long and the pixels wide; few have large ones.
         VaryingError::Domain(ParameterError::SideTooLong { .. }) | VaryingError::Fine { .. } => {
             Failure::Value(named("many"))
         }
@@ -233,6 +183,7 @@ pub fn draw_dots(
     let (points, region) = (set.points()?, set.region()?);
     let [left, bottom, right, top] =
         window_within(window, &region)?.unwrap_or([0.0, 0.0, region.width, region.height]);
+    // Only stipples have one, and only they call this.
     let drawing = set.drawing.map(drawing);
     let drawing = drawing.ok_or_else(|| PyValueError::new_err("the set has no paper and ink"))?;
     // Python passes contiguous arrays.
@@ -247,6 +198,7 @@ pub fn draw_dots(
         let reaches = |&([x, y], radius): &([f64; 2], f64)| {
             (-radius..=sides[0] + radius).contains(&x) && (-radius..=sides[1] + radius).contains(&y)
         };
+        // The picture begins at the window's corner.
         let placed = points.iter().map(|[x, y]| [x - left, y - bottom]);
         let dots = placed.zip(radii.iter().copied()).filter(reaches);
         let scene = on_paper(sides, size as u32, [drawing.paper, drawing.ink], dots);
