@@ -234,7 +234,8 @@ fn course(arguments: &CurveArguments) -> Result<Course> {
             Ok(Course::of_reference(&recipe, &mut watch)?)
         }
         SamplingMethod::Exact => {
-            recipe.parameters.pattern = arguments.run.exact_pattern(&recipe.parameters)?;
+            let samples = arguments.run.expected(&recipe.parameters)?;
+            recipe.parameters.pattern = arguments.run.exact_pattern_for(samples)?;
             ask_for_whole(Making::Exact, &recipe.parameters)?;
             Ok(Course::of_exact(&recipe, &mut watch)?)
         }

@@ -8,7 +8,7 @@ use pollster::block_on;
 use serde_json::json;
 use tilescope_analysis::VerifyError;
 use tilescope_core::memory::{Making, ask_for};
-use tilescope_core::{MAXIMAL_DENSITY, Observer, Parameters, PatternArrivals};
+use tilescope_core::{MAXIMAL_DENSITY, Observer, Parameters};
 use tilescope_formats::{ExportContext, Format, PointSet, positions_digest};
 use tilescope_gpu::{Backend, Bands, Engine, exact_on_gpu};
 use tilescope_sets::{Made, Recipe, Settled};
@@ -147,7 +147,7 @@ pub fn exact(recipe: &Recipe, gpu: Option<Backend>) -> Result<Worked> {
             backend.engine.name()
         );
     };
-    let arrived = PatternArrivals::of_spec(&recipe.parameters.pattern, &mut watch)?;
+    let arrived = recipe.arrivals(&mut watch)?;
     let make = |parameters: &Parameters, observer: &mut dyn Observer| {
         block_on(exact_on_gpu(device, parameters, &arrived, observer))
     };

@@ -4,19 +4,23 @@ use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
 use std::sync::LazyLock;
 
-use anyhow::{Result, bail};
+use anyhow::{Context, Result, bail, ensure};
 use clap::error::ErrorKind;
 use clap::parser::ValueSource;
 use clap::{Arg, ArgAction, ArgGroup, ArgMatches, Args, Command, FromArgMatches, value_parser};
 use serde_json::json;
 use tilescope_core::combine::file::Set;
 use tilescope_core::{
-    MAXIMAL_DENSITY, NOT_OF_EXACT, Parameter, ParameterKind, Parameters, PatternSpec,
+    MAXIMAL_DENSITY, NOT_OF_EXACT, Parameter, ParameterKind, Parameters, PatternSpec, Progress,
     radius_estimate,
 };
 use tilescope_formats::Hint;
-use tilescope_sets::{GivenDomain, GivenPattern, Recipe, Settled, exact_pattern, named_by_content};
+use tilescope_sets::{
+    GivenDomain, GivenPattern, KnownDomain, Recipe, Settled, StatedSet, exact_pattern,
+    named_by_content,
+};
 
+use crate::interrupt;
 use crate::options::words;
 use crate::paths::InFile;
 use crate::progress::Stopwatch;
@@ -197,7 +201,7 @@ fn pattern_file() -> [Arg; 2] {
     let file = Arg::new("pattern")
         .long("pattern")
         .value_name("FILE")
-        .help("Clip from this point set instead; it needs a certificate or --pattern-radius")
+        .help("Clip from this point set instead; it needs a certificate or --pattern-radius. Exact tiling takes a set by --method reference in a periodic square, whose darts are thrown again from the certificate's seed")
         .value_parser(value_parser!(PathBuf))
         .conflicts_with_all(["pattern-side", "pattern-seed", "pattern-boundary"]);
     let radius = Arg::new("pattern-radius")
@@ -248,15 +252,52 @@ impl RunArguments {
         })
     }
 
-    /// Returns the pattern of exact tiling, and refuses by their names the options that it has no use for.
-    pub fn exact_pattern(&self, parameters: &Parameters) -> Result<PatternSpec> {
-        let samples = self.expected(parameters)?;
-        self.exact_pattern_for(samples)
+    /// Returns a recipe for exact tiling: the pattern has the defaults of that method, or is read from a file and its darts
+    /// are thrown again. Refuses by their names the options that exact tiling has no use for.
+    pub fn exact_recipe(&self, mut recipe: Recipe) -> Result<Recipe> {
+        let samples = self.expected(&recipe.parameters)?;
+        recipe.parameters.pattern = self.exact_spec(samples)?;
+        if let Some(path) = &self.pattern {
+            recipe.pattern = Some(self.reference_pattern(path).in_file(path)?);
+        }
+        Ok(recipe)
+    }
+
+    /// Reads a set by the reference sampler, and throws its darts again.
+    fn reference_pattern(&self, path: &Path) -> Result<GivenPattern> {
+        ensure!(
+            self.pattern_radius.is_none(),
+            "--pattern-radius is for a file without a certificate, and exact tiling needs one: it states the seed from which the darts of a set by the reference sampler are thrown again"
+        );
+        let read = tilescope_formats::read(path, &Hint::default())?;
+        let certificate = read.certificate.as_ref().context(
+            "the set has no certificate; exact tiling needs one, with the seed from which the darts of a set by the reference sampler are thrown again",
+        )?;
+
+        let set = StatedSet {
+            method: &certificate.method,
+            parameters: &certificate.parameters,
+            known: KnownDomain::from(certificate),
+            points: &read.set.points,
+        };
+        let source = json!(named_by_content(path)?);
+        let go_on = &mut |_: Progress| interrupt::flow();
+        Ok(GivenPattern::of_reference(&set, source, go_on)?)
+    }
+
+    /// Returns the pattern of an exact tiling of about so many samples that is recorded, or covers a shape. Refuses by their
+    /// names the options that it has no use for, and a pattern from a file.
+    pub fn exact_pattern_for(&self, samples: f64) -> Result<PatternSpec> {
+        ensure!(
+            self.pattern.is_none(),
+            "--pattern needs `sample` of a rectangle: exact tiling of a shape, and `curve`, make their patterns; leave it out, or choose --pattern-side and --pattern-seed"
+        );
+        self.exact_spec(samples)
     }
 
     /// Returns the pattern of exact tiling for about so many samples, and refuses by their names the options that it has no use
     /// for.
-    pub fn exact_pattern_for(&self, samples: f64) -> Result<PatternSpec> {
+    fn exact_spec(&self, samples: f64) -> Result<PatternSpec> {
         let unused = |parameter: &&Parameter| NOT_OF_EXACT.contains(parameter);
         if let Some(parameter) = self.typed.iter().find(unused) {
             bail!(
@@ -264,12 +305,6 @@ impl RunArguments {
                 parameter.key()
             );
         }
-        if self.pattern.is_some() {
-            bail!(
-                "--pattern is for KDRT: a set from a file does not say in which order its samples arrived; leave it out, or choose --pattern-side and --pattern-seed"
-            );
-        }
-
         Ok(exact_pattern(&self.asked, &self.typed, samples))
     }
 
@@ -303,6 +338,8 @@ impl RunArguments {
             recipe.pattern = Some(GivenPattern {
                 pattern: set.pattern,
                 source: json!(named_by_content(path)?),
+                // Only exact tiling asks when samples arrived.
+                arrivals: None,
             });
         }
 

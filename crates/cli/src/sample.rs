@@ -67,7 +67,7 @@ fn outcome(arguments: &SampleArguments) -> Result<Outcome> {
         SamplingMethod::Exact => {
             let gpu = arguments.engine.gpu_if_asked()?;
             // A side and a seed of the pattern that were not given have other defaults here than in the recipe.
-            recipe.parameters.pattern = arguments.run.exact_pattern(&recipe.parameters)?;
+            recipe = arguments.run.exact_recipe(recipe)?;
             make::exact(&recipe, gpu)?
         }
         SamplingMethod::Kdrt => {
@@ -130,8 +130,7 @@ fn with_remarks(
     mut outcome: Outcome,
 ) -> Outcome {
     let has_own_pattern = match arguments.method() {
-        SamplingMethod::Kdrt => arguments.run.pattern.is_none(),
-        SamplingMethod::Exact => true,
+        SamplingMethod::Kdrt | SamplingMethod::Exact => arguments.run.pattern.is_none(),
         SamplingMethod::Reference => false,
     };
     // A pattern from a file has the side that it has, so that the advice would be of no use.

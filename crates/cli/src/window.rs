@@ -10,11 +10,10 @@ use anyhow::{Context, Result, ensure};
 use serde_json::{Value, json};
 use tilescope_analysis::{CutReport, Region, VerifyOptions, verify_cut};
 use tilescope_core::{
-    Domain, ExactPlane, MAXIMAL_DENSITY, PatternHistory, Plane, Progress, R, WidenedWindow, Window,
-    WindowMaker,
+    Domain, ExactPlane, MAXIMAL_DENSITY, Plane, Progress, R, WidenedWindow, Window, WindowMaker,
 };
 use tilescope_formats::{PointSet, positions_digest};
-use tilescope_sets::{Facts, facts_of_exact, region};
+use tilescope_sets::{Facts, region};
 
 use crate::make::NO_VERDICT;
 use crate::output::radius_text;
@@ -73,13 +72,13 @@ pub fn run(arguments: &SampleArguments, asked: &[f64]) -> Result<u8> {
                 recipe.count.is_none(),
                 "--count would make the whole set to find its radius: with --window and --method exact give --radius"
             );
-            recipe.parameters.pattern = arguments.run.exact_pattern(&recipe.parameters)?;
-            let history = PatternHistory::of_spec(&recipe.parameters.pattern, &mut watch)?;
+            recipe = arguments.run.exact_recipe(recipe)?;
+            let history = recipe.history(&mut watch)?;
             let plane = ExactPlane::new(&recipe.parameters, &history)?;
 
             // How many samples the whole set would have is estimated, as it is never made.
             let samples = arguments.run.expected(&recipe.parameters)?;
-            let facts = facts_of_exact(
+            let facts = recipe.facts_of_exact(
                 &recipe.parameters,
                 plane.domain(),
                 history.pattern(),

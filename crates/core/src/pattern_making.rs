@@ -18,11 +18,20 @@ impl Pattern {
     /// Returns the pattern that `spec` describes, made by the reference sampler. Runs need not wait
     /// for that: [`Self::of_spec`] makes a pattern only when there is none yet.
     pub fn generate(spec: &PatternSpec, observer: &mut dyn Observer) -> Result<Self, SampleError> {
-        let side = spec.side_units()?;
-        let domain = Domain::from_units(side, side, spec.boundary);
         // The reference sampler takes a seed: the one whose key is the pattern's.
         let [low, high] = spec.key().words();
         let seed = u64::from(low) | u64::from(high) << 32;
+        Self::of_seed(spec, seed, observer)
+    }
+
+    /// Returns the set that the reference sampler makes of a seed in a domain with the side and boundary of `spec`.
+    pub(crate) fn of_seed(
+        spec: &PatternSpec,
+        seed: u64,
+        observer: &mut dyn Observer,
+    ) -> Result<Self, SampleError> {
+        let side = spec.side_units()?;
+        let domain = Domain::from_units(side, side, spec.boundary);
 
         // The reference sampler reports iterations. To a run they are one stage.
         let mut restage = |mut progress: Progress| {

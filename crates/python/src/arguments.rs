@@ -414,6 +414,8 @@ impl RunRequest {
             Ok(GivenPattern {
                 source: source_of(&set, pattern_source)?,
                 pattern: pattern_of(py, &set)?,
+                // Only exact tiling asks when samples arrived.
+                arrivals: None,
             })
         };
         let recipe = Recipe {

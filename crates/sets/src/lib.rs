@@ -31,6 +31,7 @@ mod facts;
 mod layout;
 mod made;
 mod recipe;
+mod reference_pattern;
 mod solid;
 mod solid_window;
 #[cfg(test)]
@@ -45,6 +46,7 @@ pub use facts::{Facts, Stated, stated};
 pub use layout::{set_of_piece, stated_layout};
 pub use made::{Made, point_set, provenance};
 pub use recipe::{EXACT_PAYS_FROM, GivenPattern, Recipe, Settled, exact_pattern, facts_of_exact};
+pub use reference_pattern::{ReferencePatternError, StatedSet};
 pub use solid::{BallSize, SolidMade, SolidRecipe, columns_of};
 pub use solid_window::SolidSurroundings;
 pub use varying::{

@@ -7,13 +7,14 @@ use serde_json::Value;
 use tilescope_analysis::PrefixClaim;
 use tilescope_core::{
     Domain, NOT_OF_EXACT, NestedRequest, Observer, Parameter, ParameterError, Parameters, Pattern,
-    PatternHistory, PatternSpec, Run, SampleError, Sampled, Sequential, Summary, Sweep,
-    exact_sample_parallel, radius_for_count, reference_sample, search_radius,
+    PatternArrivals, PatternHistory, PatternSpec, Run, SampleError, Sampled, Sequential, Summary,
+    Sweep, exact_sample_parallel, radius_for_count, reference_sample, search_radius,
 };
 use tilescope_formats::PointSet;
 
 use crate::facts::{Facts, Stated, stated};
 use crate::made::{Made, provenance};
+use crate::reference_pattern::{ReferencePatternError, StatedSet};
 
 /// The parameters that the reference sampler uses.
 const OF_REFERENCE: [&str; 5] = ["width", "height", "radius", "boundary", "seed"];
@@ -73,6 +74,30 @@ pub struct GivenPattern {
     pub pattern: Arc<Pattern>,
     /// Where it is from, as certificates state it.
     pub source: Value,
+    /// When its samples arrived, which exact tiling needs; known only of sets by the reference sampler.
+    pub arrivals: Option<PatternArrivals>,
+}
+
+impl GivenPattern {
+    /// Returns a pattern for exact tiling, made again from a set by the reference sampler. `source` says where that set is from;
+    /// the seed, from which the darts are thrown again, is stated beside it.
+    ///
+    /// # Errors
+    ///
+    /// Those of [`StatedSet::arrivals`].
+    pub fn of_reference(
+        set: &StatedSet<'_>,
+        mut source: Value,
+        observer: &mut dyn Observer,
+    ) -> Result<Self, ReferencePatternError> {
+        let (arrived, seed) = set.arrivals(observer)?;
+        source["seed"] = seed.into();
+        Ok(Self {
+            pattern: Arc::clone(arrived.pattern()),
+            source,
+            arrivals: Some(arrived),
+        })
+    }
 }
 
 /// What a set is made from.
@@ -163,9 +188,50 @@ impl Recipe {
         })
     }
 
-    /// Makes the set by exact tiling, from the pattern that the parameters describe. Callers refuse a given one, as
-    /// nothing says in which order its samples arrived. The facts state how many samples the pattern has, how many
-    /// there are for each of them, and what follows.
+    /// Returns when the samples of the pattern arrived. Of a given pattern without arrivals callers refuse exact tiling;
+    /// here the pattern that the parameters describe takes its place.
+    ///
+    /// # Errors
+    ///
+    /// [`SampleError`] when the pattern's side is out of range, and when it is cancelled.
+    pub fn arrivals(&self, observer: &mut dyn Observer) -> Result<PatternArrivals, SampleError> {
+        let given = self.pattern.as_ref().and_then(|it| it.arrivals.as_ref());
+        match given {
+            Some(arrived) => Ok(arrived.clone()),
+            None => PatternArrivals::of_spec(&self.parameters.pattern, observer),
+        }
+    }
+
+    /// Returns the history of the pattern, from which exact tiling clips.
+    ///
+    /// # Errors
+    ///
+    /// Those of [`Self::arrivals`].
+    pub fn history(&self, observer: &mut dyn Observer) -> Result<PatternHistory, SampleError> {
+        PatternHistory::of_arrivals(self.arrivals(observer)?, observer)
+    }
+
+    /// Returns the facts of an exact tiling by this recipe that has about the given number of samples. They name a given
+    /// pattern by its source.
+    #[must_use]
+    pub fn facts_of_exact(
+        &self,
+        parameters: &Parameters,
+        domain: &Domain,
+        pattern: &Pattern,
+        samples: f64,
+    ) -> Facts {
+        let mut facts = facts_of_exact(parameters, domain, pattern, samples);
+        if let Some(given) = &self.pattern {
+            let source = given.source.clone();
+            facts.parameters.insert("pattern".to_owned(), source);
+        }
+        facts
+    }
+
+    /// Makes the set by exact tiling, from the pattern that the parameters describe or from a given one whose arrivals are
+    /// known. Callers refuse any other, as nothing says in which order its samples arrived. The facts state how many samples the
+    /// pattern has, how many there are for each of them, and what follows.
     ///
     /// # Errors
     ///
@@ -173,7 +239,7 @@ impl Recipe {
     /// when it is cancelled.
     pub fn exact(&self, observer: &mut dyn Observer) -> Result<Made, SampleError> {
         // The pattern's lengths are in r, so that every try for the radius has the same pattern.
-        let history = PatternHistory::of_spec(&self.parameters.pattern, observer)?;
+        let history = self.history(observer)?;
         let make = |parameters: &Parameters, observer: &mut dyn Observer| {
             exact_sample_parallel(parameters, &history, observer)
         };
@@ -181,7 +247,7 @@ impl Recipe {
     }
 
     /// Makes the set as [`Self::exact`] does, by any engine of exact tiling: `make` returns the run of parameters with `pattern`,
-    /// which is the one that the parameters of the recipe describe.
+    /// which is that of [`Self::arrivals`].
     ///
     /// # Errors
     ///
@@ -204,7 +270,7 @@ impl Recipe {
         };
 
         let samples = run.result.len() as f64;
-        let facts = facts_of_exact(&run.parameters, &run.domain, pattern, samples);
+        let facts = self.facts_of_exact(&run.parameters, &run.domain, pattern, samples);
         Ok(Made::of_run(&run, facts))
     }
 

@@ -159,3 +159,47 @@ fn levels_are_judged_each() {
     made.facts.levels[1].distance *= 1.5;
     assert_eq!(valid(&made), [true, false, true]);
 }
+
+/// A set by the reference sampler is made again from what is stated of it. Controls: a sample that moved by less than the lattice
+/// shows, that is there twice, or that is missing is found.
+#[test]
+fn darts_of_a_set_by_the_reference_sampler_are_thrown_again() {
+    let mut recipe = recipe();
+    recipe.parameters.seed = u64::MAX;
+    let made = recipe.reference(&mut Unobserved).unwrap();
+    let outcome = |points: &[[f64; 2]]| {
+        let set = StatedSet {
+            method: made.facts.method,
+            parameters: &made.facts.parameters,
+            known: KnownDomain {
+                region: made.facts.region,
+                radius: made.facts.radius,
+            },
+            points,
+        };
+        let arrived = set.arrivals(&mut Unobserved);
+        arrived.map(|(arrived, seed)| (arrived.pattern().samples().len(), seed))
+    };
+
+    let points = &made.set.points;
+    let found = Some((points.len(), u64::MAX));
+    assert_eq!(outcome(points).ok(), found);
+    let backwards: Vec<_> = points.iter().rev().copied().collect();
+    assert_eq!(outcome(&backwards).ok(), found);
+    let rounded = |value: f64| f64::from(value as f32);
+    let narrow: Vec<_> = points.iter().map(|point| point.map(rounded)).collect();
+    assert_eq!(outcome(&narrow).ok(), found);
+
+    let mut moved = points.clone();
+    moved[5][1] += 1e-12;
+    let differs = |points: &[[f64; 2]]| match outcome(points) {
+        Err(ReferencePatternError::Differs { index, .. }) => Some(index),
+        _ => None,
+    };
+    assert_eq!(differs(&moved), Some(5));
+    moved[5] = moved[4];
+    assert_eq!(differs(&moved), Some(5));
+    let fewer = outcome(&points[1..]);
+    assert!(matches!(fewer, Err(ReferencePatternError::Count { .. })));
+    assert!(matches!(outcome(&[]), Err(ReferencePatternError::Count { count: 0, .. })));
+}

@@ -4,7 +4,7 @@ use std::ffi::OsString;
 use std::fs;
 
 use anyhow::Result;
-use serde_json::Value;
+use serde_json::{Value, json};
 use tempfile::{TempDir, tempdir};
 
 use crate::{Arguments, Command, analyze, convert, curve, draw, sample, verify};
@@ -67,10 +67,7 @@ fn a_set_is_made_and_read_at_its_origin() {
     );
     let stated = certificate(&folder, "at.csv");
     assert_eq!(stated["format_version"], 2);
-    assert_eq!(
-        stated["origin"],
-        serde_json::json!([500_000.0, 5_400_000.0])
-    );
+    assert_eq!(stated["origin"], json!([500_000.0, 5_400_000.0]));
     assert_eq!(stated["region"]["width"], 1.0);
 
     for words in [
@@ -343,12 +340,11 @@ fn an_exact_set_is_made_again_from_its_certificate() {
 #[test]
 fn exact_tiling_refuses_by_its_name_what_it_has_no_use_for() {
     let folder = tempdir().expect("a folder");
-    let given: [&[&str]; 8] = [
+    let given: [&[&str]; 7] = [
         &["--order", "own-block-first"],
         &["--insertion", "uniform"],
         &["--search", "2"],
         &["--variant", "staged"],
-        &["--pattern", "@set.csv"],
         &["--levels", "2"],
         &["--engine", "gpu"],
         &["--resume", "--out", "@set.csv"],
@@ -369,6 +365,79 @@ fn exact_tiling_refuses_by_its_name_what_it_has_no_use_for() {
     ];
     let refused = refusal(&folder, &curve);
     assert!(refused.starts_with("--order is for KDRT"), "{refused}");
+    let curve = [
+        "curve",
+        "--radius",
+        "0.05",
+        "--method",
+        "exact",
+        "--pattern",
+        "@set.csv",
+    ];
+    let refused = refusal(&folder, &curve);
+    assert!(refused.starts_with("--pattern needs"), "{refused}");
+}
+
+/// A set by the reference sampler is a pattern of exact tiling: its darts are thrown again from the seed of its certificate, and the
+/// file must have the samples that they make. Controls: sets of which that is not true are refused, each with the reason.
+#[test]
+fn exact_tiling_takes_a_set_by_the_reference_sampler_as_its_pattern() {
+    let folder = tempdir().expect("a folder");
+    let reference = "sample --radius 0.05 --method reference --seed 7";
+    let made = |words: &str| {
+        let words: Vec<&str> = words.split(' ').collect();
+        assert_eq!(run(&folder, &words).expect("made"), 0, "{words:?}");
+    };
+    for words in [
+        "--out @set.csv",
+        "--out @narrow.npy --precision f32 --shuffle 3",
+        "--boundary bounded --out @bounded.csv",
+        "--width 1.1 --out @oblong.csv",
+    ] {
+        made(&format!("{reference} {words}"));
+    }
+    made("sample --radius 0.05 --seed 7 --out @kdrt.csv");
+
+    let exact = "sample --count 900 --leaf 8 --method exact --dihedral";
+    made(&format!("{exact} --pattern @set.csv --out @a.csv"));
+    made(&format!("{exact} --pattern @narrow.npy --out @b.csv"));
+    // The pattern of the same side and seed has other darts, and so makes another set.
+    made(&format!(
+        "{exact} --pattern-side 20 --pattern-seed 7 --out @c.csv"
+    ));
+    assert_eq!(read(&folder, "a.csv"), read(&folder, "b.csv"));
+    assert_ne!(read(&folder, "a.csv"), read(&folder, "c.csv"));
+    let parameters = &certificate(&folder, "a.csv")["parameters"];
+    let pattern = &parameters["pattern"];
+    assert_eq!(
+        (&pattern["file"], &pattern["seed"]),
+        (&json!("set.csv"), &json!(7))
+    );
+    let count = &certificate(&folder, "set.csv")["count"];
+    assert_eq!(parameters["pattern_samples"], *count);
+
+    // The third sample is moved by less than the lattice would show.
+    let text = read(&folder, "set.csv");
+    let third = text.lines().nth(3).expect("a sample");
+    let (x, y) = third.split_once(',').expect("two numbers");
+    let right = x.parse::<f64>().expect("a number") + 1e-9;
+    let moved = text.replace(third, &format!("{right},{y}"));
+    let path = |name: &str| folder.path().join(name);
+    fs::write(path("moved.csv"), moved).expect("written");
+    let stated = read(&folder, "set.csv.certificate.json");
+    fs::write(path("moved.csv.certificate.json"), stated).expect("written");
+
+    for (file, why) in [
+        ("kdrt.csv", "the pattern is a set by \"kdrt\""),
+        ("bounded.csv", "the pattern's domain is bounded"),
+        ("oblong.csv", "the pattern's domain is 1.1 x 1"),
+        ("moved.csv", "sample 3 of the pattern"),
+    ] {
+        let words = format!("{exact} --pattern @{file}");
+        let words: Vec<&str> = words.split(' ').collect();
+        let refused = refusal(&folder, &words);
+        assert!(refused.contains(why), "{refused}");
+    }
 }
 
 /// A window of an exact tiling has the whole's samples there, and is refused where the whole would have to be made.

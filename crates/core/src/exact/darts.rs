@@ -159,12 +159,18 @@ fn numbered(words: &[u32], level: u32) -> ([(u8, u8); LANES * POISSON.len()], us
 impl PatternDarts {
     /// Returns the darts of the pattern that `spec` describes. Fails when the side is out of range.
     pub fn of_spec(spec: &PatternSpec) -> Result<Self, ParameterError> {
+        Self::of_key(spec, spec.key())
+    }
+
+    /// Returns the darts of a pattern with the side and boundary of `spec` that are drawn from `key`. Fails when the side
+    /// is out of range.
+    pub(super) fn of_key(spec: &PatternSpec, key: Key) -> Result<Self, ParameterError> {
         let side = spec.side_units()?;
         let throws = (0..=LAST_LEVEL).flat_map(|level| {
             (0..throws(level)).map(move |number| Throw {
                 level,
                 number,
-                key: throw_key(spec.key(), level, number),
+                key: throw_key(key, level, number),
             })
         });
 

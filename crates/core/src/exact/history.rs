@@ -44,7 +44,16 @@ impl PatternHistory {
     ///
     /// The observer is called for [`Stage::Pattern`], and may stop it.
     pub fn of_spec(spec: &PatternSpec, observer: &mut dyn Observer) -> Result<Self, SampleError> {
-        let arrived = PatternArrivals::of_spec(spec, observer)?;
+        Self::of_arrivals(PatternArrivals::of_spec(spec, observer)?, observer)
+    }
+
+    /// Returns the history of a pattern of which the arrivals are there.
+    ///
+    /// The observer is called for [`Stage::Pattern`], and may stop it.
+    pub fn of_arrivals(
+        arrived: PatternArrivals,
+        observer: &mut dyn Observer,
+    ) -> Result<Self, SampleError> {
         let (pattern, darts) = (arrived.pattern(), arrived.darts());
         let samples = pattern.samples();
 

@@ -1,0 +1,169 @@
+//! Patterns from files whose sets the reference sampler made. A file has no arrival order, but the darts of such a set follow
+//! from its seed: they are thrown again, so that exact tiling can take them.
+
+use std::collections::HashSet;
+
+use serde_json::Value;
+use thiserror::Error;
+use tilescope_core::{
+    Boundary, Domain, Observer, ParameterError, PatternArrivals, PatternSpec, R, SampleError,
+};
+
+use crate::domain::KnownDomain;
+use crate::facts::Stated;
+
+/// Why a set cannot be the pattern of exact tiling.
+#[derive(Debug, Error)]
+#[non_exhaustive]
+pub enum ReferencePatternError {
+    /// Another method made the set.
+    #[error(
+        "exact tiling needs the order in which samples arrived, and the pattern is a set by {method:?}: only one by the reference sampler says its seed, from which its darts are thrown again"
+    )]
+    OtherMethod {
+        /// The method as it is stated.
+        method: String,
+    },
+    /// No seed is stated, or one that is no whole number of 64 bits.
+    #[error("the pattern is a set by the reference sampler, but nothing says of which seed")]
+    NoSeed,
+    /// The domain has a closed border.
+    #[error(
+        "the pattern's domain is bounded; exact tiling takes a set from a file where opposite sides are joined"
+    )]
+    Bounded,
+    /// The sides differ.
+    #[error("the pattern's domain is {width} x {height}; it must be a square")]
+    NoSquare {
+        /// Width in user units.
+        width: f64,
+        /// Height in user units.
+        height: f64,
+    },
+    /// The set has another number of samples than the one that is made again.
+    #[error(
+        "the pattern has {count} samples, but the reference sampler makes {expected} of seed {seed} in its domain"
+    )]
+    Count {
+        /// How many the set has.
+        count: usize,
+        /// How many are made.
+        expected: usize,
+        /// The seed as stated.
+        seed: u64,
+    },
+    /// A sample is none of those that are made again.
+    #[error(
+        "sample {} of the pattern, at {} {}, is none that the reference sampler makes of seed {}",
+        index + 1, at[0], at[1], seed
+    )]
+    Differs {
+        /// Its number in the set, from 0.
+        index: usize,
+        /// Its position.
+        at: [f64; 2],
+        /// The seed as stated.
+        seed: u64,
+    },
+    /// The side in radii is none that a pattern may have, or there is no such domain.
+    #[error(transparent)]
+    Parameters(#[from] ParameterError),
+    /// The set could not be made again.
+    #[error(transparent)]
+    Sample(#[from] SampleError),
+}
+
+/// A set that is to be the pattern of exact tiling, and how it was made, as its certificate states it.
+#[derive(Clone, Copy, Debug)]
+pub struct StatedSet<'a> {
+    /// The name of the method.
+    pub method: &'a str,
+    /// The parameters, with the seed.
+    pub parameters: &'a Stated,
+    /// The domain and the radius.
+    pub known: KnownDomain,
+    /// The positions, in the units of the domain, in any order.
+    pub points: &'a [[f64; 2]],
+}
+
+impl StatedSet<'_> {
+    /// Returns the set as a pattern, and its seed. Its darts are thrown again, and it must have the samples that they make.
+    ///
+    /// Positions must be equal bit for bit. Where all of them are numbers of 32 bits, as a file of `f32` has them, those that are
+    /// made are rounded to 32 bits first.
+    ///
+    /// # Errors
+    ///
+    /// [`ReferencePatternError`] unless the set is one by the reference sampler of a stated seed, in a periodic square whose
+    /// side a pattern may have, and each of its samples is made again.
+    pub fn arrivals(
+        &self,
+        observer: &mut dyn Observer,
+    ) -> Result<(PatternArrivals, u64), ReferencePatternError> {
+        if self.method != "reference" {
+            return Err(ReferencePatternError::OtherMethod {
+                method: self.method.to_owned(),
+            });
+        }
+        let stated = self.parameters.get("seed").and_then(Value::as_u64);
+        let seed = stated.ok_or(ReferencePatternError::NoSeed)?;
+
+        let domain = self.square()?;
+        let spec = PatternSpec {
+            side: f64::from(domain.width()) / f64::from(R),
+            boundary: Boundary::Periodic,
+            seed,
+        };
+        let arrived = PatternArrivals::of_reference(&spec, observer)?;
+        self.compare(domain.users_from_lattice(arrived.pattern().samples()), seed)?;
+        Ok((arrived, seed))
+    }
+
+    /// Returns the domain. Fails unless it is a periodic square.
+    fn square(&self) -> Result<Domain, ReferencePatternError> {
+        let region = self.known.region;
+        if !region.is_periodic() {
+            return Err(ReferencePatternError::Bounded);
+        }
+        let domain = Domain::from_size(region.size(), self.known.radius, Boundary::Periodic)?;
+        // Sides that differ by less than a lattice unit are one side to the sampler.
+        if domain.width() != domain.height() {
+            let [width, height] = region.size();
+            return Err(ReferencePatternError::NoSquare { width, height });
+        }
+        Ok(domain)
+    }
+
+    /// Fails with the first position that is not among those that were made again.
+    fn compare(&self, mut made: Vec<[f64; 2]>, seed: u64) -> Result<(), ReferencePatternError> {
+        let rounded = |value: f64| f64::from(value as f32);
+        let all = self.points.iter().flatten();
+        if all
+            .copied()
+            .all(|value| rounded(value).to_bits() == value.to_bits())
+        {
+            made = made.iter().map(|point| point.map(rounded)).collect();
+        }
+
+        let (count, expected) = (self.points.len(), made.len());
+        // A file may have its samples in any order. Each that is found is taken out, so that none is found twice.
+        let mut left: HashSet<[u64; 2]> =
+            made.iter().map(|point| point.map(f64::to_bits)).collect();
+        for (index, at) in self.points.iter().enumerate() {
+            if !left.remove(&at.map(f64::to_bits)) {
+                let at = *at;
+                return Err(ReferencePatternError::Differs { index, at, seed });
+            }
+        }
+
+        // All samples of the set are among those that were made, but some of these may be missing in it.
+        if count != expected {
+            return Err(ReferencePatternError::Count {
+                count,
+                expected,
+                seed,
+            });
+        }
+        Ok(())
+    }
+}
