@@ -32,7 +32,8 @@ use crate::{interrupt, output, verdict_code};
 #[derive(Debug, Args)]
 #[command(after_help = EXAMPLES)]
 pub struct SoakArguments {
-    /// End after this number of verified samples
+    /// End after this number of verified samples, as soon as the rounds that have begun by then are done. A round has up to about
+    /// 400,000 samples
     #[arg(long, value_name = "N", default_value_t = 10_000_000, value_parser = clap::value_parser!(u64).range(1..))]
     samples: u64,
     /// Seed of the random parameters
@@ -85,8 +86,12 @@ Examples:
 /// The approximate smallest and largest number of samples of a round.
 const ROUND_SAMPLES: [f64; 2] = [500.0, 400_000.0];
 
-/// Rounds that are computed at a time. Chosen, not measured.
-const ROUNDS_AT_ONCE: u64 = 16;
+/// The most rounds that are computed at a time. Chosen, not measured.
+const MAX_ROUNDS_AT_ONCE: u64 = 16;
+
+/// The mean number of samples of a round: the logarithm of its size is uniform within [`ROUND_SAMPLES`]. Rounds of varying radii and
+/// of sets in space are smaller.
+const MEAN_ROUND_SAMPLES: u64 = 60_000;
 
 /// The run ends after this many faults. Chosen, not measured.
 const MAX_FAULTS: usize = 50;
@@ -144,7 +149,8 @@ pub fn run(arguments: &SoakArguments) -> Result<u8> {
         && !interrupt::requested()
     {
         // Each round is seeded by its number, so that the rounds do not depend on the number of threads.
-        let numbers: Vec<u64> = (sum.rounds..sum.rounds + ROUNDS_AT_ONCE).collect();
+        let at_once = rounds_at_once(arguments.samples - sum.samples);
+        let numbers: Vec<u64> = (sum.rounds..sum.rounds + at_once).collect();
         // Rounds differ in size by up to a factor of 800, so that threads take them one by one.
         let rounds = numbers.into_par_iter().with_max_len(1);
         let tallies: Vec<Tally> =
@@ -163,6 +169,13 @@ pub fn run(arguments: &SoakArguments) -> Result<u8> {
         return Ok(crate::EXIT_INTERRUPTED);
     }
     Ok(verdict_code(sum.is_fine()))
+}
+
+/// Returns how many rounds are computed at a time where so many samples are still wanted: about as many as will have them, so that
+/// a short run ends near the number that was asked for.
+fn rounds_at_once(wanted: u64) -> u64 {
+    let enough = wanted.div_ceil(MEAN_ROUND_SAMPLES);
+    enough.clamp(1, MAX_ROUNDS_AT_ONCE)
 }
 
 /// Returns the totals in lines, with a command that repeats each fault.

@@ -485,8 +485,13 @@ fn a_soak_of_fields_and_shapes_compares_and_verifies() {
         let words = [&["soak", "--method", "varying", "--seed", "3"], arguments].concat();
         json(&folder, &words)
     };
-    let found = soak(&["--samples", "5000"]);
-    assert!(found["rounds"].as_u64().unwrap() >= 16 && found["samples"].as_u64().unwrap() >= 5000);
+    // Where few samples are asked for, few rounds are made.
+    let few = soak(&["--samples", "500"]);
+    assert!(few["rounds"].as_u64().unwrap() < 16 && few["samples"].as_u64().unwrap() >= 500);
+
+    let found = soak(&["--samples", "15000"]);
+    assert!(found["rounds"].as_u64() > few["rounds"].as_u64());
+    assert!(found["samples"].as_u64().unwrap() >= 15_000);
     for key in ["conflicts", "gaps", "unequal", "failed"] {
         assert_eq!(found[key], 0, "{key}");
     }
