@@ -6,7 +6,7 @@ use anyhow::{Result, ensure};
 use serde_json::{Value, json};
 use tilescope_reproduce::rates::{Bench, CpuRates, Engine, EngineRate};
 
-use crate::bench_common::{BenchArguments, Measured, parallel_name, with_bar, yes};
+use crate::bench_common::{BenchArguments, Measured, on_threads, parallel_name, with_bar, yes};
 use crate::engine::check_threads;
 use crate::{bench_gpu, bench_live, bench_solid, interrupt, output, verdict_code};
 
@@ -48,7 +48,9 @@ pub fn run(arguments: &BenchArguments) -> Result<u8> {
     let bench = arguments.bench(threads(&arguments.threads)?);
     let rates = with_bar(arguments, |watch| bench.cpu(watch))?;
     // A rate counts only if the sets are valid.
-    let valid = rates.rows.iter().all(EngineRate::valid) && rates.windows.valid;
+    let valid = rates.rows.iter().all(EngineRate::valid)
+        && rates.windows.valid
+        && rates.exact_windows.valid;
     let text = || to_text(&rates, arguments);
     output::report(arguments.json, || to_json(&rates), text)?;
     Ok(verdict_code(valid))
@@ -73,28 +75,31 @@ fn names(row: &EngineRate) -> (&'static str, String) {
     match row.engine {
         Engine::Sequential => ("sequential", format!("sequential, leaf {leaf} r")),
         Engine::Parallel { threads } => ("parallel", parallel_name(leaf, threads)),
-        Engine::Exact => ("exact", format!("exact tiling, leaf {leaf} r")),
+        Engine::Exact => ("exact", format!("exact tiling, {}", on_threads(leaf, 1))),
+        Engine::ExactParallel { threads } => (
+            "exact",
+            format!("exact tiling, {}", on_threads(leaf, threads)),
+        ),
         // Of these the CPU's bench has a row of the reference sampler alone.
         Engine::Reference
         | Engine::Combined { .. }
         | Engine::Gpu { .. }
-        | Engine::ExactParallel { .. }
         | Engine::ExactGpu { .. } => ("reference", "reference".to_owned()),
     }
 }
 
-/// The heading of the table. The first ratio is to the reference sampler; that "of KDRT" is to the parallel engine on
-/// one thread. "From nothing" is the time of making a set and, before it, the pattern that it is tiled with; for exact
+/// The heading of the table. The first ratio is to the reference sampler. That of "1 thread" is to one thread of the same method, and
+/// for one thread of exact tiling to that of KDRT. "From nothing" is the time of making a set and, before it, the pattern that it is tiled with; for exact
 /// tiling also the pattern's tables. The reference sampler needs no pattern.
 const HEADING: &str = "\
-method                             samples Msamples/s    ratio  \
-of KDRT from nothing N r2/area  min dist/r  covering/r verifier Ms/s  valid\n";
+method                             samples Msamples/s    ratio \
+1 thread from nothing N r2/area  min dist/r  covering/r verifier Ms/s  valid\n";
 
 /// Returns the rates as a table, with a line about windows and one about patterns.
 fn to_text(rates: &CpuRates, arguments: &BenchArguments) -> String {
     let mut out = HEADING.to_owned();
     for row in &rates.rows {
-        // Only the parallel engine on several threads and exact tiling are compared with one thread.
+        // Several threads, and one of exact tiling, are compared with one thread.
         let gain = row.thread_ratio.map(|ratio| format!("{ratio:.2}x"));
         // Of three quartiles the middle one is the median.
         let _ = writeln!(
@@ -114,16 +119,25 @@ fn to_text(rates: &CpuRates, arguments: &BenchArguments) -> String {
         );
     }
 
-    let (windows, plane) = (&rates.windows, arguments.plane);
-    let (count, took) = (windows.median_count(), windows.median_seconds() * 1e3);
-    let (setup, valid) = (windows.plane_seconds * 1e3, yes(windows.valid));
+    let plane = arguments.plane;
+    out.push('\n');
+    for (method, windows) in [
+        ("KDRT", &rates.windows),
+        ("exact tiling", &rates.exact_windows),
+    ] {
+        let (count, took) = (windows.median_count(), windows.median_seconds() * 1e3);
+        let (setup, valid) = (windows.plane_seconds * 1e3, yes(windows.valid));
+        let _ = writeln!(
+            out,
+            "{method}: window of {count:.0} samples in a plane of {plane}: {took:.2} ms \
+             (plane set up once in {setup:.2} ms), valid: {valid}"
+        );
+    }
     let (rounds, threads) = (arguments.rounds, rayon::current_num_threads());
     let [pattern, history] = [rates.pattern_seconds, rates.history_seconds].map(|s| s * 1e3);
     let _ = writeln!(
         out,
-        "\nwindow of {count:.0} samples in a plane of {plane}: {took:.2} ms \
-         (plane set up once in {setup:.2} ms), valid: {valid}\n\
-         median of {rounds} rounds; verifying on {threads} threads; pattern made in {pattern:.1} ms, \
+        "median of {rounds} rounds; verifying on {threads} threads; pattern made in {pattern:.1} ms, \
          that of exact tiling with its tables in {history:.1} ms"
     );
     out
@@ -156,5 +170,6 @@ fn to_json(rates: &CpuRates) -> Value {
         "history_seconds": rates.history_seconds,
         "rows": rates.rows.iter().map(row).collect::<Vec<_>>(),
         "windows": rates.windows,
+        "exact_windows": rates.exact_windows,
     })
 }

@@ -110,8 +110,13 @@ pub fn with_bar<T>(
 
 /// Returns the name of the parallel engine's rows.
 pub fn parallel_name(leaf: f64, threads: usize) -> String {
+    format!("parallel, {}", on_threads(leaf, threads))
+}
+
+/// Returns the end of the name of a row.
+pub fn on_threads(leaf: f64, threads: usize) -> String {
     let plural = if threads == 1 { "" } else { "s" };
-    format!("parallel, leaf {leaf} r, {threads} thread{plural}")
+    format!("leaf {leaf} r, {threads} thread{plural}")
 }
 
 pub const fn yes(is: bool) -> &'static str {

@@ -44,7 +44,7 @@ pub enum Engine {
         /// The name of the GPU.
         adapter: String,
     },
-    /// Exact tiling, on all threads, with the pattern and tables that are open.
+    /// Exact tiling, on a pool of threads, with the pattern and tables that are open.
     ExactParallel {
         /// Threads that it runs on.
         threads: usize,
@@ -114,7 +114,7 @@ impl Engines {
     /// Starts a pool for each of these numbers of threads, and one of a single thread. For all threads there is the global pool.
     pub fn open(threads: &[usize], gpus: Vec<Arc<Gpu>>) -> Result<Self> {
         let all = rayon::current_num_threads();
-        // Exact tiling is measured on one thread. If that is asked for as well, a second such pool does no harm.
+        // Exact tiling is always measured on one thread, too. If that is asked for as well, a second such pool does no harm.
         let pools = threads
             .iter()
             .chain(&[1])
@@ -180,40 +180,47 @@ impl Engines {
                 engine.finish(observer)?.points()
             }
             Engine::Parallel { threads } => {
-                // `open` has started a pool for each number of threads but that of all, for which the global pool serves.
-                let mut pools = self.pools.iter();
-                let pool = pools.find(|pool| pool.current_num_threads() == *threads);
                 let make = || banded(gpu::Engine::Parallel);
+                let pool = self.pool(*threads);
                 pool.map_or_else(make, |pool| pool.install(make))?
             }
-            // Like `Combined` it runs on all threads.
-            Engine::ExactParallel { .. } => exact_points(parameters, self.history()?, observer)?,
+            Engine::ExactParallel { threads } => self.exact(*threads, parameters, control)?,
             Engine::ExactGpu { adapter } => {
                 let none = || failed("there is no pattern for exact tiling on a GPU");
                 let arrivals = self.arrivals.as_ref().ok_or_else(none)?;
                 let gpu = self.gpu(adapter)?;
                 block_on(exact_on_gpu(&gpu, parameters, arrivals, observer))?.points()
             }
-            Engine::Exact => {
-                let history = self.history()?;
-                // `make` is passed twice below, and so is copied. It could not be if it borrowed the `observer` of this
-                // function.
-                let make = || exact_points(parameters, history, &mut |_| control.flow());
-                // Where the global pool has one thread itself, `open` has started no pool of one.
-                let one = self
-                    .pools
-                    .iter()
-                    .find(|pool| pool.current_num_threads() == 1);
-                one.map_or_else(make, |pool| pool.install(make))?
-            }
+            Engine::Exact => self.exact(1, parameters, control)?,
             Engine::Gpu { adapter } => banded(gpu::Engine::Gpu(self.gpu(adapter)?))?,
         };
 
         Ok(points)
     }
 
+    /// Makes an exact tiling on so many threads.
+    fn exact(
+        &self,
+        threads: usize,
+        parameters: &Parameters,
+        control: &Control<'_>,
+    ) -> Result<Vec<Point>> {
+        let history = self.history()?;
+        // `make` is passed twice below, and so is copied. It could not be if it borrowed an observer.
+        let make = || exact_points(parameters, history, &mut |_| control.flow());
+        let pool = self.pool(threads);
+        Ok(pool.map_or_else(make, |pool| pool.install(make))?)
+    }
+
+    /// Returns the pool of so many threads. [`Self::open`] has started one for each number that it was given but that of all
+    /// threads, for which the global pool serves.
+    fn pool(&self, threads: usize) -> Option<&ThreadPool> {
+        let mut pools = self.pools.iter();
+        pools.find(|pool| pool.current_num_threads() == threads)
+    }
+
     /// Returns the tables of exact tiling, which were made before, so that they do not count in the time of a set.
-    fn history(&self) -> Result<&PatternHistory> {
+    pub(crate) fn history(&self) -> Result<&PatternHistory> {
         let none = || failed("there are no tables for exact tiling");
         self.history.as_ref().ok_or_else(none)
     }

@@ -157,8 +157,8 @@ pub struct EngineRate {
     pub verify_rate: f64,
     /// Rate over that of the baseline in the same round.
     pub ratio: Summary,
-    /// Median rate over that of the parallel engine's one thread in the same round, for the parallel engine on several
-    /// threads and for exact tiling.
+    /// Median rate over that of one thread in the same round: for an engine on several threads over its own, for exact tiling
+    /// on one thread over that of the parallel engine of KDRT.
     pub thread_ratio: Option<f64>,
     /// Median of `N r^2 / area`.
     pub density: f64,
@@ -223,20 +223,22 @@ fn row(rounds: &[&[EngineTime]], key: &Key<'_>, baseline: Key<'_>) -> Option<Eng
     let summary_of = |value: fn(&EngineTime) -> f64| Summary::of(times.iter().map(value));
     let median_of = |value| summary_of(value).map(|summary| summary.quartiles[1]);
 
-    // For several threads the ratio to one thread shows what the other threads gain. Exact tiling runs on one thread,
-    // so that for it the ratio compares the two methods.
-    let is_compared = match key.0 {
-        Engine::Parallel { threads } => *threads > 1,
-        Engine::Exact => true,
-        Engine::Reference
+    // For several threads the ratio to one thread shows what the other threads gain. For exact tiling on one thread the ratio
+    // compares the two methods.
+    let kdrt = Engine::Parallel { threads: 1 };
+    let compared_with = match key.0 {
+        Engine::Parallel { threads } if *threads > 1 => Some(&kdrt),
+        Engine::ExactParallel { threads } if *threads > 1 => Some(&Engine::Exact),
+        Engine::Exact => Some(&kdrt),
+        Engine::Parallel { .. }
+        | Engine::ExactParallel { .. }
+        | Engine::Reference
         | Engine::Combined { .. }
         | Engine::Sequential
         | Engine::Gpu { .. }
-        | Engine::ExactParallel { .. }
-        | Engine::ExactGpu { .. } => false,
+        | Engine::ExactGpu { .. } => None,
     };
 
-    let one_thread = (&Engine::Parallel { threads: 1 }, key.1);
     Some(EngineRate {
         engine: key.0.clone(),
         leaf: times.first()?.leaf,
@@ -244,8 +246,8 @@ fn row(rounds: &[&[EngineTime]], key: &Key<'_>, baseline: Key<'_>) -> Option<Eng
         rate: summary_of(EngineTime::rate)?,
         verify_rate: median_of(|one| one.report.count as f64 / one.verify_seconds)?,
         ratio: ratio_to(baseline)?,
-        thread_ratio: ratio_to(one_thread)
-            .filter(|_| is_compared)
+        thread_ratio: compared_with
+            .and_then(|other| ratio_to((other, key.1)))
             .map(|ratio| ratio.quartiles[1]),
         density: median_of(|one| one.report.density)?,
         // The worst of all sets, since each of them has to be valid.

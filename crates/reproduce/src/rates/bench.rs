@@ -5,7 +5,8 @@ use std::sync::Arc;
 use serde::Serialize;
 use tilescope_analysis::{Region, VerifyOptions, verify_cut};
 use tilescope_core::{
-    Key, Parameters, Pattern, PatternHistory, PatternSpec, Plane, Stream, WindowMaker,
+    ExactPlane, Key, Parameters, Pattern, PatternHistory, PatternSpec, Plane, Stream, Window,
+    WindowMaker,
 };
 
 use super::{EngineRate, EngineTime, median, rows, sized, timed, times};
@@ -20,7 +21,7 @@ pub struct Bench {
     pub samples: u64,
     /// Leaf sizes in radii.
     pub leaves: Vec<f64>,
-    /// Numbers of threads of the parallel engine.
+    /// Numbers of threads of the parallel engine and of exact tiling, which is also timed on one thread.
     pub threads: Vec<usize>,
     /// Whether the sequential engine is timed, too.
     pub sequential: bool,
@@ -41,8 +42,10 @@ pub struct CpuRates {
     pub history_seconds: f64,
     /// The engines at each leaf size, after the reference sampler, which is the baseline.
     pub rows: Vec<EngineRate>,
-    /// Windows of a large plane, one a round.
+    /// Windows of a large plane of KDRT, one a round.
     pub windows: WindowTimes,
+    /// The same windows of a plane of exact tiling.
+    pub exact_windows: WindowTimes,
 }
 
 impl CpuRates {
@@ -77,6 +80,39 @@ pub struct WindowTimes {
 }
 
 impl WindowTimes {
+    /// Returns the times of a plane that took so many seconds, before its first window.
+    const fn new(plane_seconds: f64) -> Self {
+        Self {
+            plane_seconds,
+            seconds: Vec::new(),
+            counts: Vec::new(),
+            valid: true,
+        }
+    }
+
+    /// Times a window of a plane, and verifies it.
+    fn add(
+        &mut self,
+        plane: &impl WindowMaker,
+        window: &Window,
+        control: &Control<'_>,
+    ) -> Result<()> {
+        let (points, seconds) = timed(|| plane.window(window));
+        self.seconds.push(seconds);
+        self.counts.push(points?.len());
+        control.go_on()?;
+
+        // The verdict also needs the samples around the window, which are not in its time.
+        let cut = plane.widened(window, &mut control.observer())?;
+        let is_periodic = false;
+        let asked = (Region::new(cut.size, is_periodic), plane.domain().radius());
+        let options = VerifyOptions::default();
+        let go_on = control.analysis();
+        let report = verify_cut(&cut.positions, asked, cut.window, &options, &go_on)?;
+        self.valid &= report.valid();
+        Ok(())
+    }
+
     /// Returns the median number of samples of a window.
     #[must_use]
     pub fn median_count(&self) -> f64 {
@@ -121,19 +157,28 @@ impl Bench {
             engines.insert(0, Engine::Sequential);
         }
 
+        // One thread of exact tiling is timed in any case: it is what the others, and KDRT's one thread, are compared with.
+        let several = self.threads.iter().filter(|&&threads| threads > 1);
+        let exact_parallel = several.map(|&threads| Engine::ExactParallel { threads });
+        let exact: Vec<Engine> = std::iter::once(Engine::Exact)
+            .chain(exact_parallel)
+            .collect();
+
         // Engines of one group make the same set; that of exact tiling is another one.
-        let by_leaf = [&engines[..], &[Engine::Exact]];
+        let by_leaf = [&engines[..], &exact[..]];
         let once: &[&[Engine]] = &[&[Engine::Reference]];
         let made = self.rounds(&open, once, &by_leaf, &base, &pattern, watch)?;
         let rounds: Vec<&[EngineTime]> = made.iter().map(Vec::as_slice).collect();
 
         // Without a named baseline the first engine of a round is the baseline, which is the reference sampler.
         let baseline = None;
+        let [windows, exact_windows] = self.windows(&of_plane, &pattern, open.history()?, watch)?;
         Ok(CpuRates {
             pattern_seconds,
             history_seconds,
             rows: rows(&rounds, baseline),
-            windows: self.windows(&of_plane, &pattern, watch)?,
+            windows,
+            exact_windows,
         })
     }
 
@@ -183,50 +228,36 @@ impl Bench {
         (0..self.rounds).map(round).collect()
     }
 
-    /// Times a window of the plane in each round, and verifies it.
+    /// Times a window of the plane in each round, by KDRT and by exact tiling, and verifies both.
     fn windows(
         &self,
         parameters: &Parameters,
         pattern: &Pattern,
+        history: &PatternHistory,
         watch: &dyn Watch,
-    ) -> Result<WindowTimes> {
+    ) -> Result<[WindowTimes; 2]> {
         let control = Control::new(watch, self.rounds as usize, "windows".to_owned());
-        let (made, plane_seconds) = timed(|| Plane::new(parameters, pattern));
-        let plane = made?;
+        let (kdrt, kdrt_seconds) = timed(|| Plane::new(parameters, pattern));
+        let (exact, exact_seconds) = timed(|| ExactPlane::new(parameters, history));
+        let (kdrt, exact) = (kdrt?, exact?);
 
         // A maximal set has about 0.7 samples in a squared radius.
         let side = (Self::WINDOW_SAMPLES / 0.7).sqrt() * parameters.radius;
         let key = Key::from_seed(self.seed);
 
-        let mut windows = WindowTimes {
-            plane_seconds,
-            seconds: Vec::new(),
-            counts: Vec::new(),
-            valid: true,
-        };
-
+        let mut times = [kdrt_seconds, exact_seconds].map(WindowTimes::new);
         for round in 0..self.rounds as u32 {
             // The lower corner of the window is drawn in the unit square, which the plane repeats without end: windows
             // at its upper borders go on beyond them. Any stream of the key will do.
             let [x, y] = key.draw(Stream::Dart, round).map(f64::from);
             let low = [x, y].map(|v| v / f64::from(u32::MAX));
-            let window = plane.domain().window(low, low.map(|v| v + side))?;
+            let window = kdrt.domain().window(low, low.map(|v| v + side))?;
 
-            let (points, seconds) = timed(|| plane.window(&window));
-            windows.seconds.push(seconds);
-            windows.counts.push(points?.len());
-            control.go_on()?;
-
-            // The verdict also needs the samples around the window, which are not in its time.
-            let cut = plane.widened(&window, &mut control.observer())?;
-            let is_periodic = false;
-            let asked = (Region::new(cut.size, is_periodic), plane.domain().radius());
-            let options = VerifyOptions::default();
-            let go_on = control.analysis();
-            let report = verify_cut(&cut.positions, asked, cut.window, &options, &go_on)?;
-            windows.valid &= report.valid();
+            let [of_kdrt, of_exact] = &mut times;
+            of_kdrt.add(&kdrt, &window, &control)?;
+            of_exact.add(&exact, &window, &control)?;
         }
 
-        Ok(windows)
+        Ok(times)
     }
 }

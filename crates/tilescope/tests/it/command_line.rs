@@ -841,14 +841,28 @@ fn bench_verifies_what_it_times() {
         ],
         0,
     );
-    assert_eq!(bench["windows"]["valid"], true);
-    let counts = bench["windows"]["counts"].as_array().unwrap();
-    assert!((9_500..10_500).contains(&counts[0].as_u64().unwrap()));
+    for windows in ["windows", "exact_windows"] {
+        assert_eq!(bench[windows]["valid"], true, "{windows}");
+        let counts = bench[windows]["counts"].as_array().unwrap();
+        assert!((9_500..10_500).contains(&counts[0].as_u64().unwrap()));
+    }
+    // Control: the windows are of one place, by two methods.
+    assert_ne!(bench["windows"]["counts"], bench["exact_windows"]["counts"]);
     let rows = bench["rows"].as_array().unwrap();
     let engines: Vec<_> = rows.iter().map(|row| row["engine"].as_str()).collect();
-    let expected = ["reference", "sequential", "parallel", "parallel", "exact"].map(Some);
-    assert_eq!(engines, expected);
-    assert!(rows[4]["ratio_to_one_thread"].as_f64().unwrap() > 0.0);
+    let expected = [
+        "reference",
+        "sequential",
+        "parallel",
+        "parallel",
+        "exact",
+        "exact",
+    ];
+    assert_eq!(engines, expected.map(Some));
+    for (row, threads) in [(3, 2), (4, 1), (5, 2)] {
+        assert_eq!(rows[row]["threads"], threads);
+        assert!(rows[row]["ratio_to_one_thread"].as_f64().unwrap() > 0.0);
+    }
     for row in rows {
         assert_eq!(row["valid"], true);
         let (nothing, seconds) = (&row["seconds_from_nothing"], &row["seconds"][0]);
