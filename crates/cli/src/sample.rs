@@ -54,8 +54,8 @@ pub fn run(arguments: &SampleArguments) -> Result<u8> {
 /// Makes a set of one radius in a rectangle, and returns its report.
 fn outcome(arguments: &SampleArguments) -> Result<Outcome> {
     let mut recipe = arguments.run.recipe()?;
-    // The expected number of samples decides which engine makes the set, and whether it is made band by band. Only sets
-    // by KDRT can be made band by band.
+    // The expected number of samples decides which engine makes the set, and whether it is made band by band. Sets by the
+    // reference sampler cannot be made so.
     let expected_samples = arguments.run.expected(&recipe.parameters)?;
     let is_streamed = arguments.streams(expected_samples)?;
 
@@ -68,6 +68,11 @@ fn outcome(arguments: &SampleArguments) -> Result<Outcome> {
             let gpu = arguments.engine.gpu_if_asked()?;
             // A side and a seed of the pattern that were not given have other defaults here than in the recipe.
             recipe = arguments.run.exact_recipe(recipe)?;
+            if is_streamed {
+                let passed = stream::exact(arguments, &recipe, expected_samples);
+                let outcome = of_file(passed, arguments)?;
+                return Ok(with_remarks(arguments, &recipe.parameters, outcome));
+            }
             make::exact(&recipe, gpu)?
         }
         SamplingMethod::Kdrt => {
@@ -83,11 +88,8 @@ fn outcome(arguments: &SampleArguments) -> Result<Outcome> {
                 .settle(recipe.clone(), in_memory, &mut watch)?;
             // A large set passes by band by band, and is never in memory as a whole.
             if is_streamed {
-                let passed = stream::pass(arguments, &run, &backend, watch);
-                let outcome = match &arguments.out {
-                    Some(path) => passed.in_file(path)?,
-                    None => passed?,
-                };
+                let passed = stream::kdrt(arguments, &run, &backend, watch);
+                let outcome = of_file(passed, arguments)?;
                 return Ok(with_remarks(arguments, &run.parameters, outcome));
             }
             make::whole(&run, &backend, watch)?
@@ -101,6 +103,14 @@ fn outcome(arguments: &SampleArguments) -> Result<Outcome> {
     };
     let outcome = finish(arguments, worked)?;
     Ok(with_remarks(arguments, &parameters, outcome))
+}
+
+/// Adds the name of the file, if there is one, to the error of a set that was made band by band.
+fn of_file(passed: Result<Outcome>, arguments: &SampleArguments) -> Result<Outcome> {
+    match &arguments.out {
+        Some(path) => passed.in_file(path),
+        None => passed,
+    }
 }
 
 /// Verifies a set and saves it, as the arguments ask. Without a verdict there is always a file to save: `--no-verify` needs

@@ -5,7 +5,7 @@ use std::path::{Path, PathBuf};
 
 use anyhow::{Result, ensure};
 use clap::{Args, ValueEnum};
-use tilescope_core::{NestedRequest, WithinLevel};
+use tilescope_core::{NestedRequest, Variant, WithinLevel};
 use tilescope_formats::{ExportContext, Format, PointSet, Precision, Warning};
 use tilescope_sets::Facts;
 
@@ -19,6 +19,10 @@ use crate::space::SpaceArguments;
 
 /// Sets of more than about this many samples are made band by band where that is possible, to save memory.
 const LARGE: f64 = 1e6;
+
+/// Exact tilings of more than about this many samples are made band by band. Bands follow what is in doubt at the ends of their windows;
+/// a whole set does not and takes less time, and this one takes at most 2 GB. Chosen, not measured.
+const LARGE_EXACT: f64 = 2e7;
 
 /// Arguments of `tilescope sample`.
 #[derive(Debug, Args)]
@@ -49,7 +53,8 @@ pub struct SampleArguments {
     #[arg(long, value_enum)]
     pub method: Option<SamplingMethod>,
     /// Save the set, validated, with a certificate beside it; the extension gives the format.
-    /// Sets of more than a million samples are written band by band: to npy, bin, rps, csv and ply of any size
+    /// Sets of more than a million samples by KDRT, and of more than 20 million by exact tiling with --radius, are written band by
+    /// band: to npy, bin, rps, csv and ply of any size. All others have at most 200 million samples
     #[arg(long, value_name = "FILE")]
     pub out: Option<PathBuf>,
     /// Continue an interrupted --out from its last checkpoint; all other arguments must be the same
@@ -183,17 +188,20 @@ impl SampleArguments {
     /// must not be shuffled. There must be a reason, too: the set is large, is resumed, or is not verified. Fails if
     /// `--resume` is given and the set cannot be made band by band. `expected` is the expected number of samples.
     pub fn streams(&self, expected: f64) -> Result<bool> {
-        let is_kdrt = self.method() == SamplingMethod::Kdrt;
-        let makes_bands = is_kdrt && self.engine.makes_bands(self.run.asked.variant);
+        let makes_bands = match self.method() {
+            SamplingMethod::Kdrt => self.engine.makes_bands(self.run.asked.variant),
+            // A GPU makes exact tilings in one go, and so does the search for the radius of a count.
+            SamplingMethod::Exact => {
+                self.run.count.is_none() && self.engine.makes_windows(Variant::Staged)
+            }
+            SamplingMethod::Reference => false,
+        };
         // A shuffled set is in no order of rows, in which bands could be written.
         let takes_bands = self.format().is_none_or(Format::streams) && self.shuffle.is_none();
 
         // Checkpoints lie between bands: a set that is made as a whole has none, and could only begin again.
         if self.resume {
-            ensure!(
-                makes_bands,
-                "--resume needs the parallel engine or a GPU, which make sets band by band"
-            );
+            ensure!(makes_bands, self.why_not_by_bands());
             let formats = Format::ALL.into_iter().filter(|format| format.streams());
             let streams: Vec<_> = formats.map(Format::extension).collect();
             ensure!(
@@ -203,7 +211,26 @@ impl SampleArguments {
             );
         }
         // A small set is verified in memory. Without a verdict nothing needs it there, and it is written as it is made.
-        Ok(makes_bands && takes_bands && (self.resume || self.no_verify || expected > LARGE))
+        let large = match self.method() {
+            SamplingMethod::Exact => LARGE_EXACT,
+            SamplingMethod::Kdrt | SamplingMethod::Reference => LARGE,
+        };
+        Ok(makes_bands && takes_bands && (self.resume || self.no_verify || expected > large))
+    }
+
+    /// Returns why `--resume` is refused for a set that is not made band by band: the method or the engine is the cause.
+    fn why_not_by_bands(&self) -> &'static str {
+        match self.method() {
+            SamplingMethod::Kdrt => {
+                "--resume needs the parallel engine or a GPU, which make sets band by band"
+            }
+            SamplingMethod::Exact => {
+                "--resume with --method exact needs --radius and the parallel engine: --count, a GPU and the sequential engine make whole sets"
+            }
+            SamplingMethod::Reference => {
+                "--resume is for KDRT and exact tiling: the reference sampler makes whole sets"
+            }
+        }
     }
 
     /// Returns the statements of the set's certificate.

@@ -8,13 +8,13 @@ use anyhow::{Context, Result, anyhow, ensure};
 use pollster::block_on;
 use serde_json::{Value, json};
 use tilescope_analysis::StreamVerifier;
-use tilescope_core::{Domain, Sampled, SweepState};
+use tilescope_core::{Domain, ExactPlane, Sampled, Summary, Sweep, SweepState, WindowMaker};
 use tilescope_formats::{
     ExportContext, Format, Overrides, PassingDigest, Provenance, StreamExport, StreamOptions,
     certificate_beside, check_stream, checkpoint_token, finish_interrupted, resume_path,
 };
 use tilescope_gpu::{Backend, Bands};
-use tilescope_sets::{Facts, Settled, provenance};
+use tilescope_sets::{Facts, Recipe, Settled, provenance};
 
 use crate::engine::of_engine;
 use crate::interrupt::Resumable;
@@ -27,14 +27,108 @@ use crate::{interrupt, make};
 /// Samples handed to the writer at a time: 1 MiB of positions. Chosen, not measured.
 const PIECE: usize = 1 << 16;
 
-/// Makes the set of a run band by band, and writes and verifies each band.
-pub fn pass(
+/// A run that is made band by band.
+pub trait Banded {
+    /// Computes the next band and returns its samples, or `None` at the end.
+    fn step(&mut self, watch: &mut Stopwatch) -> Result<Option<Sampled>>;
+
+    /// Returns the position of the run, from which another process can continue.
+    fn state(&self) -> SweepState;
+
+    /// Continues from the state of the same run.
+    fn restore(&mut self, state: &SweepState);
+
+    /// Returns the counts of all bands so far.
+    fn summary(&self) -> Summary;
+
+    /// Returns the engine in use, if one was chosen.
+    fn backend(&self) -> Option<Backend>;
+}
+
+impl Banded for Bands {
+    fn step(&mut self, watch: &mut Stopwatch) -> Result<Option<Sampled>> {
+        block_on(self.step(watch)).map_err(of_engine)
+    }
+
+    fn state(&self) -> SweepState {
+        self.state()
+    }
+
+    fn restore(&mut self, state: &SweepState) {
+        self.restore(state);
+    }
+
+    fn summary(&self) -> Summary {
+        self.summary()
+    }
+
+    fn backend(&self) -> Option<Backend> {
+        Some(self.backend().clone())
+    }
+}
+
+impl Banded for Sweep<ExactPlane<'_>> {
+    fn step(&mut self, watch: &mut Stopwatch) -> Result<Option<Sampled>> {
+        Ok(self.step(watch)?)
+    }
+
+    fn state(&self) -> SweepState {
+        self.state()
+    }
+
+    fn restore(&mut self, state: &SweepState) {
+        self.restore(state);
+    }
+
+    fn summary(&self) -> Summary {
+        self.summary()
+    }
+
+    fn backend(&self) -> Option<Backend> {
+        // Exact tiling runs on all threads.
+        None
+    }
+}
+
+/// Makes a set of KDRT band by band, and writes and verifies each band.
+pub fn kdrt(
     arguments: &SampleArguments,
     run: &Settled,
     backend: &Backend,
+    watch: Stopwatch,
+) -> Result<Outcome> {
+    let begin = |sources| make::bands(run, backend, sources);
+    pass(arguments, run.facts.clone(), &run.domain, begin, watch)
+}
+
+/// Makes an exact tiling of about `samples` samples band by band, and writes and verifies each band.
+pub fn exact(arguments: &SampleArguments, recipe: &Recipe, samples: f64) -> Result<Outcome> {
+    let mut watch = Stopwatch::start();
+    let history = recipe.history(&mut watch)?;
+    let plane = ExactPlane::new(&recipe.parameters, &history)?;
+    let domain = *plane.domain();
+
+    // The certificate is begun before the samples are counted, so that it states how many there are for each of the pattern from
+    // the expected number.
+    let facts = recipe.facts_of_exact(&recipe.parameters, &domain, history.pattern(), samples);
+    pass(
+        arguments,
+        facts,
+        &domain,
+        |sources| Ok(plane.sweep(sources)),
+        watch,
+    )
+}
+
+/// Makes the set of a run band by band, and writes and verifies each band. `begin` returns the run at its beginning, with the source
+/// of each sample if it is asked for.
+fn pass<B: Banded>(
+    arguments: &SampleArguments,
+    mut facts: Facts,
+    domain: &Domain,
+    begin: impl FnOnce(bool) -> Result<B>,
     mut watch: Stopwatch,
 ) -> Result<Outcome> {
-    let mut facts = run.facts.clone();
     let context = arguments.context(&facts);
     let out = arguments.out.as_deref();
     let resumed = out.filter(|_| arguments.resume);
@@ -55,7 +149,7 @@ pub fn pass(
     let sink = Sink::open(arguments, &context)?;
     // Sources are computed only for a file that can hold them.
     let sources = out.is_some() && context.format.is_some_and(Format::carries_provenance);
-    let mut bands = make::bands(run, backend, sources)?;
+    let mut bands = begin(sources)?;
     if let Some(state) = &state {
         bands.restore(state);
     }
@@ -65,14 +159,14 @@ pub fn pass(
     // A run that is resumed compares `parameters` and `verify` with its own arguments, in `state_of`.
     let token =
         |sweep_state| json!({ "parameters": parameters, "verify": verify, "state": sweep_state });
-    let end = pass_into(&mut bands, sink, &run.domain, token, &mut watch);
+    let end = pass_into(&mut bands, sink, domain, token, &mut watch);
     let (verdict, digest) = end.map_err(|error| with_hint(error, out))?;
 
     let summary = bands.summary();
     let count = summary.count as u64;
     facts.summary = Some(summary);
     let work = Work {
-        backend: Some(bands.backend().clone()),
+        backend: bands.backend(),
         seconds: watch.take(),
     };
     let outcome = Outcome::new(facts, work, count, verdict);
@@ -147,7 +241,7 @@ fn state_of(path: &Path, facts: &Facts, no_verify: bool) -> Result<SweepState> {
 /// Computes bands on this thread (and the pool's, or a device) while another thread writes and verifies them. Returns
 /// the verdict and the digest of the positions.
 fn pass_into(
-    bands: &mut Bands,
+    bands: &mut impl Banded,
     sink: Sink,
     domain: &Domain,
     token: impl Fn(SweepState) -> Value,
@@ -159,10 +253,10 @@ fn pass_into(
         let writer = scope.spawn(move || sink.take_all(domain, &receiver));
 
         let computed = loop {
-            let message: Message = match block_on(bands.step(watch)) {
+            let message: Message = match bands.step(watch) {
                 Ok(sampled) => sampled.map(|sampled| (sampled, token(bands.state()))),
                 // Without the end the writer does not finish the file.
-                Err(error) => break Err(of_engine(error)),
+                Err(error) => break Err(error),
             };
             let is_last = message.is_none();
             // If the writer stopped, its result has the reason.

@@ -347,7 +347,7 @@ fn exact_tiling_refuses_by_its_name_what_it_has_no_use_for() {
         &["--variant", "staged"],
         &["--levels", "2"],
         &["--engine", "gpu"],
-        &["--resume", "--out", "@set.csv"],
+        &["--resume", "--out", "@set.csv", "--engine", "sequential"],
     ];
     for options in given {
         let words = ["sample", "--radius", "0.05", "--method", "exact"];

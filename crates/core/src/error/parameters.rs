@@ -212,9 +212,9 @@ pub enum ParameterError {
         /// The limit on either side of 0.
         limit: f64,
     },
-    /// More samples than the engine can hold.
+    /// More samples than a set may have that is made as a whole, whatever engine makes it.
     #[error(
-        "about {samples:.3e} samples would result; the sequential engine takes at most {maximum:.0e}: choose a larger radius"
+        "about {samples:.3e} samples would result; a set that is made as a whole has at most {maximum:.0e}: choose a larger radius"
     )]
     TooManySamples {
         /// The number of samples that is expected.

@@ -126,6 +126,39 @@ fn without_verification_there_is_no_certificate_and_the_file_is_the_same() {
     );
 }
 
+/// Exact tilings are made band by band without a verdict, and as a whole with one. Controls: another seed makes another file, and
+/// what cannot be made by bands cannot be resumed.
+#[test]
+fn an_exact_set_is_the_same_by_bands_and_as_a_whole() {
+    let folder = tempdir().unwrap();
+    let made = |seed: &str, more: &[&str]| {
+        let words = "sample --method exact --radius 0.005 --leaf 12 --pattern-side 60 --seed";
+        let words: Vec<&str> = words.split(' ').chain([seed]).collect();
+        json(&folder, &[&words, more].concat())
+    };
+    let whole = made("5", &["--out", "whole.npy"]);
+    let bands = made("5", &["--out", "bands.npy", "--no-verify"]);
+    for key in ["count", "blocks", "tiled", "eliminated", "inserted"] {
+        assert_eq!(whole[key], bands[key], "{key}");
+    }
+    assert!(read(&folder, "whole.npy") == read(&folder, "bands.npy"));
+    made("6", &["--out", "other.npy", "--no-verify"]);
+    assert!(read(&folder, "whole.npy") != read(&folder, "other.npy"));
+
+    for (words, message) in [
+        ("--radius 0.005", "there is nothing to resume"),
+        (
+            "--count 3000",
+            "--resume with --method exact needs --radius",
+        ),
+    ] {
+        let words = format!("sample --method exact {words} --out new.npy --resume");
+        let mut command = tilescope(&folder);
+        command.args(words.split(' '));
+        command.assert().code(2).stderr(contains(message));
+    }
+}
+
 /// Starts a large run and sends it a signal after its first checkpoint. Returns how it ended.
 fn interrupted(folder: &TempDir, name: &str, kill: &str) -> ExitStatus {
     let mut child = paused(folder, &LARGE, name);
