@@ -45,7 +45,9 @@ pub use engine::recorded::exact_recorded;
 pub use engine::{exact_in_shape, exact_sample};
 pub use history::PatternHistory;
 pub use laid::{ExactPiece, exact_pieces};
-pub use plane::{ExactPlane, exact_in_shape_parallel, exact_points, exact_sample_parallel};
+pub use plane::{
+    ExactPlane, OwnedExactPlane, exact_in_shape_parallel, exact_points, exact_sample_parallel,
+};
 
 /// The most samples of a set that takes a pattern of 200 r, which has as many itself. Larger sets take one of 400 r.
 const SMALL_SET: f64 = 28_000.0;

@@ -75,8 +75,9 @@ pub use engine::parallel::window_maker::{WindowMaker, parts as window_parts};
 pub use engine::sequential::Sequential;
 pub use error::{ParameterError, PatternError, SampleError};
 pub use exact::{
-    Arrival, ExactPlane, PatternArrivals, PatternDarts, PatternHistory, PlacedDart, exact_in_shape,
-    exact_in_shape_parallel, exact_points, exact_recorded, exact_sample, exact_sample_parallel,
+    Arrival, ExactPlane, OwnedExactPlane, PatternArrivals, PatternDarts, PatternHistory,
+    PlacedDart, exact_in_shape, exact_in_shape_parallel, exact_points, exact_recorded,
+    exact_sample, exact_sample_parallel,
 };
 pub use grid::{NearSample, SampleGrid};
 pub use instructions::InstructionSet;

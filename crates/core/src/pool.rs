@@ -5,6 +5,13 @@ use std::sync::{Mutex, MutexGuard, PoisonError};
 /// Buffers that no thread works in at the moment.
 pub(crate) struct Pool<T>(Mutex<Vec<T>>);
 
+/// A copy begins without buffers.
+impl<T> Clone for Pool<T> {
+    fn clone(&self) -> Self {
+        Self::default()
+    }
+}
+
 impl<T> Default for Pool<T> {
     fn default() -> Self {
         Self(Mutex::default())

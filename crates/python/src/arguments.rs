@@ -14,14 +14,14 @@ use tilescope_core::{
 };
 use tilescope_formats::{Format, Overrides, VaryingDomain, positions_digest};
 use tilescope_sets::{
-    ExactBlocks, GivenPattern, KnownDomain, Recipe, Stated, exact_pattern, stated,
+    ExactBlocks, GivenPattern, KnownDomain, Recipe, Stated, StatedSet, exact_pattern, stated,
 };
 
 use crate::arrays::rows;
 use crate::drawing::DrawingFields;
 use crate::failure::Failure;
 use crate::ground::Ground;
-use crate::task::run;
+use crate::task::{TaskWatch, run};
 use crate::values::{named, real, real_if_given, shortened, shown, whole};
 
 /// Returns how to verify. No name stands for both judges up to 2^20 samples, and covered circles for more.
@@ -370,6 +370,39 @@ pub struct RunRequest {
     given: Vec<Parameter>,
     /// Nested levels, if they are asked for.
     pub nested: Option<NestedRequest>,
+    /// The set that is given as the pattern.
+    given_set: Option<GivenSet>,
+}
+
+/// A set that is given as a pattern, with how it was made: exact tiling throws the darts of one by the reference sampler again.
+struct GivenSet {
+    method: String,
+    parameters: Stated,
+    known: KnownDomain,
+    points: Vec<[f64; 2]>,
+}
+
+impl GivenSet {
+    fn of(set: &SetArgument<'_>) -> PyResult<Self> {
+        Ok(Self {
+            method: set.method.clone(),
+            // A set whose parameters are no JSON object has no seed, and is refused for that.
+            parameters: serde_json::from_str(&set.parameters).unwrap_or_default(),
+            known: set.known_domain()?,
+            points: set.points()?.to_vec(),
+        })
+    }
+
+    /// Returns the pattern with the arrivals of its samples; `source` says where the set is from.
+    fn arrived(&self, source: Value, watch: &TaskWatch) -> Result<GivenPattern, Failure> {
+        let set = StatedSet {
+            method: &self.method,
+            parameters: &self.parameters,
+            known: self.known,
+            points: &self.points,
+        };
+        GivenPattern::of_reference(&set, source, &mut watch.observer()).map_err(Failure::from)
+    }
 }
 
 #[pymethods]
@@ -418,6 +451,7 @@ impl RunRequest {
                 arrivals: None,
             })
         };
+        let given_set = pattern.as_ref().map(GivenSet::of).transpose()?;
         let recipe = Recipe {
             parameters,
             count,
@@ -427,6 +461,7 @@ impl RunRequest {
             recipe,
             given,
             nested,
+            given_set,
         })
     }
 
@@ -439,19 +474,29 @@ impl RunRequest {
 }
 
 impl RunRequest {
-    /// Returns the recipe for exact tiling, and refuses by their names the arguments that it has no use for.
-    pub fn exact_recipe(&self) -> PyResult<Recipe> {
+    /// Returns the recipe for exact tiling: the darts of a given pattern are thrown again. Refuses by their names the arguments that
+    /// it has no use for, and a pattern that the reference sampler did not make.
+    pub fn exact_recipe(&self, py: Python<'_>) -> PyResult<Recipe> {
         // With a count the radius is an estimate, which is near enough to choose the pattern by.
         let domain = (self.recipe.parameters.validate()).map_err(Failure::from)?;
         let samples = domain.area_radii() * MAXIMAL_DENSITY;
         let mut recipe = self.recipe.clone();
         recipe.parameters.pattern = self.exact_pattern(samples)?;
+        if let (Some(set), Some(given)) = (&self.given_set, &recipe.pattern) {
+            let source = given.source.clone();
+            let arrived = |watch: &TaskWatch| set.arrived(source, watch);
+            recipe.pattern = Some(run(py, None, arrived)?);
+        }
         Ok(recipe)
     }
 
     /// Returns the blocks of an exact tiling of about so many samples, and refuses by their names the arguments that it has no use
     /// for.
     pub fn exact_blocks(&self, samples: f64) -> PyResult<ExactBlocks> {
+        if self.recipe.pattern.is_some() {
+            let text = "pattern is given with shape: exact tiling of a shape makes its pattern";
+            return Err(refused(text));
+        }
         Ok(ExactBlocks {
             pattern: self.exact_pattern(samples)?,
             ..ExactBlocks::from(&self.recipe.parameters)
@@ -461,10 +506,6 @@ impl RunRequest {
     /// Returns the pattern of exact tiling for about so many samples. Refuses arguments that exact tiling has no use for.
     fn exact_pattern(&self, samples: f64) -> PyResult<PatternSpec> {
         let asked = &self.recipe.parameters;
-        if self.recipe.pattern.is_some() {
-            let text = "pattern is given with method 'exact': a set does not say in which order its samples arrived";
-            return Err(refused(text));
-        }
         // An argument that is given its default is no mistake.
         let defaults = Parameters::default();
         let is_unused =

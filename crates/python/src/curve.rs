@@ -33,7 +33,12 @@ pub fn curve<'py>(
 ) -> PyResult<Bound<'py, PyDict>> {
     let method = named("method", method)?;
     check_method(request, method)?;
-    let recipe = recipe_for(request, method)?;
+    let recipe = recipe_for(py, request, method)?;
+    if matches!(method, SetMethod::Exact) && recipe.pattern.is_some() {
+        let text =
+            "pattern is given with method 'exact', whose curve makes its pattern: leave it out";
+        return Err(PyValueError::new_err(text));
+    }
     // Without a choice all numbers but those that need a spectrum at every moment, which takes far longer.
     let numbers = match numbers {
         None => live_numbers()

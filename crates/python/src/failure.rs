@@ -13,7 +13,7 @@ use tilescope_core::{ParameterError, PatternError, SampleError};
 use tilescope_figures::FigureError;
 use tilescope_formats::{CheckError, ExportError, FormatError};
 use tilescope_live::{CourseError, CurveError};
-use tilescope_sets::VaryingError;
+use tilescope_sets::{ReferencePatternError, VaryingError};
 
 /// An exception to raise.
 #[derive(Debug)]
@@ -102,6 +102,15 @@ impl From<SampleError> for Failure {
             SampleError::Pattern(error) => error.into(),
             SampleError::Memory(missing) => missing.into(),
             other => Self::Runtime(other.to_string()),
+        }
+    }
+}
+
+impl From<ReferencePatternError> for Failure {
+    fn from(error: ReferencePatternError) -> Self {
+        match error {
+            ReferencePatternError::Sample(error) => error.into(),
+            other => Self::Value(format!("pattern: {other}")),
         }
     }
 }

@@ -1,6 +1,7 @@
 //! The plane of a run: windows of a set that is never made as a whole.
 
 use std::ops::RangeInclusive;
+use std::sync::Arc;
 
 use numpy::{PyArray1, PyArray2};
 use pyo3::exceptions::PyValueError;
@@ -9,20 +10,23 @@ use serde_json::json;
 use tilescope_analysis::{Region, VerifyOptions, verify_cut};
 use tilescope_core::memory::{Making, ask_for};
 use tilescope_core::{
-    Domain, MAX_SEQUENTIAL_SAMPLES, MAXIMAL_DENSITY, NestedPlane, Plane, R, Window, WindowMaker,
+    Domain, MAX_SEQUENTIAL_SAMPLES, MAXIMAL_DENSITY, NestedPlane, OwnedExactPlane, Plane, Point, R,
+    Window, WindowMaker,
 };
-use tilescope_sets::{Stated, region};
+use tilescope_sets::{Recipe, Stated, region};
 
 use crate::arguments::RunRequest;
 use crate::arrays::{array, list};
 use crate::failure::Failure;
 use crate::memory::ask_to_judge;
+use crate::sample::{SetMethod, check_method, recipe_for};
 use crate::task::run;
-use crate::values::rectangle;
+use crate::values::{named, rectangle};
 
-/// Planes of one level, or of nested levels.
+/// Planes of one level, by either method, or of nested levels.
 enum Windows {
     Single(Box<Plane>),
+    Exact(Box<OwnedExactPlane>),
     /// With the number of the last level.
     Nested(NestedPlane, u32),
 }
@@ -45,7 +49,24 @@ pub struct PythonPlane {
 #[pymethods]
 impl PythonPlane {
     #[new]
-    fn new(py: Python<'_>, request: &RunRequest, progress: Option<Py<PyAny>>) -> PyResult<Self> {
+    fn new(
+        py: Python<'_>,
+        request: &RunRequest,
+        method: &str,
+        progress: Option<Py<PyAny>>,
+    ) -> PyResult<Self> {
+        let method = named("method", method)?;
+        check_method(request, method)?;
+        let recipe = recipe_for(py, request, method)?;
+        match method {
+            SetMethod::Kdrt => {}
+            SetMethod::Exact => return Self::exact(py, &recipe, progress),
+            SetMethod::Reference => {
+                let text = "method is 'reference', which makes whole sets; a plane needs 'kdrt' or 'exact'";
+                return Err(PyValueError::new_err(text));
+            }
+        }
+
         run(py, progress, |watch| {
             // Nested levels take no count and no given pattern, so that nothing is to be settled.
             if let Some(nested) = &request.nested {
@@ -59,7 +80,7 @@ impl PythonPlane {
             }
 
             // The radius of a count and the pattern are found now, once for all windows.
-            let settled = request.recipe.settle(&mut watch.observer())?;
+            let settled = recipe.settle(&mut watch.observer())?;
             let plane = Plane::new(&settled.parameters, &settled.pattern)?;
             Ok(Self {
                 windows: Windows::Single(Box::new(plane)),
@@ -92,6 +113,7 @@ impl PythonPlane {
         let (positions, ends, ranks) = run(py, progress, |watch| {
             let making = match &self.windows {
                 Windows::Single(_) => Making::Sweep,
+                Windows::Exact(_) => Making::Exact,
                 Windows::Nested(..) => Making::Levels,
             };
 
@@ -102,8 +124,11 @@ impl PythonPlane {
             Ok(match &self.windows {
                 Windows::Single(plane) => {
                     let points = plane.observed_window(&window, &mut observer)?;
-                    let ends = vec![points.len()];
-                    (plane.domain().users_from_lattice(&points), ends, None)
+                    single(plane.domain(), &points)
+                }
+                Windows::Exact(owned) => {
+                    let points = owned.plane().observed_window(&window, &mut observer)?;
+                    single(owned.domain(), &points)
                 }
                 Windows::Nested(plane, _) => {
                     let found = plane.window(&window, &mut observer)?;
@@ -137,6 +162,10 @@ impl PythonPlane {
                         plane.widened(&window, &mut observer)?,
                         plane.domain().radius(),
                     ),
+                    Windows::Exact(owned) => (
+                        owned.plane().widened(&window, &mut observer)?,
+                        owned.domain().radius(),
+                    ),
                     Windows::Nested(plane, _) => (
                         plane.widened(&window, level, &mut observer)?,
                         plane.radius(level),
@@ -162,9 +191,32 @@ impl PythonPlane {
 }
 
 impl PythonPlane {
+    /// Returns the plane of an exact tiling. The radius must be given.
+    fn exact(py: Python<'_>, recipe: &Recipe, progress: Option<Py<PyAny>>) -> PyResult<Self> {
+        if recipe.count.is_some() {
+            let text = "count is given with method 'exact', which would make the whole set to find its radius: give radius";
+            return Err(PyValueError::new_err(text));
+        }
+
+        run(py, progress, |watch| {
+            let parameters = &recipe.parameters;
+            let history = recipe.history(&mut watch.observer())?;
+            let pattern = Arc::clone(history.pattern());
+            let plane = OwnedExactPlane::new(parameters, history)?;
+            // How many samples the whole set would have is estimated, as it is never made.
+            let samples = plane.domain().area_radii() * MAXIMAL_DENSITY;
+            let facts = recipe.facts_of_exact(parameters, plane.domain(), &pattern, samples);
+            Ok(Self {
+                windows: Windows::Exact(Box::new(plane)),
+                stated: facts.parameters,
+            })
+        })
+    }
+
     fn domain(&self) -> &Domain {
         match &self.windows {
             Windows::Single(plane) => plane.domain(),
+            Windows::Exact(owned) => owned.domain(),
             Windows::Nested(plane, _) => plane.domain(),
         }
     }
@@ -172,7 +224,7 @@ impl PythonPlane {
     /// Returns the numbers of the levels.
     const fn levels(&self) -> RangeInclusive<u32> {
         match &self.windows {
-            Windows::Single(_) => 0..=0,
+            Windows::Single(_) | Windows::Exact(_) => 0..=0,
             Windows::Nested(_, last) => 0..=*last,
         }
     }
@@ -203,6 +255,11 @@ impl PythonPlane {
         }
         Ok(window)
     }
+}
+
+/// Returns the positions of a window of one level, where that level ends, and no ranks.
+fn single(domain: &Domain, points: &[Point]) -> (Vec<[f64; 2]>, Vec<usize>, Option<Vec<f64>>) {
+    (domain.users_from_lattice(points), vec![points.len()], None)
 }
 
 /// Returns about how many samples lie in a window.

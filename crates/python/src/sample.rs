@@ -108,7 +108,7 @@ pub fn sample<'py>(
     let (method, engine) = (named("method", method)?, named("engine", engine)?);
     // Arguments that the method does not take are named before those that are out of range.
     check_method(request, method)?;
-    let recipe = recipe_for(request, method)?;
+    let recipe = recipe_for(py, request, method)?;
 
     // Memory is asked for by the number of samples. If that is requested, the radius is an estimate, which is near
     // enough here. A set in memory has at most as many samples as the sequential engine takes, whatever makes it.
@@ -136,9 +136,9 @@ pub fn sample<'py>(
 }
 
 /// Returns the recipe of a request for a method.
-pub fn recipe_for(request: &RunRequest, method: SetMethod) -> PyResult<Recipe> {
+pub fn recipe_for(py: Python<'_>, request: &RunRequest, method: SetMethod) -> PyResult<Recipe> {
     match method {
-        SetMethod::Exact => request.exact_recipe(),
+        SetMethod::Exact => request.exact_recipe(py),
         SetMethod::Kdrt | SetMethod::Reference => Ok(request.recipe.clone()),
     }
 }

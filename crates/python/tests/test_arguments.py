@@ -106,7 +106,7 @@ def test_the_defaults_are_those_of_the_command_line():
     )
     theirs = tilescope.PointSet._made(_tilescope.sample(left_out, "kdrt", "auto", None))
     assert tilescope.sample(radius=0.05).parameters == theirs.parameters
-    assert json.loads(_tilescope.Plane(left_out, None).facts())["parameters"] == theirs.parameters
+    assert json.loads(_tilescope.Plane(left_out, "kdrt", None).facts())["parameters"] == theirs.parameters
     assert tilescope.Plane(radius=0.05).parameters == theirs.parameters
 
 
@@ -127,9 +127,42 @@ def test_a_pattern_that_is_not_maximal_is_refused(holed, crowded):
         tilescope.sample(radius=0.01, pattern=tilescope.PointSet(holed.points))
 
 
-def test_exact_tiling_has_no_use_for_a_given_pattern(small):
-    with pytest.raises(ValueError, match="pattern is given with method 'exact'"):
-        tilescope.sample(radius=0.02, method="exact", pattern=small)
+def test_exact_tiling_takes_a_pattern_whose_darts_can_be_thrown_again(small, tmp_path):
+    reference = {"radius": 0.05, "method": "reference", "seed": 7}
+    pattern = tilescope.sample(**reference)
+    arguments = {"radius": 0.02, "leaf": 8, "method": "exact"}
+    made = tilescope.sample(**arguments, pattern=pattern)
+    assert made.verify().valid
+    assert made.parameters["pattern"]["seed"] == 7
+    assert made.parameters["pattern_samples"] == len(pattern)
+    assert np.array_equal(tilescope.Plane(**arguments, pattern=pattern).window(0, 0, 1, 1), made.points)
+    # The pattern that is made for this side and seed has other darts.
+    other = tilescope.sample(**arguments, pattern_side=20, pattern_seed=7)
+    assert not np.array_equal(other.points, made.points)
+
+    pattern.save(tmp_path / "pattern.npy")
+    assert np.array_equal(tilescope.sample(**arguments, pattern=tmp_path / "pattern.npy").points, made.points)
+
+    # Controls: sets of which the darts are not known.
+    with pytest.raises(ValueError, match='pattern: .* a set by "kdrt"'):
+        tilescope.sample(**arguments, pattern=small)
+    with pytest.raises(ValueError, match="pattern: the pattern's domain is bounded"):
+        tilescope.sample(**arguments, pattern=tilescope.sample(**reference, boundary="bounded"))
+    with pytest.raises(ValueError, match="pattern: the pattern's domain is 1.1 x 1"):
+        tilescope.sample(**arguments, pattern=tilescope.sample(**reference, width=1.1))
+    with pytest.raises(ValueError, match="pattern is given with method 'exact', whose curve"):
+        tilescope.curve(**arguments, pattern=pattern)
+
+
+def test_exact_planes_need_a_radius_and_one_level():
+    with pytest.raises(ValueError, match="count is given with method 'exact'"):
+        tilescope.Plane(2000, method="exact")
+    with pytest.raises(ValueError, match="method is 'exact', which makes one set"):
+        tilescope.Plane(radius=0.02, method="exact", levels=2)
+    with pytest.raises(ValueError, match="method is 'reference', which makes whole sets"):
+        tilescope.Plane(radius=0.02, method="reference")
+    with pytest.raises(ValueError, match="order is given with method 'exact'"):
+        tilescope.Plane(radius=0.02, method="exact", order="index")
 
 
 def test_a_pattern_that_repeats_within_blocks_is_warned_of():

@@ -557,12 +557,24 @@ def test_planes_are_pickled_by_what_they_are_made_from(small, tmp_path):
         tilescope.Plane(20_000, seed=2**63, boundary="bounded", dihedral=True, order="index"),
         tilescope.Plane(radius=0.01, pattern=small, width=0.9),
         tilescope.Plane(radius=0.01, pattern=tmp_path / "pattern.npy", insertion="uniform"),
+        tilescope.Plane(radius=0.01, method="exact", leaf=12),
     ]
     os.unlink(tmp_path / "pattern.npy")
     for plane in planes:
         same = pickle.loads(pickle.dumps(plane))
         assert (same.parameters, same.domain, same.radius) == (plane.parameters, plane.domain, plane.radius)
         assert np.array_equal(same.window(0.2, 0.2, 0.7, 0.6), plane.window(0.2, 0.2, 0.7, 0.6))
+
+
+def test_a_plane_of_exact_tiling_is_written_tile_by_tile(tmp_path):
+    arguments = {"radius": 0.008, "seed": 5, "method": "exact"}
+    stored = tilescope.distributed.write(tilescope.Plane(**arguments), tmp_path / "set", rows=ROWS)
+    assert len(stored.files) > 1 and stored.verify() == []
+    assert stored.manifest["method"] == "exact"
+    assert np.array_equal(stored.window(0, 0, 1, 1), tilescope.sample(**arguments).points)
+    # Control: the folder does not go on with a plane of the other method.
+    with pytest.raises(ValueError, match="has another set"):
+        tilescope.distributed.write(tilescope.Plane(radius=0.008, seed=5), tmp_path / "set", rows=ROWS)
 
 
 def test_a_plane_of_one_tile_is_its_own_neighbour(tmp_path):

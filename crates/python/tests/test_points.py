@@ -131,9 +131,10 @@ def test_measures_are_those_of_the_command_line(boundary, tmp_path):
     assert tilescope.analyze(points) == {name: found[name] for name in tilescope.analyze(points)}
 
 
+@pytest.mark.parametrize("method", ["kdrt", "exact"])
 @pytest.mark.parametrize("boundary", ["periodic", "bounded"])
-def test_a_window_has_the_samples_that_the_whole_set_has_there(boundary):
-    arguments = {"radius": 0.004, "boundary": boundary, "seed": 5}
+def test_a_window_has_the_samples_that_the_whole_set_has_there(boundary, method):
+    arguments = {"radius": 0.004, "boundary": boundary, "seed": 5, "method": method}
     whole = tilescope.sample(**arguments).points
     plane = tilescope.Plane(**arguments)
     for x0, y0, x1, y1 in [(0.1, 0.2, 0.4, 0.35), (0, 0, 0.01, 0.01), (0.9, 0.95, 1, 1)]:
@@ -148,6 +149,17 @@ def test_a_window_has_the_samples_that_the_whole_set_has_there(boundary):
 def test_a_window_beyond_the_border_of_a_periodic_plane_repeats_it():
     plane = tilescope.Plane(radius=0.01)
     assert np.array_equal(plane.window(3.25, -2, 3.5, -1.75), plane.window(0.25, 0, 0.5, 0.25))
+
+
+@needs_program
+def test_an_exact_window_is_that_of_the_command_line(tmp_path):
+    plane = tilescope.Plane(radius=0.002, seed=3, method="exact")
+    arguments = ["--radius", "0.002", "--seed", "3", "--method", "exact", "--window", "0.2", "0.3", "0.5", "0.4"]
+    subprocess.run([PROGRAM, "sample", *arguments, "--out", tmp_path / "window.npy"], check=True, capture_output=True)
+    assert np.array_equal(np.load(tmp_path / "window.npy"), plane.window(0.2, 0.3, 0.5, 0.4))
+    # Control: the other method has other samples there.
+    other = tilescope.Plane(radius=0.002, seed=3).window(0.2, 0.3, 0.5, 0.4)
+    assert not np.array_equal(other, plane.window(0.2, 0.3, 0.5, 0.4))
 
 
 def test_a_window_of_a_set_with_gaps_is_not_valid():

@@ -49,7 +49,7 @@ pub struct ExactPlane<'a> {
     domain: Domain,
     history: &'a PatternHistory,
     shape: &'a Shape,
-    clipper: Clipper,
+    clipper: Arc<Clipper>,
     idle: Pool<SeamTiling<'a>>,
     /// How windows of a whole run are made without following doubt; nothing for single windows.
     alone: Option<Alone>,
@@ -75,16 +75,23 @@ impl<'a> ExactPlane<'a> {
     ///
     /// Fails when the parameters cannot be sampled, or a bounded pattern is too small for a block.
     pub fn new(parameters: &Parameters, history: &'a PatternHistory) -> Result<Self, SampleError> {
-        let run_clipper = clipper(parameters, history.pattern())?;
-        run_clipper.check_blocks()?;
-        Ok(Self {
-            domain: parameters.validate()?,
+        let run_clipper = checked_clipper(parameters, history)?;
+        Ok(Self::of_clipper(
+            parameters.validate()?,
+            history,
+            Arc::new(run_clipper),
+        ))
+    }
+
+    fn of_clipper(domain: Domain, history: &'a PatternHistory, clipper: Arc<Clipper>) -> Self {
+        Self {
+            domain,
             history,
             shape: &ALL_PLACES,
-            clipper: run_clipper,
+            clipper,
             idle: Pool::default(),
             alone: None,
-        })
+        }
     }
 
     /// Returns the plane of the same tiling of a shape, outside of which there are no darts ([`crate::exact_in_shape`]).
@@ -103,9 +110,61 @@ impl<'a> ExactPlane<'a> {
     #[must_use]
     pub fn sweep(mut self, sources: bool) -> Sweep<Self> {
         if sources {
-            self.clipper.count_blocks();
+            Arc::make_mut(&mut self.clipper).count_blocks();
         }
         Sweep::of_plane(self, sources)
+    }
+}
+
+/// Returns the clipper of a run. Fails when a bounded pattern is too small for a block.
+fn checked_clipper(
+    parameters: &Parameters,
+    history: &PatternHistory,
+) -> Result<Clipper, SampleError> {
+    let run_clipper = clipper(parameters, history.pattern())?;
+    run_clipper.check_blocks()?;
+    Ok(run_clipper)
+}
+
+/// An exact plane with the history that it reads, for owners that have no other place for it.
+///
+/// ```
+/// use tilescope_core::{OwnedExactPlane, Parameters, PatternHistory, Unobserved, WindowMaker};
+///
+/// let parameters = Parameters { radius: 2e-5, ..Parameters::default() };
+/// let history = PatternHistory::of_spec(&parameters.pattern, &mut Unobserved)?;
+/// let owned = OwnedExactPlane::new(&parameters, history)?;
+/// let plane = owned.plane();
+/// let window = plane.domain().window([0.5, 0.5], [0.501, 0.501])?;
+/// assert!((1_650..1_850).contains(&plane.window(&window)?.len()));
+/// # Ok::<(), tilescope_core::SampleError>(())
+/// ```
+pub struct OwnedExactPlane {
+    domain: Domain,
+    history: PatternHistory,
+    clipper: Arc<Clipper>,
+}
+
+impl OwnedExactPlane {
+    /// Returns the plane of `parameters` with the pattern of `history`. Fails as [`ExactPlane::new`].
+    pub fn new(parameters: &Parameters, history: PatternHistory) -> Result<Self, SampleError> {
+        Ok(Self {
+            domain: parameters.validate()?,
+            clipper: Arc::new(checked_clipper(parameters, &history)?),
+            history,
+        })
+    }
+
+    /// Returns the domain of the whole set.
+    #[must_use]
+    pub const fn domain(&self) -> &Domain {
+        &self.domain
+    }
+
+    /// Returns the plane. It shares what was prepared once, and begins with no buffers of its own.
+    #[must_use]
+    pub fn plane(&self) -> ExactPlane<'_> {
+        ExactPlane::of_clipper(self.domain, &self.history, Arc::clone(&self.clipper))
     }
 }
 

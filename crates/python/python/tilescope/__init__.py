@@ -257,8 +257,10 @@ def sample(
         pattern's seed is `seed`, and its side 200 up to 28,000 samples and 400 above, unless they are
         given; ``parameters["pattern_samples"]`` says how many samples it has, and
         ``parameters["samples_per_pattern_sample"]`` how often each is used. Order, insertion, search
-        and variant must be the defaults, and neither `pattern` nor `levels` can be given. Below some
-        300,000 samples dart throwing takes less time.
+        and variant must be the defaults, and `levels` cannot be given; a `pattern` must be a set by dart
+        throwing in a periodic square, whose darts are thrown again from its seed: positions must be equal, or
+        equal when rounded to 32 bits if all of them are such numbers. Below some 300,000 samples dart throwing
+        takes less time.
     engine : {'auto', 'parallel', 'sequential'}
         What computes. It does not change the points.
     progress : bool or callable
@@ -572,7 +574,8 @@ class Plane:
     set may have three thousand million samples. A periodic plane repeats without end. A plane can be
     pickled; :mod:`tilescope.distributed` writes all of it, tile by tile.
 
-    Parameters are those of :func:`sample`. With `levels` a window has the samples of nested levels, the
+    Parameters are those of :func:`sample`. With ``method="exact"`` windows are those of an exact tiling, which needs a `radius`: to
+    find that of a count, the whole set would have to be made. With `levels` a window has the samples of nested levels, the
     first level's first, in the order of the whole set, and each with the rank that it has there.
 
     Examples
@@ -584,9 +587,15 @@ class Plane:
     True
     >>> plane.is_valid(0.5, 0.5, 0.501, 0.501)
     True
+
+    The same without bias at seams:
+
+    >>> exact = tilescope.Plane(radius=2e-5, method="exact")
+    >>> exact.is_valid(0.5, 0.5, 0.501, 0.501)
+    True
     """
 
-    __slots__ = ("_arguments", "_domain", "_parameters", "_plane", "_radius")
+    __slots__ = ("_arguments", "_domain", "_method", "_parameters", "_plane", "_radius")
 
     def __init__(
         self,
@@ -598,15 +607,16 @@ class Plane:
         boundary: Boundary = "periodic",
         seed: SupportsIndex = 1,
         leaf: float = 30.0,
-        pattern_side: float = 100.0,
+        pattern_side: float | None = None,
         pattern_boundary: Boundary = "periodic",
-        pattern_seed: SupportsIndex = 0,
+        pattern_seed: SupportsIndex | None = None,
         pattern: PointSet | Path | None = None,
         dihedral: bool = False,
         order: _Order = "own-block-first",
         insertion: _Insertion = "circumcentre",
         search: Literal[4, 2] = 4,
         levels: SupportsIndex | None = None,
+        method: Literal["kdrt", "exact"] = "kdrt",
         progress: Progress = False,
     ) -> None:
         # All arguments, before there are other variables.
@@ -618,13 +628,14 @@ class Plane:
             levels=levels, exactly=None, order_within="random",
         )  # fmt: skip
         with following(progress) as told:
-            self._plane = _tilescope.Plane(request, told)
+            self._plane = _tilescope.Plane(request, method, told)
         facts = json.loads(self._plane.facts())
         self._domain, self._radius = Domain(*facts["domain"]), float(facts["radius"])
         self._parameters = json.dumps(facts["parameters"])
         # A copy in another process does not search for the radius, and cannot read the file of a pattern.
         if pattern is not None and not isinstance(pattern, PointSet):
             pattern = read(pattern)
+        self._method = method
         self._arguments = arguments | {"count": None, "radius": self._radius, "pattern": pattern, "progress": False}
 
     def __reduce__(self) -> tuple[Any, ...]:
@@ -640,6 +651,11 @@ class Plane:
     def radius(self) -> float:
         """The Poisson-disk radius."""
         return self._radius
+
+    @property
+    def method(self) -> Literal["kdrt", "exact"]:
+        """The name of the method, as :attr:`PointSet.method` has it."""
+        return self._method
 
     @property
     def parameters(self) -> dict[str, Any]:

@@ -18,6 +18,7 @@ use super::frame::{CELL_BITS, Frame, PAD};
 const LANES: usize = 8;
 
 /// The pattern under one symmetry, by cells: rows of cells, then columns.
+#[derive(Clone)]
 pub struct CellPattern {
     /// Sides and boundary; the samples are in the fields below.
     pub shape: PatternVariant,
@@ -226,6 +227,7 @@ pub struct PlacedBlock {
 }
 
 /// Clips the pattern for the blocks of a run: the tree of blocks and the variants of the pattern.
+#[derive(Clone)]
 pub struct Clipper {
     domain: Domain,
     leaf: i32,

@@ -134,6 +134,9 @@ def write(
         )
     )
 
+    # A manifest of KDRT states no method. The two methods have other parameters, so that no folder goes on with the other one.
+    method = {} if plane.method == "kdrt" else {"method": plane.method}
+
     folder = Folder(local_path(path)).resolve()
     folder.mkdir(parents=True, exist_ok=True)
 
@@ -149,7 +152,7 @@ def write(
         # Without a manifest, only leftovers of tiles may be there: anything else is not this program's to overwrite.
         raise FileExistsError(f"{folder} is not empty, and has no {MANIFEST}: give another folder")
     else:
-        _save(folder, facts | {"complete": False, "tiles": []})
+        _save(folder, facts | method | {"complete": False, "tiles": []})
 
     job = _tile.Job(pickle.dumps(plane), facts, str(folder), grid, judge)
     made: dict[int, _tile.Tile] = {}
@@ -170,7 +173,7 @@ def write(
         "made_by": f"tilescope {__version__}",
     }
 
-    _save(folder, facts | result)
+    _save(folder, facts | method | result)
     for left in folder.glob(f"*{_tile.PARTIAL}"):
         # A lost worker left it, or a worker that was given up is about to rename it.
         left.unlink(missing_ok=True)
