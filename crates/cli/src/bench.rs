@@ -88,9 +88,9 @@ fn names(row: &EngineRate) -> (&'static str, String) {
     }
 }
 
-/// The heading of the table. The first ratio is to the reference sampler. That of "1 thread" is to one thread of the same method, and
-/// for one thread of exact tiling to that of KDRT. "From nothing" is the time of making a set and, before it, the pattern that it is tiled with; for exact
-/// tiling also the pattern's tables. The reference sampler needs no pattern.
+/// The heading of the table. The first ratio is to the reference sampler. That of "1 thread" is to one thread of the same
+/// method, and for one thread of exact tiling to that of KDRT. "From nothing" is the time of making a set and, before it,
+/// the pattern that it is tiled with; for exact tiling also the pattern's tables. The reference sampler needs no pattern.
 const HEADING: &str = "\
 method                             samples Msamples/s    ratio \
 1 thread from nothing N r2/area  min dist/r  covering/r verifier Ms/s  valid\n";

@@ -20,8 +20,8 @@ use crate::space::SpaceArguments;
 /// Sets of more than about this many samples are made band by band where that is possible, to save memory.
 const LARGE: f64 = 1e6;
 
-/// Exact tilings of more than about this many samples are made band by band. Bands follow what is in doubt at the ends of their windows;
-/// a whole set does not and takes less time, and this one takes at most 2 GB. Chosen, not measured.
+/// Exact tilings of more than about this many samples are made band by band. Bands follow what is in doubt at the ends of
+/// their windows; a whole set does not and takes less time, and this one takes at most 2 GB. Chosen, not measured.
 const LARGE_EXACT: f64 = 2e7;
 
 /// Arguments of `tilescope sample`.
@@ -52,9 +52,9 @@ pub struct SampleArguments {
     /// for a radius that varies, for sets in space and for shapes, which are also tiled exactly
     #[arg(long, value_enum)]
     pub method: Option<SamplingMethod>,
-    /// Save the set, validated, with a certificate beside it; the extension gives the format.
-    /// Sets of more than a million samples by KDRT, and of more than 20 million by exact tiling with --radius, are written band by
-    /// band: to npy, bin, rps, csv and ply of any size. All others have at most 200 million samples
+    /// Save the set, validated, with a certificate beside it; the extension gives the format. Sets of more than a million
+    /// samples by KDRT, and of more than 20 million by exact tiling with --radius, are written band by band: to npy, bin,
+    /// rps, csv and ply of any size. All others have at most 200 million samples
     #[arg(long, value_name = "FILE")]
     pub out: Option<PathBuf>,
     /// Continue an interrupted --out from its last checkpoint; all other arguments must be the same

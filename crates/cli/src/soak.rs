@@ -32,8 +32,8 @@ use crate::{interrupt, output, verdict_code};
 #[derive(Debug, Args)]
 #[command(after_help = EXAMPLES)]
 pub struct SoakArguments {
-    /// End after this number of verified samples, as soon as the rounds that have begun by then are done. A round has up to about
-    /// 400,000 samples
+    /// End after this number of verified samples, as soon as the rounds that have begun by then are done. A round has up to
+    /// about 400,000 samples
     #[arg(long, value_name = "N", default_value_t = 10_000_000, value_parser = clap::value_parser!(u64).range(1..))]
     samples: u64,
     /// Seed of the random parameters
@@ -89,8 +89,8 @@ const ROUND_SAMPLES: [f64; 2] = [500.0, 400_000.0];
 /// The most rounds that are computed at a time. Chosen, not measured.
 const MAX_ROUNDS_AT_ONCE: u64 = 16;
 
-/// The mean number of samples of a round: the logarithm of its size is uniform within [`ROUND_SAMPLES`]. Rounds of varying radii and
-/// of sets in space are smaller.
+/// The mean number of samples of a round: the logarithm of its size is uniform within [`ROUND_SAMPLES`]. Rounds of varying
+/// radii and of sets in space are smaller.
 const MEAN_ROUND_SAMPLES: u64 = 60_000;
 
 /// The run ends after this many faults. Chosen, not measured.
@@ -171,8 +171,8 @@ pub fn run(arguments: &SoakArguments) -> Result<u8> {
     Ok(verdict_code(sum.is_fine()))
 }
 
-/// Returns how many rounds are computed at a time where so many samples are still wanted: about as many as will have them, so that
-/// a short run ends near the number that was asked for.
+/// Returns how many rounds are computed at a time where so many samples are still wanted: about as many as will have them,
+/// so that a short run ends near the number that was asked for.
 fn rounds_at_once(wanted: u64) -> u64 {
     let enough = wanted.div_ceil(MEAN_ROUND_SAMPLES);
     enough.clamp(1, MAX_ROUNDS_AT_ONCE)

@@ -108,8 +108,8 @@ pub fn exact(arguments: &SampleArguments, recipe: &Recipe, samples: f64) -> Resu
     let plane = ExactPlane::new(&recipe.parameters, &history)?;
     let domain = *plane.domain();
 
-    // The certificate is begun before the samples are counted, so that it states how many there are for each of the pattern from
-    // the expected number.
+    // The certificate is begun before the samples are counted, so that it states how many there are for each of the pattern
+    // from the expected number.
     let facts = recipe.facts_of_exact(&recipe.parameters, &domain, history.pattern(), samples);
     pass(
         arguments,
@@ -120,8 +120,8 @@ pub fn exact(arguments: &SampleArguments, recipe: &Recipe, samples: f64) -> Resu
     )
 }
 
-/// Makes the set of a run band by band, and writes and verifies each band. `begin` returns the run at its beginning, with the source
-/// of each sample if it is asked for.
+/// Makes the set of a run band by band, and writes and verifies each band. `begin` returns the run at its beginning, with
+/// the source of each sample if it is asked for.
 fn pass<B: Banded>(
     arguments: &SampleArguments,
     mut facts: Facts,

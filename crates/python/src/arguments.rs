@@ -474,8 +474,8 @@ impl RunRequest {
 }
 
 impl RunRequest {
-    /// Returns the recipe for exact tiling: the darts of a given pattern are thrown again. Refuses by their names the arguments that
-    /// it has no use for, and a pattern that the reference sampler did not make.
+    /// Returns the recipe for exact tiling: the darts of a given pattern are thrown again. Refuses by their names the
+    /// arguments that it has no use for, and a pattern that the reference sampler did not make.
     pub fn exact_recipe(&self, py: Python<'_>) -> PyResult<Recipe> {
         // With a count the radius is an estimate, which is near enough to choose the pattern by.
         let domain = (self.recipe.parameters.validate()).map_err(Failure::from)?;

@@ -79,8 +79,8 @@ pub struct GivenPattern {
 }
 
 impl GivenPattern {
-    /// Returns a pattern for exact tiling, made again from a set by the reference sampler. `source` says where that set is from;
-    /// the seed, from which the darts are thrown again, is stated beside it.
+    /// Returns a pattern for exact tiling, made again from a set by the reference sampler. `source` says where that set is
+    /// from; the seed, from which the darts are thrown again, is stated beside it.
     ///
     /// # Errors
     ///
@@ -230,8 +230,8 @@ impl Recipe {
     }
 
     /// Makes the set by exact tiling, from the pattern that the parameters describe or from a given one whose arrivals are
-    /// known. Callers refuse any other, as nothing says in which order its samples arrived. The facts state how many samples the
-    /// pattern has, how many there are for each of them, and what follows.
+    /// known. Callers refuse any other, as nothing says in which order its samples arrived. The facts state how many
+    /// samples the pattern has, how many there are for each of them, and what follows.
     ///
     /// # Errors
     ///

@@ -89,8 +89,8 @@ pub struct StatedSet<'a> {
 impl StatedSet<'_> {
     /// Returns the set as a pattern, and its seed. Its darts are thrown again, and it must have the samples that they make.
     ///
-    /// Positions must be equal bit for bit. Where all of them are numbers of 32 bits, as a file of `f32` has them, those that are
-    /// made are rounded to 32 bits first.
+    /// Positions must be equal bit for bit. Where all of them are numbers of 32 bits, as a file of `f32` has them, those
+    /// that are made are rounded to 32 bits first.
     ///
     /// # Errors
     ///

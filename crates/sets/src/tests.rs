@@ -160,8 +160,8 @@ fn levels_are_judged_each() {
     assert_eq!(valid(&made), [true, false, true]);
 }
 
-/// A set by the reference sampler is made again from what is stated of it. Controls: a sample that moved by less than the lattice
-/// shows, that is there twice, or that is missing is found.
+/// A set by the reference sampler is made again from what is stated of it. Controls: a sample that moved by less than the
+/// lattice shows, that is there twice, or that is missing is found.
 #[test]
 fn darts_of_a_set_by_the_reference_sampler_are_thrown_again() {
     let mut recipe = recipe();

@@ -378,8 +378,9 @@ fn exact_tiling_refuses_by_its_name_what_it_has_no_use_for() {
     assert!(refused.starts_with("--pattern needs"), "{refused}");
 }
 
-/// A set by the reference sampler is a pattern of exact tiling: its darts are thrown again from the seed of its certificate, and the
-/// file must have the samples that they make. Controls: sets of which that is not true are refused, each with the reason.
+/// A set by the reference sampler is a pattern of exact tiling: its darts are thrown again from the seed of its
+/// certificate, and the file must have the samples that they make. Controls: sets of which that is not true are refused,
+/// each with the reason.
 #[test]
 fn exact_tiling_takes_a_set_by_the_reference_sampler_as_its_pattern() {
     let folder = tempdir().expect("a folder");

@@ -126,8 +126,8 @@ fn without_verification_there_is_no_certificate_and_the_file_is_the_same() {
     );
 }
 
-/// Exact tilings are made band by band without a verdict, and as a whole with one. Controls: another seed makes another file, and
-/// what cannot be made by bands cannot be resumed.
+/// Exact tilings are made band by band without a verdict, and as a whole with one. Controls: another seed makes another
+/// file, and what cannot be made by bands cannot be resumed.
 #[test]
 fn an_exact_set_is_the_same_by_bands_and_as_a_whole() {
     let folder = tempdir().unwrap();
