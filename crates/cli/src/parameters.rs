@@ -45,7 +45,7 @@ const SIZE: [&str; 2] = ["radius", "count"];
 
 impl Args for RunArguments {
     fn augment_args(command: Command) -> Command {
-        // Both options of the size may be given: with an image, --count scales the two radii of --radius.
+        // Both options of the size may be given: with an image, --count scales the two radii of --radius, and so does --exactly.
         let size = ArgGroup::new("size")
             .args(SIZE)
             .required(true)
@@ -128,8 +128,8 @@ impl RadiusSpan {
     }
 }
 
-/// Refuses two radii without an image to go with, a radius beside a count without an image, and a radius beside an
-/// expression.
+/// Refuses two radii without an image to go with, a radius beside a number of samples without an image, and a radius beside
+/// an expression.
 fn refuse_sizes(
     matches: &ArgMatches,
     greatest: Option<f64>,
@@ -138,12 +138,16 @@ fn refuse_sizes(
     // Commands without images have no argument of this id, which means that it is not given.
     let is_given = |id: &str| matches.try_get_raw(id).is_ok_and(|values| values.is_some());
     let has_image = is_given("radius_image");
-    // The conflicts of clap have no exceptions, and with an image a radius and a count go together: they are refused here, in
-    // the words of clap.
+    // --exactly scales radii as --count does.
+    let has_exactly = is_given("exactly");
+    // The conflicts of clap have no exceptions, and with an image a radius and a number of samples go together: they are
+    // refused here, in the words of clap.
     let why = if greatest.is_some() && !has_image {
         "--radius takes two radii, MIN..MAX, with --radius-image only\n"
     } else if has_count && is_given("radius") && !has_image {
         "the argument '--radius <R>' cannot be used with '--count <N>'\n"
+    } else if has_exactly && is_given("radius") && !has_image {
+        "the argument '--radius <R>' cannot be used with '--exactly <N>'\n"
     } else if is_given("radius") && is_given("radius_expression") {
         "the argument '--radius <R>' cannot be used with '--radius-expression <FORMULA>'\n"
     } else {

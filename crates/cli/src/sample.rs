@@ -36,9 +36,10 @@ pub fn run(arguments: &SampleArguments) -> Result<u8> {
     }
 
     // Sets of a field or a shape are made by the reference sampler unless exact tiling of a shape is asked for. They
-    // get no remarks: those of `outcome` are on sets of one radius that fill their domain.
+    // get none of the remarks of `outcome`, which are on sets of one radius that fill their domain.
     if arguments.ground.is_given() {
-        let outcome = finish(arguments, varying::make(arguments)?)?;
+        let mut outcome = finish(arguments, varying::make(arguments)?)?;
+        outcome.warnings.extend(beginning(&outcome));
         output::report(arguments.json, || outcome.json(), || outcome.text())?;
         return Ok(outcome.code());
     }
@@ -131,6 +132,14 @@ fn finish(arguments: &SampleArguments, worked: Worked) -> Result<Outcome> {
     let digest = positions_digest(&made.set.points);
     let outcome = Outcome::new(made.facts, work, made.set.len() as u64, unverified);
     Ok(outcome.with_digest(digest))
+}
+
+/// Returns the note on a set that is the beginning of a larger one.
+fn beginning(outcome: &Outcome) -> Option<String> {
+    let (kept, made) = (grouped(outcome.count), grouped(outcome.facts.made?));
+    Some(format!(
+        "note: the samples are the first {kept} of {made}, by their arrival"
+    ))
 }
 
 /// Adds remarks: on a pattern that repeats within blocks, and on a set for which exact tiling does not pay.

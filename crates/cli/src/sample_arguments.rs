@@ -17,6 +17,9 @@ use crate::parameters::RunArguments;
 use crate::paths::InFile;
 use crate::space::SpaceArguments;
 
+/// Seconds between checkpoints if none are given.
+pub const CHECKPOINT: u64 = 30;
+
 /// Sets of more than about this many samples are made band by band where that is possible, to save memory.
 const LARGE: f64 = 1e6;
 
@@ -60,9 +63,9 @@ pub struct SampleArguments {
     /// Continue an interrupted --out from its last checkpoint; all other arguments must be the same
     #[arg(long, requires = "out", conflicts_with = "levels")]
     pub resume: bool,
-    /// Seconds between checkpoints of a file that is written band by band: an interruption loses no more work
-    #[arg(long, value_name = "SECONDS", default_value_t = 30, requires = "out")]
-    pub checkpoint: u64,
+    /// Seconds between checkpoints of a file that is written band by band: an interruption loses no more work. If not given, 30
+    #[arg(long, value_name = "SECONDS", requires = "out")]
+    pub checkpoint: Option<u64>,
     /// Store positions with this added, for a domain at map coordinates: its lower corner. The certificate states it, and
     /// programs before it refuse such a set. Polygons and expressions are in these coordinates
     #[arg(long, num_args = 2, value_names = ["X", "Y"])]
@@ -109,6 +112,7 @@ Examples:
   tilescope sample --radius-image grey.png --radius 0.002..0.02 --out field.ply
   tilescope sample --shape park.geojson --radius 2 --out trees.csv
   tilescope sample --radius-expression '0.0001 + 0.0002*x' --window 0.5 0.5 0.52 0.52 --out part.csv
+  tilescope sample --shape park.geojson --exactly 1000 --out trees.csv
   tilescope sample --size 10x10x10 --radius 1 --out balls.ply
   tilescope sample --width 2 --depth 3 --exactly 5000 --boundary bounded --out balls.npy";
 
@@ -135,8 +139,9 @@ pub struct NestedArguments {
     pub levels: Option<u32>,
     /// Exactly N samples: the first of a run of --levels whose last set has as many or a few more. There is no maximal
     /// set of exactly so many samples in general: of these, every place is within 1.42 radii. With a third side (--depth) no
-    /// levels are needed: the first N by their arrival, with the factor of the radius within which they cover
-    #[arg(long, value_name = "N", group = "size", conflicts_with_all = ["radius", "count"])]
+    /// levels are needed, and none with a field or a shape: the first N by their arrival, with the factor of the radius within which
+    /// they cover. Radii of an image or a formula are scaled for it
+    #[arg(long, value_name = "N", group = "size", conflicts_with = "count")]
     pub exactly: Option<usize>,
     /// How the samples that a level adds follow each other
     #[arg(long, value_name = "ORDER", value_parser = named::<WithinLevel>(&ORDERS_WITHIN), default_value = "random",
@@ -158,7 +163,7 @@ impl NestedArguments {
     pub fn request(&self) -> Result<Option<NestedRequest>> {
         ensure!(
             self.exactly.is_none() || self.levels.is_some(),
-            "--exactly needs --levels K, or a third side: --depth D, which `tilescope sample` takes"
+            "--exactly needs --levels K, or a third side (--depth D), a field or a shape, which `tilescope sample` takes"
         );
         Ok(self.of_levels())
     }

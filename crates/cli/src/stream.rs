@@ -21,7 +21,7 @@ use crate::interrupt::Resumable;
 use crate::output::{Judged, Outcome, Work};
 use crate::paths::named;
 use crate::progress::{Stopwatch, verifying};
-use crate::sample_arguments::SampleArguments;
+use crate::sample_arguments::{CHECKPOINT, SampleArguments};
 use crate::{interrupt, make};
 
 /// Samples handed to the writer at a time: 1 MiB of positions. Chosen, not measured.
@@ -313,7 +313,7 @@ impl Sink {
         Ok(Self::File {
             export: Box::new(export),
             last_checkpoint: Instant::now(),
-            interval: Duration::from_secs(arguments.checkpoint),
+            interval: Duration::from_secs(arguments.checkpoint.unwrap_or(CHECKPOINT)),
         })
     }
 

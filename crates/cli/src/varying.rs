@@ -81,9 +81,14 @@ impl VaryingArguments<'_> {
 pub fn make(arguments: &SampleArguments) -> Result<Worked> {
     let recipe = recipe_of(arguments)?;
     let mut watch = Stopwatch::start();
-    let made = recipe.make(&mut watch).map_err(advised)?;
-    // The tries that find a count's radius are not part of the time that the set takes.
-    if recipe.count.is_some() {
+    let exactly = arguments.nested.exactly;
+    let made = match exactly {
+        Some(samples) => recipe.make_exactly(samples as u64, &mut watch),
+        None => recipe.make(&mut watch),
+    };
+    let made = made.map_err(advised)?;
+    // The tries that find the radii of a number of samples are not part of the time that the set takes.
+    if recipe.count.is_some() || exactly.is_some() {
         watch.drop_tries();
     }
     let work = Work::on_cpu(&mut watch);
@@ -94,10 +99,14 @@ pub fn make(arguments: &SampleArguments) -> Result<Worked> {
 pub fn recipe_of(arguments: &SampleArguments) -> Result<VaryingRecipe> {
     let asked = VaryingArguments::from(arguments);
     let recipe = recipe(&asked)?;
+    let why = asked.reason();
     ensure!(
         !arguments.resume,
-        "--resume: {}, and makes whole sets; leave it out",
-        asked.reason()
+        "--resume: {why}, and makes whole sets; leave it out"
+    );
+    ensure!(
+        arguments.checkpoint.is_none(),
+        "--checkpoint: {why}, and makes whole sets; leave it out"
     );
     let method = if asked.is_exact() {
         "exact tiling of a shape"
@@ -142,6 +151,11 @@ fn refuse_tiling(arguments: &VaryingArguments<'_>) -> Result<()> {
         arguments.run.pattern.is_none(),
         "--pattern: {why}; leave it out"
     );
+    // The samples of an exact tiling are in no order of arrival.
+    ensure!(
+        !is_exact || arguments.nested.exactly.is_none(),
+        "--exactly: {why}, as its samples are in no order of arrival; leave it out, or --method"
+    );
     // The parameters in `NOT_OF_EXACT` pass here: `recipe` refuses them, with a message about exact tiling.
     let is_used = |typed: &Parameter| {
         USED.contains(typed)
@@ -160,7 +174,7 @@ pub fn recipe(arguments: &VaryingArguments<'_>) -> Result<VaryingRecipe> {
     let (run, ground) = (arguments.run, arguments.ground);
     let asked = &run.asked;
     let is_typed = |parameter: Parameter| run.typed.contains(&parameter);
-    // Without a typed radius there is a formula or a count. A count scales the radius, so that any radius will do.
+    // Without a typed radius there is a formula or a number of samples, which scales the radius, so that any will do.
     let typed_radius = is_typed(Parameter::Radius).then_some(asked.radius);
     let any_radius = 1.0;
     let radius = if let Some(text) = &ground.radius_expression {

@@ -6,6 +6,7 @@
 
 mod count;
 mod error;
+mod exactly;
 mod expression;
 mod grid;
 mod ground;

@@ -16,8 +16,8 @@ use crate::varying;
 /// Computes the samples of one window of the set, judges them and prints the report. Returns the exit code of the program.
 pub fn run(arguments: &SampleArguments, corners: [f64; 4]) -> Result<u8> {
     ensure!(
-        arguments.run.count.is_none(),
-        "--count would make the whole set to find the scale of its radii: with --window give the radii themselves"
+        arguments.run.count.is_none() && arguments.nested.exactly.is_none(),
+        "--count and --exactly would make the whole set to find the scale of its radii: with --window give the radii themselves"
     );
     let recipe = varying::recipe_of(arguments)?;
     let ground = recipe.ground()?;

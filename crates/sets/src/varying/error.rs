@@ -247,6 +247,19 @@ pub enum VaryingError {
         /// How many were made.
         nearest: u64,
     },
+    /// No scale of the radii gives as many samples, of which the first could be kept.
+    #[error("no radii give {samples} samples or a few more; the nearest were {nearest}")]
+    Exactly {
+        /// How many were asked for.
+        samples: u64,
+        /// How many were made.
+        nearest: u64,
+    },
+    /// The first samples of an exact tiling are asked for.
+    #[error(
+        "exact tiling keeps its samples in no order of arrival, so that the first of them are not spread over the shape; leave the method out"
+    )]
+    ExactOrder,
     /// The domain is refused.
     #[error(transparent)]
     Domain(#[from] ParameterError),

@@ -106,7 +106,7 @@ impl RadiusSource {
     }
 
     /// Returns the pixels of a row and of a column of a domain that ends like this, if there are pixels.
-    pub(super) fn pixels(&self, boundary: Boundary) -> Option<[usize; 2]> {
+    pub(crate) fn pixels(&self, boundary: Boundary) -> Option<[usize; 2]> {
         match self {
             Self::Constant(_) | Self::Expression { .. } => None,
             Self::Image { image, .. } | Self::Density { image, .. } => Some(image.pixels()),

@@ -11,7 +11,7 @@ use tilescope_formats::{Check, Format, Overrides, check_bytes, export_bytes, pos
 use super::image::tests::png;
 use super::*;
 
-fn expression(text: &str) -> RadiusSource {
+pub fn expression(text: &str) -> RadiusSource {
     RadiusSource::Expression {
         expression: Expression::parse(text).expect(text),
         scale: 1.0,

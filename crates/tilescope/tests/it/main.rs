@@ -6,6 +6,7 @@ mod combine;
 mod command_line;
 mod curve;
 mod device;
+mod fields;
 mod judging;
 mod large_sets;
 mod lessons;

@@ -23,7 +23,7 @@ pub fn refused(folder: &TempDir, line: &str, wanted: &str) {
 }
 
 /// Splits a line at blanks; a tilde stands for a blank in a word.
-fn words(line: &str) -> Vec<String> {
+pub fn words(line: &str) -> Vec<String> {
     line.split_whitespace()
         .map(|word| word.replace('~', " "))
         .collect()
@@ -89,7 +89,7 @@ fn made_and_verified(folder: &TempDir, sample: &str, verify: &str) -> [Value; 2]
 }
 
 /// Replaces a line of a table by another one, and by none.
-fn tamper(folder: &TempDir, name: &str, line: usize, other: Option<&str>) {
+pub fn tamper(folder: &TempDir, name: &str, line: usize, other: Option<&str>) {
     let path = folder.path().join(name);
     let text = fs::read_to_string(&path).unwrap();
     let mut lines: Vec<&str> = text.lines().collect();
