@@ -45,7 +45,8 @@ pub struct ThinArguments {
     /// functions. Two points of radii a and b are kept if they are 2ab / (a + b) apart
     #[arg(long, value_name = "FORMULA", conflicts_with_all = ["radius", "radius_image"])]
     radius_expression: Option<String>,
-    /// The radius of each point from the grey of a PNG image, whose pixels fill the domain
+    /// The radius of each point from the grey of a PNG image, whose pixels are squares and fill the domain: without --width and
+    /// --height the smallest rectangle of the image's proportions that begins at the lower corner of the points and holds all
     #[arg(long, value_name = "PNG", requires = "radius")]
     radius_image: Option<PathBuf>,
     /// The radius of each point from a column or a property of the file; two points are kept as by --radius-expression
@@ -67,17 +68,18 @@ pub struct ThinArguments {
     /// Write the kept points, in the format of the input and with all of their columns, and a certificate beside the file
     #[arg(long, value_name = "FILE")]
     out: Option<PathBuf>,
-    /// Width of the domain; without it, that of the rectangle around the points
-    #[arg(long, value_name = "W", requires = "height")]
+    /// Width of the domain, beside --height; without sides it is the rectangle around the points. With --radius-image one of the
+    /// two is enough
+    #[arg(long, value_name = "W")]
     width: Option<f64>,
     /// Height of the domain
-    #[arg(long, value_name = "H", requires = "width")]
+    #[arg(long, value_name = "H")]
     height: Option<f64>,
     /// How the domain ends: at a periodic border, points are near points at the other side
-    #[arg(long, value_parser = boundaries(), requires = "width")]
+    #[arg(long, value_parser = boundaries())]
     boundary: Option<Boundary>,
     /// The lower corner of the domain; if not given, 0 0
-    #[arg(long, num_args = 2, value_names = ["X", "Y"], requires = "width")]
+    #[arg(long, num_args = 2, value_names = ["X", "Y"])]
     origin: Option<Vec<f64>>,
     /// Format of the input, if neither its extension nor its content names one
     #[arg(long, value_name = "FORMAT", value_parser = formats())]
@@ -237,18 +239,48 @@ impl ThinArguments {
         }
     }
 
-    /// Returns what the arguments ask for. Clap takes both sides of the domain or none, and a boundary only beside
-    /// them; without one the domain is bounded.
+    /// Returns what the arguments ask for.
     fn recipe(&self) -> Result<ThinRecipe> {
+        let radius = self.radius()?;
+        // The pixels of an image are squares, so that one side gives the other.
+        let pixels = match &radius {
+            ThinRadius::Source(RadiusSource::Image { image, .. }) => Some(image.pixels()),
+            ThinRadius::Source(_) | ThinRadius::Column(_) => None,
+        };
         Ok(ThinRecipe {
-            radius: self.radius()?,
+            domain: self.domain(pixels)?,
             priority: self.priority()?,
-            domain: self.width.zip(self.height).map(|(width, height)| {
-                let is_periodic = self.boundary == Some(Boundary::Periodic);
-                let region = Region::new([width, height], is_periodic);
-                (region, pair(self.origin.as_ref()).unwrap_or_default())
-            }),
+            radius,
         })
+    }
+
+    /// Returns the domain and its lower corner, if a side is given; without a boundary it is bounded. Refuses a lone side
+    /// without pixels, and other options of a domain without a side.
+    fn domain(&self, pixels: Option<[usize; 2]>) -> Result<Option<(Region, [f64; 2])>> {
+        let across = pixels.map(|[columns, rows]| columns as f64 / rows as f64);
+        let size = match (self.width, self.height, across) {
+            (Some(width), Some(height), _) => [width, height],
+            (Some(width), None, Some(across)) => [width, width / across],
+            (None, Some(height), Some(across)) => [height * across, height],
+            (Some(_), None, None) => {
+                bail!("--width needs --height; with --radius-image it follows")
+            }
+            (None, Some(_), None) => {
+                bail!("--height needs --width; with --radius-image it follows")
+            }
+            (None, None, _) => {
+                let why = "needs the sides of the domain: give --width and --height";
+                ensure!(self.boundary.is_none(), "--boundary {why}");
+                ensure!(self.origin.is_none(), "--origin {why}");
+                return Ok(None);
+            }
+        };
+        let is_periodic = self.boundary == Some(Boundary::Periodic);
+        let region = Region::new(size, is_periodic);
+        Ok(Some((
+            region,
+            pair(self.origin.as_ref()).unwrap_or_default(),
+        )))
     }
 
     /// Returns where the radii come from.

@@ -55,7 +55,7 @@ pub(super) fn make(
     file: &SpaceFile<'_>,
     mut laps: Laps,
 ) -> Result<ThinnedFile> {
-    // The parser takes --boundary and --origin only beside --width.
+    // `ThinArguments::domain` has refused --boundary and --origin without a side.
     refuse(
         &[
             ("--width", arguments.width.is_some()),

@@ -390,6 +390,19 @@ fn what_cannot_be_thinned_is_refused_by_name() {
             "point 0 at (0, 500) lies outside the domain",
         ),
         (
+            "cloud.csv --radius 1 --width 6",
+            "--width needs --height; with --radius-image it follows",
+        ),
+        ("cloud.csv --radius 1 --height 6", "--height needs --width"),
+        (
+            "cloud.csv --radius 1 --origin 0 500",
+            "--origin needs the sides of the domain",
+        ),
+        (
+            "cloud.csv --radius 1 --boundary periodic",
+            "--boundary needs the sides",
+        ),
+        (
             "cloud.csv --radius 1 --out cloud.csv",
             "would be written over this input",
         ),

@@ -281,6 +281,14 @@ impl ThinRadius {
         }
     }
 
+    /// Returns the pixels of a row and of a column, if the radii are those of pixels in a bounded domain.
+    fn pixels(&self) -> Option<[usize; 2]> {
+        match self {
+            Self::Source(source) => source.pixels(Boundary::Bounded),
+            Self::Column(_) => None,
+        }
+    }
+
     /// Returns the parameter that certificates state it by.
     fn stated(&self) -> (&'static str, serde_json::Value) {
         match self {
@@ -301,7 +309,8 @@ pub struct ThinRecipe {
     pub radius: ThinRadius,
     /// In which order points are taken.
     pub priority: ThinningPriority,
-    /// The domain and its lower corner; without it, the rectangle around the points.
+    /// The domain and its lower corner; without it, the rectangle around the points, which for radii of pixels has their
+    /// proportions.
     pub domain: Option<(Region, [f64; 2])>,
 }
 
@@ -366,9 +375,11 @@ impl ThinRecipe {
 
         // The rectangle around the points takes the place of a domain that is not given. It need not be covered: points are
         // judged, and not places.
-        let (region, origin) = match self.domain {
-            Some(domain) => domain,
-            None => around(points, read.least())?,
+        let (region, origin) = if let Some(domain) = self.domain {
+            domain
+        } else {
+            let (region, origin) = around(points, read.least())?;
+            (in_proportion(region, self.radius.pixels()), origin)
         };
         refuse_outside(points, region, origin)?;
 
@@ -481,6 +492,23 @@ fn around(points: &[[f64; 2]], radius: Option<f64>) -> Result<(Region, [f64; 2])
         }
         _ => Err(ThinFileError::Region { size }),
     }
+}
+
+/// Returns the smallest region that square pixels fill and that holds a bounded one at its lower corner. Without pixels it is
+/// that one.
+fn in_proportion(region: Region, pixels: Option<[usize; 2]>) -> Region {
+    let Some([columns, rows]) = pixels.map(|counts| counts.map(|count| count as f64)) else {
+        return region;
+    };
+    // The side that is kept stays as it is to the bit, so that no point falls outside by rounding.
+    let [width, height] = region.size();
+    let size = if width * rows / columns >= height {
+        [width, width * rows / columns]
+    } else {
+        [height * columns / rows, height]
+    };
+    let is_periodic = false;
+    Region::new(size, is_periodic)
 }
 
 /// Fails if a point is not in the stated region.
