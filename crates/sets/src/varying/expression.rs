@@ -82,10 +82,12 @@ impl Expression {
         let length = text.chars().count();
         if length > MAX_EXPRESSION {
             // The place of this fault is the first character that is too many.
-            parser.at = MAX_EXPRESSION;
-            let reason =
-                format!("it has {length} characters; at most {MAX_EXPRESSION} are possible");
-            return Err(parser.fault(reason));
+            return Err(VaryingError::Expression {
+                at: MAX_EXPRESSION + 1,
+                reason: format!(
+                    "it has {length} characters; at most {MAX_EXPRESSION} are possible"
+                ),
+            });
         }
 
         parser.sum()?;
@@ -351,6 +353,7 @@ impl Parser<'_> {
     }
 
     fn fault(&self, reason: String) -> VaryingError {
+        // The first character of several bytes is a fault itself, so that up to it bytes and characters are the same number.
         VaryingError::Expression {
             at: self.at + 1,
             reason,
@@ -423,6 +426,10 @@ mod tests {
     fn expressions_without_end_are_refused() {
         let long = "x+".repeat(MAX_EXPRESSION);
         assert!(fault(&long).contains("8192 characters; at most 4096"));
+        // Places are counted in characters, of which these have two bytes each.
+        let wide = "\u{e9}".repeat(MAX_EXPRESSION + 1);
+        assert!(fault(&wide).contains("at character 4097: it has 4097 characters"));
+        assert!(fault(&wide[..8]).contains("at character 1: another character"));
         assert!(fault(&"(".repeat(4000)).contains("nested more than 64 deep"));
         assert!(fault(&"2^".repeat(2000)).contains("nested more than 64 deep"));
         let deep = format!("{}x{}", "(".repeat(60), ")".repeat(60));

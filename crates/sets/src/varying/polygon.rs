@@ -1,9 +1,13 @@
 //! Polygons from `GeoJSON`, in the coordinates of a plane.
 
+mod overlap;
+
 use serde::{Deserialize, Serialize};
 use serde_json::Value;
+use tilescope_analysis::Number;
 use tilescope_formats::{bytes_digest, may_be_degrees};
 
+use self::overlap::{Overlapping, overlap};
 use super::error::VaryingError;
 
 /// The most corners of all rings together: their certificate, which states each, stays readable.
@@ -24,12 +28,13 @@ pub struct PlanarPolygon {
 impl PlanarPolygon {
     /// Reads all polygons of a `GeoJSON` document: of a feature collection, a feature or a geometry. `name` is the file's.
     ///
-    /// Rings may have any direction, and polygons may touch. Corners that all lie within 180 and 90, and not all in the unit
+    /// Rings may have any direction, and polygons may touch, but not overlap. Corners that all lie within 180 and 90, and not all in the unit
     /// square, are refused unless they are `planar`: they may be degrees.
     ///
     /// # Errors
     ///
-    /// [`VaryingError::Polygon`] for other documents and geometries, for rings that enclose nothing and for edges that cross;
+    /// [`VaryingError::Polygon`] for other documents and geometries, for rings that enclose nothing, for edges that cross and for
+    /// polygons that overlap;
     /// [`VaryingError::Corners`], [`VaryingError::Degrees`].
     pub fn from_geojson(name: &str, bytes: &[u8], planar: bool) -> Result<Self, VaryingError> {
         let fault = |reason: String| VaryingError::Polygon {
@@ -38,26 +43,27 @@ impl PlanarPolygon {
         };
         let document: Value = serde_json::from_slice(bytes)
             .map_err(|error| fault(format!("it is no GeoJSON: {error}")))?;
-        let mut rings = Vec::new();
-        add(&document, &mut rings).map_err(fault)?;
+        let mut given = GivenRings::default();
+        add(&document, &mut given).map_err(fault)?;
 
         let polygon = Self {
-            rings,
+            rings: given.rings,
             file: Some([name.to_owned(), bytes_digest(bytes)]),
         };
-        polygon.check(name, planar)?;
+        polygon.check(name, &given.polygon_of, planar)?;
         Ok(polygon)
     }
 
-    /// Returns the polygon of rings in the coordinates of a plane.
+    /// Returns the polygon of rings in the coordinates of a plane: what an odd number of them are around.
     ///
     /// # Errors
     ///
     /// As [`Self::from_geojson`], with `name` for the polygon, but for degrees.
     pub fn from_rings(name: &str, rings: Vec<Vec<[f64; 2]>>) -> Result<Self, VaryingError> {
         let polygon = Self { rings, file: None };
+        let polygon_of = vec![0; polygon.rings.len()];
         let planar = true;
-        polygon.check(name, planar)?;
+        polygon.check(name, &polygon_of, planar)?;
         Ok(polygon)
     }
 
@@ -78,9 +84,9 @@ impl PlanarPolygon {
         Self { rings, file: None }
     }
 
-    /// Fails if there is no ring, if the rings have too many corners, enclose nothing or cross, or if they may be in
-    /// degrees and are not said to be `planar`.
-    fn check(&self, name: &str, planar: bool) -> Result<(), VaryingError> {
+    /// Fails if there is no ring, if the rings have too many corners, enclose nothing, cross or overlap, or if they may be in
+    /// degrees and are not said to be `planar`. `polygon_of` has the polygon of each ring.
+    fn check(&self, name: &str, polygon_of: &[usize], planar: bool) -> Result<(), VaryingError> {
         let fault = |reason: String| VaryingError::Polygon {
             name: name.to_owned(),
             reason,
@@ -98,8 +104,9 @@ impl PlanarPolygon {
             None => Ok(()),
             Some(index) => {
                 let corners = self.rings[index].len();
+                let ring = ring_name(polygon_of, index);
                 Err(fault(format!(
-                    "ring {index} of {corners} corners encloses nothing"
+                    "{ring}, of {corners} corners, encloses nothing"
                 )))
             }
         };
@@ -118,17 +125,46 @@ impl PlanarPolygon {
         if let Some([a, b]) = self.crossing() {
             let shown = |edge: RingEdge| {
                 let ([x0, y0], [x1, y1]) = (edge.from, edge.to);
-                format!("({x0}, {y0}) to ({x1}, {y1}) of ring {}", edge.ring)
+                let ring = ring_name(polygon_of, edge.ring);
+                format!("({x0}, {y0}) to ({x1}, {y1}) of {ring}")
             };
+            let are_apart = polygon_of[a.ring] != polygon_of[b.ring];
+            let remedy = if are_apart { MERGE } else { "" };
             let (a, b) = (shown(a), shown(b));
             return Err(fault(format!(
-                "the edges {a} and {b} cross; edges may only touch"
+                "the edges {a} and {b} cross; edges may only touch{remedy}"
             )));
         }
 
         // A ring that crosses itself may have no area either: the message about the crossing, above, says more.
         let mut rings = self.rings.iter();
-        refuse_ring(rings.position(|ring| doubled_area(ring) == 0.0))
+        refuse_ring(rings.position(|ring| doubled_area(ring) == 0.0))?;
+        self.refuse_overlap(polygon_of).map_err(fault)
+    }
+
+    /// Fails if two polygons overlap, or two rings of one in part.
+    fn refuse_overlap(&self, polygon_of: &[usize]) -> Result<(), String> {
+        // A ring alone has nothing to overlap with.
+        if self.rings.len() < 2 {
+            return Ok(());
+        }
+        match overlap(self.edges().collect(), polygon_of) {
+            None => Ok(()),
+            Some((Overlapping::Polygons(first, second), [x, y])) => Err(format!(
+                "polygons {} and {} overlap, as at ({}, {}){MERGE}",
+                first + 1,
+                second + 1,
+                Number(x),
+                Number(y)
+            )),
+            Some((Overlapping::Rings(first, second), [x, y])) => Err(format!(
+                "{} and {} overlap, as at ({}, {}); each must lie inside of the other or beside it",
+                ring_name(polygon_of, first),
+                ring_name(polygon_of, second),
+                Number(x),
+                Number(y)
+            )),
+        }
     }
 
     /// Returns the least and the greatest coordinates.
@@ -157,15 +193,7 @@ impl PlanarPolygon {
         let [low, high] = self.bounds();
         let tolerance = TOUCHING * (high[0] - low[0]).max(high[1] - low[1]);
         let mut edges: Vec<RingEdge> = self.edges().collect();
-        // Along the axis on which edges are short, few of them lie side by side.
-        let extent = |axis: usize| {
-            edges
-                .iter()
-                .map(|edge| edge.span(axis))
-                .map(|[low, high]| high - low)
-                .sum::<f64>()
-        };
-        let axis = usize::from(extent(1) < extent(0));
+        let axis = sweep_axis(&edges);
         // Edges that begin at one place may come in any order: each meets all that are open.
         edges.sort_by(|a, b| a.span(axis)[0].total_cmp(&b.span(axis)[0]));
 
@@ -187,6 +215,42 @@ impl PlanarPolygon {
     }
 }
 
+/// What to do about polygons that overlap.
+const MERGE: &str = "; polygons that overlap must be merged first: their union is one polygon";
+
+/// Returns the axis along which edges are swept: that on which they are short, so that few of them lie side by side.
+fn sweep_axis(edges: &[RingEdge]) -> usize {
+    let extent = |axis: usize| {
+        edges
+            .iter()
+            .map(|edge| edge.span(axis))
+            .map(|[low, high]| high - low)
+            .sum::<f64>()
+    };
+    usize::from(extent(1) < extent(0))
+}
+
+/// Returns the name of a ring for people, who count from 1: rings in their polygon, if there are several.
+fn ring_name(polygon_of: &[usize], ring: usize) -> String {
+    let polygon = polygon_of[ring];
+    let first = polygon_of.iter().position(|other| *other == polygon);
+    let number = ring - first.unwrap_or_default() + 1;
+    // Polygons are numbered in the order of their rings.
+    if polygon_of.last() == Some(&0) {
+        format!("ring {number}")
+    } else {
+        format!("ring {number} of polygon {}", polygon + 1)
+    }
+}
+
+/// Rings as a document has them, polygon by polygon.
+#[derive(Default)]
+struct GivenRings {
+    rings: Vec<Vec<[f64; 2]>>,
+    /// The polygon of each ring.
+    polygon_of: Vec<usize>,
+}
+
 /// An edge of a ring.
 #[derive(Clone, Copy, Debug)]
 struct RingEdge {
@@ -199,6 +263,13 @@ impl RingEdge {
     fn span(&self, axis: usize) -> [f64; 2] {
         let (from, to) = (self.from[axis], self.to[axis]);
         [from.min(to), from.max(to)]
+    }
+
+    /// Returns the other coordinate of the edge's place with this one on an axis, on which it is not a single place.
+    fn height(&self, axis: usize, at: f64) -> f64 {
+        let share = (at - self.from[axis]) / (self.to[axis] - self.from[axis]);
+        let across = 1 - axis;
+        self.from[across] + share * (self.to[across] - self.from[across])
     }
 
     /// Returns how far to the left of the edge's line a place lies.
@@ -236,7 +307,7 @@ fn doubled_area(ring: &[[f64; 2]]) -> f64 {
 }
 
 /// Adds the rings of an object and of all objects in it.
-fn add(object: &Value, rings: &mut Vec<Vec<[f64; 2]>>) -> Result<(), String> {
+fn add(object: &Value, given: &mut GivenRings) -> Result<(), String> {
     let list = |name: &str| {
         let list = object.get(name).and_then(Value::as_array);
         list.ok_or_else(|| format!("an object has no list `{name}`"))
@@ -245,18 +316,18 @@ fn add(object: &Value, rings: &mut Vec<Vec<[f64; 2]>>) -> Result<(), String> {
     // Recursion ends with the parser's own limit of nested objects.
     let kind = object.get("type").and_then(Value::as_str);
     match kind {
-        Some("FeatureCollection") => list("features")?.iter().try_for_each(|one| add(one, rings)),
+        Some("FeatureCollection") => list("features")?.iter().try_for_each(|one| add(one, given)),
         Some("GeometryCollection") => list("geometries")?
             .iter()
-            .try_for_each(|one| add(one, rings)),
+            .try_for_each(|one| add(one, given)),
         Some("Feature") => match object.get("geometry") {
-            Some(geometry) if geometry.is_object() => add(geometry, rings),
+            Some(geometry) if geometry.is_object() => add(geometry, given),
             _ => Err("a feature has no geometry".to_owned()),
         },
-        Some("Polygon") => add_polygon(list("coordinates")?, rings),
+        Some("Polygon") => add_polygon(list("coordinates")?, given),
         Some("MultiPolygon") => list("coordinates")?.iter().try_for_each(|polygon| {
             let polygon = polygon.as_array().ok_or("a polygon is no list of rings")?;
-            add_polygon(polygon, rings)
+            add_polygon(polygon, given)
         }),
         Some(other) => {
             // The file may have any text here, of any length: a message shows its beginning. 40 is chosen, not
@@ -271,12 +342,14 @@ fn add(object: &Value, rings: &mut Vec<Vec<[f64; 2]>>) -> Result<(), String> {
 }
 
 /// Appends the rings of a polygon of `GeoJSON`.
-fn add_polygon(polygon: &[Value], rings: &mut Vec<Vec<[f64; 2]>>) -> Result<(), String> {
+fn add_polygon(polygon: &[Value], given: &mut GivenRings) -> Result<(), String> {
+    let index = given.polygon_of.last().map_or(0, |last| last + 1);
     for ring in polygon {
-        let index = rings.len();
+        given.polygon_of.push(index);
+        let name = || ring_name(&given.polygon_of, given.rings.len());
         let positions = ring
             .as_array()
-            .ok_or_else(|| format!("ring {index} is no list of positions"))?;
+            .ok_or_else(|| format!("{} is no list of positions", name()))?;
 
         // A third number is a height, which a plane has not.
         let corner = |position: &Value| {
@@ -288,8 +361,7 @@ fn add_polygon(polygon: &[Value], rings: &mut Vec<Vec<[f64; 2]>>) -> Result<(), 
                     .filter(|value| value.is_finite())
             };
             let corner = number(0).zip(number(1)).map(|(x, y)| [x, y]);
-            corner
-                .ok_or_else(|| format!("ring {index} has {position} where two numbers are needed"))
+            corner.ok_or_else(|| format!("{} has {position} where two numbers are needed", name()))
         };
         let mut corners = positions
             .iter()
@@ -299,105 +371,10 @@ fn add_polygon(polygon: &[Value], rings: &mut Vec<Vec<[f64; 2]>>) -> Result<(), 
         if corners.len() > 1 && corners.first() == corners.last() {
             corners.pop();
         }
-        rings.push(corners);
+        given.rings.push(corners);
     }
     Ok(())
 }
 
 #[cfg(test)]
-mod tests {
-    use serde_json::json;
-
-    use super::*;
-
-    fn read(geometry: &Value) -> Result<PlanarPolygon, String> {
-        let bytes = geometry.to_string();
-        let read = PlanarPolygon::from_geojson("park.geojson", bytes.as_bytes(), false);
-        read.map_err(|error| error.to_string())
-    }
-
-    fn polygon(rings: &Value) -> Value {
-        json!({ "type": "Polygon", "coordinates": rings })
-    }
-
-    /// Three corners, the first repeated, of a triangle with its right angle at a place.
-    fn triangle(x: f64, y: f64, side: f64) -> Value {
-        json!([[x, y], [x, y + side], [x + side, y], [x, y]])
-    }
-
-    #[test]
-    fn polygons_with_holes_touch_in_any_direction() {
-        let with_hole = polygon(&json!([
-            triangle(200.0, 0.0, 100.0),
-            triangle(210.0, 10.0, 20.0)
-        ]));
-        let beside = polygon(&json!([[[200, 0], [100, 0], [200, 100]]]));
-        let feature =
-            |geometry: &Value| json!({ "type": "Feature", "geometry": geometry, "properties": {} });
-        let all = json!({ "type": "FeatureCollection", "features": [feature(&with_hole), feature(&beside)] });
-        let read = read(&all).expect("three rings");
-        assert_eq!(read.rings.len(), 3);
-        assert_eq!(read.rings[2], [[200.0, 0.0], [100.0, 0.0], [200.0, 100.0]]);
-        assert_eq!(read.bounds(), [[100.0, 0.0], [300.0, 100.0]]);
-    }
-
-    #[test]
-    fn what_bounds_no_area_is_refused() {
-        let refusal = |geometry: &Value| read(geometry).expect_err("refused");
-        let bow = json!([[[200, 0], [300, 100], [300, 0], [200, 100]]]);
-        let said = refusal(&polygon(&bow));
-        assert!(
-            said.contains("(200, 0) to (300, 100) of ring 0") && said.contains("cross"),
-            "{said}"
-        );
-        let two = json!([triangle(200.0, 0.0, 100.0), triangle(190.0, -10.0, 100.0)]);
-        assert!(refusal(&polygon(&two)).contains("cross; edges may only touch"));
-
-        assert!(refusal(&polygon(&json!([]))).contains("holds no polygon"));
-        let line = json!([[[200, 0], [300, 100], [250, 50]]]);
-        assert!(refusal(&polygon(&line)).contains("ring 0 of 3 corners encloses nothing"));
-        let point = json!({ "type": "Point", "coordinates": [1, 2] });
-        assert!(refusal(&point).contains("GeoJSON Point has no area"));
-        let no_number = json!([[[200, 0], ["a", 1], [250, 50]]]);
-        assert!(refusal(&polygon(&no_number)).contains("ring 0 has [\"a\",1] where two numbers"));
-        assert!(refusal(&json!({ "type": "Feature", "geometry": null })).contains("no geometry"));
-    }
-
-    #[test]
-    fn what_may_be_degrees_is_refused_unless_it_is_planar() {
-        let town = polygon(&json!([triangle(8.5, 47.25, 0.5)]));
-        let said = read(&town).expect_err("perhaps degrees");
-        assert!(
-            said.contains("such as (8.5, 47.25)") && said.contains("project them"),
-            "{said}"
-        );
-        let bytes = town.to_string();
-        assert!(PlanarPolygon::from_geojson("a", bytes.as_bytes(), true).is_ok());
-        assert!(read(&polygon(&json!([triangle(0.0, 0.0, 1.0)]))).is_ok());
-    }
-
-    #[test]
-    fn a_hundred_thousand_edges_are_read() {
-        let count = 100_000;
-        let corner = |index: u32| {
-            let angle = f64::from(index) / f64::from(count) * std::f64::consts::TAU;
-            let radius = 500.0 + f64::from(index % 2);
-            [
-                1000.0 + radius * libm::cos(angle),
-                radius * libm::sin(angle),
-            ]
-        };
-        let ring: Vec<[f64; 2]> = (0..count).map(corner).collect();
-        let bytes = polygon(&json!([ring])).to_string();
-        let read = PlanarPolygon::from_geojson("a", bytes.as_bytes(), false).expect("a ring");
-        assert_eq!(read.rings[0].len(), 100_000);
-        let more = polygon(&json!([vec![[1000.0, 0.0]; MAX_CORNERS + 2]])).to_string();
-        let refused = PlanarPolygon::from_geojson("a", more.as_bytes(), false);
-        assert!(
-            refused
-                .expect_err("too many")
-                .to_string()
-                .contains("131073 corners; at most 131072")
-        );
-    }
-}
+mod tests;
