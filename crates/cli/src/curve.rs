@@ -252,7 +252,10 @@ fn course_in_ground(arguments: &CurveArguments, watch: &mut Stopwatch) -> Result
         origin: arguments.origin.as_ref(),
         method: arguments.method,
     };
-    Ok(Course::of_ground(&recipe(&asked)?, watch)?)
+    let recipe = recipe(&asked)?;
+    let exactly = ("--exactly", arguments.nested.exactly.is_some());
+    refuse(&[exactly], "moments of a field or a shape are those of a whole set")?;
+    Ok(Course::of_ground(&recipe, watch)?)
 }
 
 /// Makes the run of a set in space, and returns its course.

@@ -39,7 +39,8 @@ pub fn run(arguments: &SampleArguments) -> Result<u8> {
     // get none of the remarks of `outcome`, which are on sets of one radius that fill their domain.
     if arguments.ground.is_given() {
         let mut outcome = finish(arguments, varying::make(arguments)?)?;
-        outcome.warnings.extend(beginning(&outcome));
+        let notes = [beginning(&outcome), capped(&outcome)];
+        outcome.warnings.extend(notes.into_iter().flatten());
         output::report(arguments.json, || outcome.json(), || outcome.text())?;
         return Ok(outcome.code());
     }
@@ -140,6 +141,20 @@ fn beginning(outcome: &Outcome) -> Option<String> {
     Some(format!(
         "note: the samples are the first {kept} of {made}, by their arrival"
     ))
+}
+
+/// Returns the note on a density with places that are too light for the largest radius.
+fn capped(outcome: &Outcome) -> Option<String> {
+    let facts = &outcome.facts;
+    let radius = &facts.varying.as_ref()?.radius;
+    (facts.capped > 0).then(|| {
+        format!(
+            "note: {} pixels are too light for the largest radius, {:.1} times the least, and have that radius: samples are denser \
+             there than the image is dark; --mask leaves places out",
+            grouped(facts.capped as u64),
+            radius.greatest() / radius.least()
+        )
+    })
 }
 
 /// Adds remarks: on a pattern that repeats within blocks, and on a set for which exact tiling does not pay.

@@ -47,6 +47,8 @@ pub struct Facts {
     pub varying: Option<Arc<VaryingDomain>>,
     /// How many samples were made, if the set is the first of those.
     pub made: Option<u64>,
+    /// How many pixels of a density are too light for the largest radius that is possible, and have that radius.
+    pub capped: usize,
     /// The counts of the run, once it is made and if its method has them.
     pub summary: Option<Summary>,
 }
@@ -65,6 +67,7 @@ impl Facts {
             origin: [0.0; 2],
             varying: None,
             made: None,
+            capped: 0,
             summary: None,
         }
     }

@@ -11,6 +11,7 @@ mod expression;
 mod grid;
 mod ground;
 mod image;
+mod nodes;
 mod painting;
 mod pictures;
 mod polygon;
@@ -240,6 +241,7 @@ impl VaryingRecipe {
             // Where the radius varies, this is the least one.
             radius: ground.varying.judged.radius(),
             origin: ground.origin,
+            capped: ground.capped(radius),
             varying: Some(Arc::clone(&ground.varying)),
             ..Facts::new("reference", parameters, ground.field.domain())
         }

@@ -34,8 +34,8 @@ pub enum VaryingError {
     },
     /// Radii differ too much.
     #[error(
-        "the radius goes from {} to {}, {:.1} times as much; at most {limit:.1} times is possible",
-        Number(*.least), Number(*.greatest), .greatest / .least
+        "the radius goes from {} to {}, {:.1} times as much; at most {limit:.1} times is possible{}",
+        Number(*.least), Number(*.greatest), .greatest / .least, beside_pixels(*.allowing)
     )]
     Contrast {
         /// The least radius of the field.
@@ -44,6 +44,8 @@ pub enum VaryingError {
         greatest: f64,
         /// The largest possible quotient.
         limit: f64,
+        /// The next larger radius that would be the least of a quotient of 64, where the pixels make the limit smaller.
+        allowing: Option<f64>,
     },
     /// Exact tiling is asked for with a radius that varies.
     #[error("exact tiling has one radius everywhere; leave out what makes it vary, or the method")]
@@ -148,6 +150,14 @@ pub enum VaryingError {
     /// A density is 0 everywhere.
     #[error("the density is 0 everywhere; it must be above 0 somewhere")]
     NoDensity,
+    /// A density is that of a white image.
+    #[error(
+        "{name}: the image is white everywhere, so that it asks for no samples; make it darker"
+    )]
+    Blank {
+        /// The name of its file.
+        name: String,
+    },
     /// Two images differ in size.
     #[error(
         "one image has {} x {} pixels and the other {} x {}: they must be equal",
@@ -286,4 +296,16 @@ pub enum VaryingError {
     /// The sampler refused the parameters, or was cancelled.
     #[error(transparent)]
     Sample(#[from] SampleError),
+}
+
+/// Says why radii beside pixels may differ by less than 64 times, and which least radius would allow as much.
+fn beside_pixels(allowing: Option<f64>) -> String {
+    let reason = |radius: f64| {
+        format!(
+            " with pixels of this width: a pixel is a power of two of lattice units wide, so that the least radius has more units than it \
+             needs; a least radius of {} allows 64 times",
+            Number(radius)
+        )
+    };
+    allowing.map(reason).unwrap_or_default()
 }

@@ -3,9 +3,7 @@
 use std::sync::Arc;
 
 use tilescope_analysis::{Radii, Shape as JudgedShape, VaryingRegion};
-use tilescope_core::{
-    Boundary, Domain, MAX_FIELD_RADIUS, MAX_PITCH_BITS, Parameters, Point, R, RadiusField, Shape,
-};
+use tilescope_core::{Boundary, Domain, MAX_PITCH_BITS, Parameters, Point, R, RadiusField, Shape};
 use tilescope_formats::{
     CertifiedRadius, CertifiedShape, Format, RadiusField as CertifiedField, RadiusRule,
     VaryingDomain, bytes_digest,
@@ -13,25 +11,15 @@ use tilescope_formats::{
 
 use super::error::VaryingError;
 use super::grid::pixels_around;
-use super::source::{RadiusSource, ShapeSource, radius_of_darkness, radius_of_grey};
+use super::nodes::{
+    HAIR, MAX_CONTRAST, RequestedRadii, SAME_RATIO, Squares, squares_for, squares_of,
+};
+use super::source::{DENSITY_CAP, RadiusSource, ShapeSource, radius_of_darkness, radius_of_grey};
 use super::{ExactBlocks, VaryingRecipe, samples_in};
 use crate::domain::region;
 
-/// The nodes along the longer side of an expression's domain: a radius that changes on a thousandth of it is followed.
-const EXPRESSION_NODES: usize = 1024;
-
 /// The nodes along the longer side at which an expression is looked at before it is run.
 const GLANCE_NODES: usize = 64;
-
-/// The largest radius is at most this many times the least.
-const MAX_CONTRAST: f64 = 64.0;
-
-/// A radius is made smaller by this share of it when it stands for a lattice unit, so that a side of whole units is not rounded down to
-/// one less. It is less than a unit of the largest domain.
-const HAIR: f64 = 1.0 / (1_u64 << 38) as f64;
-
-/// Ratios of sides that differ by less are equal: each side is rounded.
-const SAME_RATIO: f64 = 2e-12;
 
 /// What a set is made on and judged in.
 #[derive(Clone, Debug)]
@@ -58,15 +46,6 @@ struct Frame {
     squares: Option<Squares>,
 }
 
-/// The squares that fill a domain.
-#[derive(Clone, Copy)]
-struct Squares {
-    /// How many a row and a column have.
-    counts: [usize; 2],
-    /// Their side in user units.
-    pitch: f64,
-}
-
 /// A shape for each of those that use it.
 struct Shapes {
     sampled: Shape,
@@ -89,6 +68,7 @@ impl VaryingRecipe {
     /// the recipe's own, which a search for a given number of samples scales.
     pub(super) fn ground_of(&self, radius: &RadiusSource) -> Result<Ground, VaryingError> {
         radius.check()?;
+        radius.refuse_white()?;
         let frame = self.frame(radius)?;
         // A constant radius without pixels is one node.
         let nodes = match (frame.squares, radius) {
@@ -201,6 +181,7 @@ impl VaryingRecipe {
                 least,
                 greatest,
                 limit: MAX_CONTRAST,
+                allowing: None,
             });
         }
         // The lattice of the field, as `nodes` finds it. The domain is made to learn whether it is refused, which a hair
@@ -448,43 +429,70 @@ impl VaryingRecipe {
             return Err(VaryingError::Nothing);
         };
         let asked = self.requests(radius, frame, squares)?;
-        let pitch = squares.pitch;
-        let least = asked.iter().copied().fold(f64::INFINITY, f64::min);
-        let greatest = asked.iter().copied().fold(0.0, f64::max);
-
-        // The coarsest lattice in which the least radius has R units or more. A side has at most 2^31 units, so that a
-        // finer lattice would allow only smaller domains.
-        let in_units = |bits: u32, length: f64| length / pitch * f64::from(1_u32 << bits);
-        let bits = (0..=MAX_PITCH_BITS)
-            .find(|&bits| in_units(bits, least) >= f64::from(R))
-            .ok_or(VaryingError::Fine { least, pitch })?;
-
-        // The least radius may have up to 2^16 units, so that 64 times as much may be beyond the lattice's limit.
-        let most = f64::from(MAX_FIELD_RADIUS);
-        let contrast_limit = MAX_CONTRAST.min(most / in_units(bits, least));
-        if greatest > contrast_limit * least && !radius.is_capped() {
-            return Err(VaryingError::Contrast {
-                least,
-                greatest,
-                limit: contrast_limit,
-            });
+        let mut requested = RequestedRadii::new(asked, squares.pitch)?;
+        if requested.are_too_unlike() && !radius.is_capped() {
+            // The nodes of an expression may lie anywhere, so that the lattice can be made for its radii. Those of pixels
+            // are the corners of the pixels.
+            let has_mask = self.shape.as_ref().and_then(ShapeSource::pixels).is_some();
+            let has_pixels = has_mask || !matches!(radius, RadiusSource::Expression { .. });
+            // A contrast above that of all lattices is refused as it is.
+            if !has_pixels && requested.greatest <= MAX_CONTRAST * requested.least {
+                requested = self.requested_for_contrast(radius, frame, requested)?;
+            }
+            requested.refuse_contrast(has_pixels)?;
         }
 
-        let unit_radius = pitch / f64::from(1_u32 << bits) * f64::from(R);
+        let unit_radius = requested.pitch / f64::from(1_u32 << requested.bits) * f64::from(R);
         let domain = Domain::from_size(frame.size, unit_radius * (1.0 - HAIR), self.boundary)?;
-        // Rounded down: samples are then no farther apart than was asked for. Radii beyond the limit are those of a
-        // density, as others were refused.
-        let unit = |&length: &f64| {
-            in_units(bits, length)
-                .min(contrast_limit * in_units(bits, least))
-                .floor() as i32
-        };
         Ok(Nodes {
             domain,
-            bits,
-            units: asked.iter().map(unit).collect(),
-            limit: contrast_limit * least,
+            bits: requested.bits,
+            units: requested.units(),
+            limit: requested.limit * requested.least,
         })
+    }
+
+    /// Returns the radii of an expression at nodes of another pitch, if there is one in whose lattice they differ by no more than is
+    /// possible: the nearer the least radius is to R units, the larger the greatest one may be.
+    fn requested_for_contrast(
+        &self,
+        radius: &RadiusSource,
+        frame: &Frame,
+        mut requested: RequestedRadii,
+    ) -> Result<RequestedRadii, VaryingError> {
+        // Between other nodes the least radius may be a little smaller. Then the pitch follows from that.
+        const TRIES: usize = 4;
+        for _ in 0..TRIES {
+            let Some(mut squares) = squares_for(frame.size, self.boundary, requested.least) else {
+                break;
+            };
+            if self.boundary == Boundary::Bounded {
+                squares.counts = self.squares_beside(frame, squares.pitch, requested.least)?;
+            }
+            let asked = self.requests(radius, frame, squares)?;
+            requested = RequestedRadii::new(asked, squares.pitch)?;
+            if !requested.are_too_unlike() {
+                break;
+            }
+        }
+        Ok(requested)
+    }
+
+    /// Returns how many squares of a pitch a bounded domain has in the lattice that follows from a least radius: the last of a row may
+    /// lie beyond the border by less than a lattice unit, and is then none.
+    fn squares_beside(
+        &self,
+        frame: &Frame,
+        pitch: f64,
+        least: f64,
+    ) -> Result<[usize; 2], VaryingError> {
+        // The pitch was chosen so that this is a power of two but for rounding.
+        let units = f64::from(R) * pitch / least;
+        let bits = (units.log2().round() as u32).min(MAX_PITCH_BITS);
+        let unit_radius = pitch / f64::from(1_u32 << bits) * f64::from(R);
+        let domain = Domain::from_size(frame.size, unit_radius * (1.0 - HAIR), self.boundary)?;
+        let nodes = RadiusField::node_counts(&domain, bits)?;
+        Ok(nodes.map(|count| count - 1))
     }
 
     /// Returns the shape for the sampler, for the judge and for the certificate.
@@ -567,6 +575,19 @@ impl VaryingRecipe {
     }
 }
 
+impl Ground {
+    /// Returns how many pixels of a density are too light for the largest radius, with the radii that this ground has.
+    pub(super) fn capped(&self, radius: &RadiusSource) -> usize {
+        let RadiusSource::Density { image, black } = radius else {
+            return 0;
+        };
+        // Darkness goes with the inverse square of the radius.
+        let largest = self.limit.min(DENSITY_CAP * black);
+        let all = 0.0;
+        image.lighter_than(all, (black / largest).powi(2))
+    }
+}
+
 /// Checks that so many columns and rows of pixels are squares in a domain of this width and height.
 ///
 /// # Errors
@@ -584,36 +605,6 @@ fn pitch_of_pixels(pixels: [usize; 2], size: [f64; 2]) -> Result<f64, VaryingErr
         return Ok(pitch);
     }
     Err(VaryingError::Aspect { pixels, size })
-}
-
-/// Returns the squares at whose corners an expression is evaluated. They fill a periodic domain exactly; of a bounded
-/// one the last may reach beyond the border.
-fn squares_of(size: [f64; 2], boundary: Boundary) -> Result<Squares, VaryingError> {
-    let longer = size[0].max(size[1]);
-    let pitch_of = |along: usize| longer / along as f64;
-    let squares_along = |pitch: f64| size.map(|side| side / pitch);
-    if boundary == Boundary::Bounded {
-        let pitch = pitch_of(EXPRESSION_NODES);
-        // A count that is whole but for rounding is whole.
-        let whole = |count: f64| (count - SAME_RATIO).ceil().max(1.0) as usize;
-        let counts = squares_along(pitch).map(whole);
-        return Ok(Squares { counts, pitch });
-    }
-
-    // The largest number of squares for which both sides are whole: nodes go around without a step between them.
-    // A side of less than half a square would be rounded to none.
-    let fits = |along: &usize| {
-        squares_along(pitch_of(*along))
-            .iter()
-            .all(|count| *count >= 0.5 && (count / count.round() - 1.0).abs() < SAME_RATIO)
-    };
-    let along = (1..=EXPRESSION_NODES).rev().find(fits);
-    let limit = EXPRESSION_NODES;
-    let pitch = pitch_of(along.ok_or(VaryingError::Ratio { size, limit })?);
-    Ok(Squares {
-        counts: squares_along(pitch).map(|count| count.round() as usize),
-        pitch,
-    })
 }
 
 /// Returns the sum of the grey values of the pixels around a node, and how many there are.

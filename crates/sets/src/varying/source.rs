@@ -14,7 +14,8 @@ use super::image::{GrayImage, Tone, WHITE};
 use super::polygon::PlanarPolygon;
 use super::{GivenRadius, needed, stated_file};
 
-/// The largest radius of a density, in the least: the density of white, which is none, cannot be reached.
+/// The largest radius of a density, in the least: the density of white, which is none, cannot be reached. Where the lattice has less
+/// room, radii are capped at that.
 pub(super) const DENSITY_CAP: f64 = 64.0;
 
 /// The parameters that state radii of a grid and those that follow from a density.
@@ -87,6 +88,21 @@ impl RadiusSource {
             Self::Image { radii, .. } if !(0.0 < radii[0] && radii[0] <= radii[1]) => {
                 Err(VaryingError::Reversed { radii: *radii })
             }
+            Self::Constant(_)
+            | Self::Expression { .. }
+            | Self::Image { .. }
+            | Self::Density { .. }
+            | Self::Grid { .. } => Ok(()),
+        }
+    }
+
+    /// Refuses the density of a white image, which is 0 everywhere.
+    pub(super) fn refuse_white(&self) -> Result<(), VaryingError> {
+        let all = 0.0;
+        match self {
+            Self::Density { image, .. } if image.darkness(all) <= 0.0 => Err(VaryingError::Blank {
+                name: image.name().to_owned(),
+            }),
             Self::Constant(_)
             | Self::Expression { .. }
             | Self::Image { .. }

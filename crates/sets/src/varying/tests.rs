@@ -141,10 +141,9 @@ fn checked(
 }
 
 fn message(recipe: &VaryingRecipe) -> String {
-    recipe
-        .make(&mut Unobserved)
-        .expect_err("refused")
-        .to_string()
+    let made = recipe.make(&mut Unobserved);
+    // Without the set, which would fill pages.
+    made.map(|_| ()).expect_err("refused").to_string()
 }
 
 #[test]
@@ -667,4 +666,64 @@ fn shapes_are_tiled_exactly_and_judged_as_others() {
         ..recipe(expression("0.01 + 0.04*x"))
     };
     assert!(message(&ramp).contains("one radius everywhere"));
+}
+
+#[test]
+fn expressions_have_any_contrast_up_to_the_limit_in_both_kinds_of_domains() {
+    // The least radius lies between nodes, at a node of one pitch alone, and at a corner.
+    for text in [
+        "0.01 + 1.2*(x - 0.31)^2",
+        "0.01 + 0.6*abs(x - 1/3)",
+        "0.01 + 0.63*x",
+    ] {
+        let steep = recipe(expression(text));
+        let made = made(&steep);
+        assert!(judged(&made, JudgeChoice::Automatic).valid(), "{text}");
+        let check = checked(&made, GivenGround::default(), |data| data).expect("a check");
+        assert!(check.passed(), "{text}: {:?}", check.differences);
+    }
+    let waves = |times: f64| VaryingRecipe {
+        boundary: Boundary::Periodic,
+        size: [Some(12.0), Some(8.0)],
+        ..recipe(expression(&format!("0.02*(1 + {times}*sin(x*pi/12)^2)")))
+    };
+    let periodic = made(&waves(49.0));
+    assert!(judged(&periodic, JudgeChoice::Automatic).valid());
+    // The control: more than 64 times is refused, and no least radius allows it.
+    let said = message(&waves(64.0));
+    assert!(
+        said.contains("65.0 times as much") && said.ends_with("times is possible"),
+        "{said}"
+    );
+}
+
+#[test]
+fn pixels_say_which_least_radius_allows_a_contrast_and_count_what_is_too_light() {
+    let grey = image([64, 64], |x, _| match x {
+        x if x < 0.1 => 0.0,
+        x if x > 0.9 => 1.0,
+        x => x,
+    });
+    let steep = |least: f64| {
+        let image = grey.clone();
+        let radii = [least, 0.3];
+        recipe(RadiusSource::Image { image, radii })
+    };
+    let said = message(&steep(0.0075));
+    assert!(
+        said.contains("40.0 times as much; at most 33.3") && said.contains("0.0078125 allows"),
+        "{said}"
+    );
+    assert!(judged(&made(&steep(1.0 / 128.0)), JudgeChoice::Automatic).valid());
+
+    let density = |image: GrayImage| VaryingRecipe {
+        count: Some(500),
+        ..recipe(RadiusSource::Density { image, black: 1.0 })
+    };
+    // Six of 64 columns are white.
+    assert_eq!(made(&density(grey)).facts.capped, 6 * 64);
+    let dark = image([64, 64], |x, _| 0.9 * x);
+    assert_eq!(made(&density(dark)).facts.capped, 0);
+    let white = image([64, 64], |_, _| 1.0);
+    assert!(message(&density(white)).contains("the image is white everywhere"));
 }
