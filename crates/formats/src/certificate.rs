@@ -17,6 +17,7 @@ pub(crate) use self::parts::NoOther;
 use self::parts::Part;
 use crate::error::FormatError;
 use crate::format::{Format, Precision};
+use crate::indented::indented;
 
 pub use self::parts::{
     CertifiedPrefix, CertifiedRadius, CertifiedShape, Depth, RadiusColumn, RadiusField, RadiusRule,
@@ -34,7 +35,7 @@ const WITH_PARTS: u32 = 2;
 pub const CERTIFICATE_SUFFIX: &str = ".certificate.json";
 
 /// The largest certificate file read, 16 MiB. One is about 2 KiB; the rest is room for parameters and for a polygon of 100,000
-/// corners, each of which takes about 100 bytes. A data file given in its place by mistake is refused before it is parsed.
+/// corners, each of which takes about 50 bytes, and took 100 before. A data file given in its place by mistake is refused before it is parsed.
 pub const MAX_CERTIFICATE_BYTES: usize = 16 << 20;
 
 /// How storing changed the positions.
@@ -442,13 +443,13 @@ impl Certificate {
         })
     }
 
-    /// The certificate as the bytes of its file: indented JSON, a final newline.
+    /// The certificate as the bytes of its file: indented JSON, with each corner of a polygon on one line, and a final newline.
     ///
     /// # Errors
     ///
     /// [`FormatError::Json`] should serialisation fail, which plain data do not.
     pub fn to_bytes(&self) -> Result<Vec<u8>, FormatError> {
-        let mut bytes = serde_json::to_vec_pretty(self)?;
+        let mut bytes = indented(self)?;
         bytes.push(b'\n');
         Ok(bytes)
     }

@@ -8,8 +8,8 @@ use std::sync::Arc;
 
 use glam::DVec2;
 use tilescope_analysis::{
-    Control, JudgeChoice, MAX_CONFLICTS, Region, Report, SolidError, VaryingRegion, VerifyError,
-    VerifyOptions, verify, verify_levels,
+    Control, JudgeChoice, MAX_CONFLICTS, Number, Region, Report, SolidError, VaryingRegion,
+    VerifyError, VerifyOptions, verify, verify_levels,
 };
 
 use crate::certificate::{Certificate, CertifiedLevel, CertifiedRadius, CertifiedShape, finite};
@@ -187,7 +187,9 @@ pub enum CheckError {
     #[error("there is no certificate, so the radius to verify against must be given")]
     NoRadius,
     /// The certificate states a radius that varies or a shape, and the caller did not give it.
-    #[error("its radius varies or it covers a shape: these must be given to judge it")]
+    #[error(
+        "its radius varies or it covers a shape: the field and the shape must be given to judge it"
+    )]
     NoField,
     /// The points were chosen from another set.
     #[error(
@@ -209,6 +211,21 @@ pub enum CheckError {
         limit: u64,
         /// Why memory is needed.
         source: VerifyError,
+    },
+    /// A position lies outside the region, whose lower corner is not at 0 0.
+    #[error(
+        "the set has no verdict: sample {index} at ({}, {}) lies outside the region {region} from its corner at ({}, {})",
+        Number(.point[0]), Number(.point[1]), Number(.origin[0]), Number(.origin[1])
+    )]
+    Beyond {
+        /// The index of the first such sample.
+        index: usize,
+        /// Its position in the file.
+        point: [f64; 2],
+        /// The region.
+        region: Region,
+        /// Where the lower corner of the region lies in the file.
+        origin: [f64; 2],
     },
     /// Positions lie outside the region once they are multiplied by its width, as those of the format are.
     #[error(
@@ -394,8 +411,29 @@ impl Judged {
         report.map_err(|error| self.fault(error, format))
     }
 
-    /// The error of a set without a verdict. Numbers between blanks, which are taken for UTK's, may be in the user's units.
-    fn fault(&self, source: VerifyError, format: Format) -> CheckError {
+    /// The error of a set without a verdict: positions are those of the file. Numbers between blanks, which are taken for UTK's,
+    /// may be in the user's units.
+    pub(crate) fn fault(&self, source: VerifyError, format: Format) -> CheckError {
+        let in_file = |point: [f64; 2]| self.mapping.file_from_domain(point);
+        if let VerifyError::OutOfShape { index, point } = source {
+            let point = in_file(point);
+            return CheckError::Verify(VerifyError::OutOfShape { index, point });
+        }
+        // The region in the message is that around 0 0.
+        if let VerifyError::OutOfRegion {
+            index,
+            point,
+            region,
+        } = source
+            && DVec2::from(self.origin) != DVec2::ZERO
+        {
+            return CheckError::Beyond {
+                index,
+                point: in_file(point),
+                region,
+                origin: self.origin,
+            };
+        }
         let is_outside = matches!(source, VerifyError::OutOfRegion { .. });
         if is_outside && format == Format::UtkText && self.mapping.scale() > 1.0 {
             return CheckError::Scaled { format, source };
@@ -422,7 +460,7 @@ impl Judged {
         stated.region == self.region
             && DVec2::from(stated.origin.unwrap_or_default()) == DVec2::from(self.origin)
             && stated.radius == self.stated_radius()
-            && stated.shape == self.shape()
+            && is_same_shape(stated, self.shape().as_ref())
             && stated.covering_tolerance.to_bits() == tolerance.to_bits()
     }
 }
@@ -564,7 +602,7 @@ fn differences(
     list.exact("origin", &origin, &used);
     list.exact("radius", &stated.radius, &judged.stated_radius());
     list.unless(
-        stated.shape == judged.shape(),
+        is_same_shape(stated, judged.shape().as_ref()),
         "shape",
         described(stated.shape.as_ref()),
         described(judged.shape().as_ref()),
@@ -584,18 +622,28 @@ fn differences(
     list.0
 }
 
-/// Names a shape in a few words.
+/// Returns whether a certificate states this shape, or none if there is none.
+fn is_same_shape(stated: &Certificate, found: Option<&CertifiedShape>) -> bool {
+    match (&stated.shape, found) {
+        (Some(stated), Some(found)) => stated.is_same(found),
+        (None, None) => true,
+        (Some(_), None) | (None, Some(_)) => false,
+    }
+}
+
+/// Names a shape in a few words, with a digest by which two that differ can be told apart.
 fn described(shape: Option<&CertifiedShape>) -> String {
-    match shape {
-        None => "no shape".to_owned(),
-        Some(CertifiedShape::Polygon { rings }) => {
+    let Some(shape) = shape else {
+        return "no shape".to_owned();
+    };
+    let kind = match shape {
+        CertifiedShape::Polygon { rings } => {
             let corners: usize = rings.iter().map(Vec::len).sum();
             format!("a polygon of {} rings with {corners} corners", rings.len())
         }
-        Some(CertifiedShape::Mask { digest, pitch }) => {
-            format!("a mask with pixels of {pitch} and the digest {digest}")
-        }
-    }
+        CertifiedShape::Mask { pitch, .. } => format!("a mask with pixels of {pitch}"),
+    };
+    format!("{kind} and the digest {}", shape.digest())
 }
 
 /// Compares the stated levels with those found. Those found have the count, the distance and the covering that were

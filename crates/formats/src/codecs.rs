@@ -349,7 +349,7 @@ pub(crate) fn encode_certified(
         Format::PlyAscii => Ok(ply::write_ascii(&points, provenance, columns)),
         Format::PlyBinary => Ok(ply::write_binary(&points, provenance, columns, precision)),
         Format::Xyz => Ok(xyz::write(&points)),
-        Format::Json => json::write(&points, provenance, certificate),
+        Format::Json => json::write(&points, provenance, &columns.radii, certificate),
         Format::GeoJson => Ok(geojson::write(&points, columns)),
         Format::Svg => Ok(svg::write(&points, target, columns)),
     }

@@ -358,7 +358,7 @@ pub enum FormatError {
         /// The number of points in the set.
         points: usize,
     },
-    /// A column of a set in space with another number of entries than there are points.
+    /// A column, or a list beside that of points, with another number of entries than there are points.
     #[error("{found} entries of {name} for {points} points")]
     Column {
         /// The name of the column.

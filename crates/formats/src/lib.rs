@@ -29,6 +29,7 @@ mod fields;
 #[cfg(not(target_arch = "wasm32"))]
 mod files;
 mod format;
+mod indented;
 mod mapping;
 #[cfg(not(target_arch = "wasm32"))]
 mod pipe;

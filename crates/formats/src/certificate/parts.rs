@@ -4,6 +4,7 @@
 //! Readers refuse parts that they cannot read, and parts that they can read but not judge, each by its name: a
 //! statement that is passed over would be lost from the next certificate of the same points.
 
+use std::borrow::Cow;
 use std::fmt::{self, Display};
 use std::ops::RangeInclusive;
 
@@ -13,6 +14,7 @@ use serde_json::{Map, Value};
 use tilescope_analysis::Region;
 
 use super::Distinct;
+use crate::digest::bytes_digest;
 
 /// A part with a value of its own.
 pub(super) trait Part: DeserializeOwned {
@@ -62,6 +64,52 @@ pub enum CertifiedShape {
         /// The side of a pixel.
         pitch: f64,
     },
+}
+
+impl CertifiedShape {
+    /// Whether two shapes have the same places whatever they are judged in: of a polygon neither the direction nor the first
+    /// corner of a ring matters, nor the sequence of rings.
+    pub(crate) fn is_same(&self, other: &Self) -> bool {
+        match (self, other) {
+            (Self::Polygon { rings }, Self::Polygon { rings: others }) => {
+                rings == others || edges(rings) == edges(others)
+            }
+            (Self::Mask { .. }, Self::Mask { .. }) => self == other,
+            (Self::Polygon { .. }, Self::Mask { .. })
+            | (Self::Mask { .. }, Self::Polygon { .. }) => false,
+        }
+    }
+
+    /// Returns the digest of a polygon, equal for two that are the same, or that of a mask.
+    pub(crate) fn digest(&self) -> Cow<'_, str> {
+        match self {
+            Self::Mask { digest, .. } => digest.into(),
+            Self::Polygon { rings } => {
+                let mut bytes = b"tilescope polygon\n".to_vec();
+                let numbers = edges(rings).into_iter().flatten().flatten();
+                bytes.extend(numbers.flat_map(u64::to_le_bytes));
+                bytes_digest(&bytes).into()
+            }
+        }
+    }
+}
+
+/// Returns the edges of rings by the bits of their ends, the smaller end first, in an order of their own: by the even-odd rule
+/// they have all that matters of a polygon.
+fn edges(rings: &[Vec<[f64; 2]>]) -> Vec<[[u64; 2]; 2]> {
+    let of_ring = |ring: &Vec<[f64; 2]>| {
+        // Adding 0 turns -0 into 0, which is the same place.
+        let corners: Vec<[u64; 2]> = (ring.iter())
+            .map(|corner| corner.map(|at| (at + 0.0).to_bits()))
+            .collect();
+        let next = corners.iter().cycle().skip(1);
+        let ends = corners.iter().zip(next);
+        ends.map(|(&from, &to)| [from.min(to), from.max(to)])
+            .collect::<Vec<_>>()
+    };
+    let mut edges: Vec<_> = rings.iter().flat_map(of_ring).collect();
+    edges.sort_unstable();
+    edges
 }
 
 /// A triangle is the simplest ring with an inside.

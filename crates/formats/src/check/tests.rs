@@ -357,10 +357,12 @@ fn an_origin_is_not_believed() {
         &|c| c.origin = Some([5e5 + 1.0, -8.0]),
         &Overrides::default(),
     );
-    assert!(matches!(
-        moved,
-        Err(CheckError::Verify(VerifyError::OutOfRegion { .. }))
-    ));
+    // The sample and the domain are named where they lie in the file.
+    let said = moved.expect_err("outside").to_string();
+    assert!(
+        said.contains("at (500000, ") && said.contains("from its corner at (500001, -8)"),
+        "{said}"
+    );
 
     let other = Overrides {
         origin: Some([5e5, -8.0]),

@@ -1,4 +1,4 @@
-//! JSON: an object with `certificate`, `points` and, when known, `provenance`.
+//! JSON: an object with `certificate`, `points`, when known, `provenance`, and, where it varies, the `radius` of each point.
 //!
 //! Also reads a bare array of `[x, y]` pairs, and the points of `GeoJSON`; skips all other fields. No bit is lost:
 //! shortest decimals are written and read with correct rounding.
@@ -12,6 +12,7 @@ use super::{CertificateUse, Raw, geojson, kept};
 use crate::certificate::Certificate;
 use crate::error::FormatError;
 use crate::format::Precision;
+use crate::indented::indented;
 use crate::point_set::{PointSet, Provenance};
 use crate::text::{push, without_bom};
 
@@ -120,10 +121,12 @@ impl<'de> Visitor<'de> for PositionVisitor {
     }
 }
 
-/// Writes a document: the certificate, the points and the provenance.
+/// Writes a document: the certificate, the points, the provenance and the radii, of which there are none where all points have
+/// the same.
 pub(super) fn write(
     points: &[[f64; 2]],
     provenance: Option<&[Provenance]>,
+    radii: &[f64],
     certificate: Option<&Certificate>,
 ) -> Result<Vec<u8>, FormatError> {
     // Room for the points: a row of numbers below 1 with 17 digits after the point has 44 bytes. Longer numbers, the
@@ -133,7 +136,7 @@ pub(super) fn write(
     out.extend_from_slice(b"{\n");
     if let Some(certificate) = certificate {
         out.extend_from_slice(b"\"certificate\": ");
-        serde_json::to_writer_pretty(&mut out, certificate)?;
+        out.extend(indented(certificate)?);
         out.extend_from_slice(b",\n");
     }
 
@@ -146,6 +149,11 @@ pub(super) fn write(
             &mut out,
             provenance.iter().map(|&from| <[u32; 3]>::from(from)),
         );
+    }
+
+    if !radii.is_empty() {
+        out.extend_from_slice(b"],\n\"radius\": [\n");
+        push_rows(&mut out, radii);
     }
 
     out.extend_from_slice(b"]\n}\n");

@@ -1,6 +1,7 @@
-//! The radius of each point, in files that have such a column: text tables, PLY and `GeoJSON`. Other readers skip it.
+//! The radius of each point, in files that have such a column: text tables, PLY, JSON and `GeoJSON`. Other readers skip it.
 
 use serde::Deserialize;
+use serde::de::IgnoredAny;
 
 use super::kept::ColumnUse;
 use super::{ply, positive, table};
@@ -33,7 +34,7 @@ pub(super) fn read(
             if_any(ply::column(bytes, format, RADIUS, ColumnUse::Radius))?
         }
         // A file that is read as JSON may hold GeoJSON.
-        Format::Json | Format::GeoJson => of_features(bytes),
+        Format::Json | Format::GeoJson => of_document(bytes)?.or_else(|| of_features(bytes)),
         Format::PsaText
         | Format::PsaRps
         | Format::UtkText
@@ -56,6 +57,29 @@ fn if_any(column: Result<Vec<f64>, FormatError>) -> Result<Option<Vec<f64>>, For
         Err(FormatError::Header { .. }) => Ok(None),
         found => found.map(Some),
     }
+}
+
+/// A document of this program, whose list of radii has one for each point.
+#[derive(Deserialize)]
+struct Document {
+    points: Vec<IgnoredAny>,
+    radius: Vec<f64>,
+}
+
+/// Returns nothing where a document has no list of radii. Fails where it has more or fewer than there are points.
+fn of_document(bytes: &[u8]) -> Result<Option<Vec<f64>>, FormatError> {
+    let document: Option<Document> = serde_json::from_slice(crate::text::without_bom(bytes)).ok();
+    let Some(Document { points, radius }) = document else {
+        return Ok(None);
+    };
+    if radius.len() == points.len() {
+        return Ok(Some(radius));
+    }
+    Err(FormatError::Column {
+        name: RADIUS,
+        found: radius.len(),
+        points: points.len(),
+    })
 }
 
 #[derive(Deserialize)]
@@ -115,8 +139,10 @@ mod tests {
                 format,
                 Format::Csv | Format::PlyAscii | Format::PlyBinary | Format::GeoJson
             );
+            // JSON has a list of radii beside that of points, and no ranks.
+            let has_radii = has_columns || format == Format::Json;
             let found = read(&bytes(&with), format, None).expect("a file");
-            assert_eq!(found, has_columns.then(|| radii.clone()), "{format}");
+            assert_eq!(found, has_radii.then(|| radii.clone()), "{format}");
             let found = read(&bytes(&Columns::default()), format, None).expect("a file");
             assert_eq!(found, None, "{format}");
 
@@ -158,6 +184,18 @@ mod tests {
                 .contains("line 2: \"0\" in column radius is not a finite number above 0")
         );
         assert!(refused("x,y,radius\n1,2,wide\n").contains("wide"));
+
+        let json = |text: &str| read(text.as_bytes(), Format::Json, None);
+        let uneven = json(r#"{"points": [[1, 2], [3, 4]], "radius": [0.5]}"#);
+        let said = uneven.expect_err("a radius is missing").to_string();
+        assert!(said.contains("1 entries of radius for 2 points"), "{said}");
+        let negative = json(r#"{"points": [[1, 2]], "radius": [-0.5]}"#);
+        assert!(
+            negative
+                .expect_err("no radius")
+                .to_string()
+                .contains("-0.5")
+        );
 
         let shared = br#"{"type": "FeatureCollection", "features": [{"type": "Feature", "properties": {"radius": 1},
             "geometry": {"type": "MultiPoint", "coordinates": [[0, 0], [1, 1]]}}]}"#;

@@ -115,7 +115,8 @@ fn in_pieces(
         for point in &mut points {
             *point = judged.mapping.domain_from_file(*point);
         }
-        verifier.push(&points, control)?;
+        let pushed = verifier.push(&points, control);
+        pushed.map_err(|error| judged.fault(error, detection.format))?;
     }
 
     let report = verifier.finish(control)?;

@@ -275,3 +275,30 @@ proptest! {
         prop_assert!(Certificate::from_bytes(more.as_bytes(), "c").is_err());
     }
 }
+
+#[test]
+fn polygons_are_the_same_in_any_direction_and_from_any_corner() {
+    let polygon = |rings: &[Vec<[f64; 2]>]| CertifiedShape::Polygon {
+        rings: rings.to_vec(),
+    };
+    let outer = vec![[0.0, 0.0], [9.0, 0.0], [9.0, 9.0], [0.0, 8.0]];
+    let hole = vec![[2.0, 2.0], [3.0, 2.0], [3.0, 3.0]];
+    let stated = polygon(&[outer.clone(), hole.clone()]);
+    let mut turned = outer.clone();
+    turned.reverse();
+    turned.rotate_left(1);
+    turned[0] = turned[0].map(|at| if at == 0.0 { -0.0 } else { at });
+    let other = polygon(&[hole.clone(), turned]);
+    assert!(stated != other && stated.is_same(&other));
+    assert_eq!(stated.digest(), other.digest());
+
+    // The controls: another corner, another sequence of corners, and a ring less.
+    let mut moved = outer.clone();
+    moved[3] = [0.0, 8.5];
+    let mut crossed = outer.clone();
+    crossed.swap(1, 2);
+    for rings in [vec![moved, hole.clone()], vec![crossed, hole], vec![outer]] {
+        let other = polygon(&rings);
+        assert!(!stated.is_same(&other) && stated.digest() != other.digest());
+    }
+}
