@@ -24,6 +24,7 @@ use tilescope_figures::Palette;
 use tilescope_figures::chart::{Figure, figure_scene};
 use tilescope_formats::write_whole;
 
+use crate::ground::GroundArguments;
 use crate::options::SetArguments;
 use crate::paths::{check_file, check_inputs_stay, extension, named};
 use crate::{EXIT_BAD_INPUT, EXIT_FINE, interrupt, output};
@@ -50,6 +51,8 @@ pub struct AnalyzeArguments {
     frequencies: Option<f64>,
     #[command(flatten)]
     set: SetArguments,
+    #[command(flatten)]
+    ground: GroundArguments,
     /// Save a report: .html (table and curves), .png or .svg (curves), .csv (all numbers)
     #[arg(long, value_name = "FILE")]
     out: Option<PathBuf>,
@@ -61,6 +64,9 @@ pub struct AnalyzeArguments {
 const EXAMPLES: &str = "\
 Sides and boundary that neither a certificate nor an argument gives are those of the periodic unit
 square. A radius that neither gives is the smallest distance between two samples.
+
+Where the radius varies or there is a shape, a certificate that states an expression and polygons is
+enough; images must be given. The numbers are then those of all places together, in the least radius.
 
 Frequencies are given as nu = |k| / sqrt(N), distances over r_max, the smallest distance in the
 hexagonal lattice of as many samples; if all sets have one known radius, of as many as the first set has.
@@ -96,6 +102,8 @@ const EXTENSIONS: [&str; 5] = ["html", "htm", "png", "svg", "csv"];
 /// Measures the sets of some files, prints the numbers and writes the report.
 pub fn run(arguments: &AnalyzeArguments) -> Result<u8> {
     interrupt::listen();
+    let has_image = arguments.ground.radius_image.is_some();
+    arguments.set.refuse_two_radii(has_image)?;
     let out = arguments.out.as_deref();
     // The path is checked before the work, so that the command does not fail only when it writes. A report in the place
     // of an input would destroy it.
@@ -106,11 +114,13 @@ pub fn run(arguments: &AnalyzeArguments) -> Result<u8> {
             named(path)
         );
         let inputs = arguments.files.iter().chain(&arguments.against);
-        check_inputs_stay(path, inputs.map(PathBuf::as_path))?;
+        let inputs = inputs.map(PathBuf::as_path);
+        check_inputs_stay(path, inputs.chain(arguments.ground.files()))?;
         check_file(path).context("--out")?;
     }
 
     if space::is_asked(arguments)? {
+        (arguments.ground).refuse("sets in space have one radius and no shape")?;
         return in_space(arguments);
     }
     if let Some(nu) = arguments.frequencies {

@@ -65,6 +65,8 @@ pub fn run(arguments: &ConvertArguments) -> Result<u8> {
     check_target(path, arguments.to, "--to")?;
     let painted = arguments.ranks.rank_image.as_deref();
     check_inputs_stay(path, painted.into_iter().chain([arguments.input.as_path()]))?;
+    let has_image = arguments.ground.radius_image.is_some();
+    arguments.set.refuse_two_radii(has_image)?;
     output::note_left_out(&arguments.set, &arguments.input);
 
     let (input, given) = (arguments.input.as_path(), &arguments.set);
@@ -111,13 +113,17 @@ pub fn run(arguments: &ConvertArguments) -> Result<u8> {
     let (report, certificate) = (exported.report, named(&exported.certificate_path));
     let levels = &exported.certificate.levels;
     let verdict = output::verdict_text(&report, levels);
-    let (count, radius) = (report.count, report.radius);
+    let count = report.count;
+    let judged_in = match &context.varying {
+        Some(varying) => output::ground_text(varying),
+        None => report.radius.to_string(),
+    };
 
     let warnings: String = (exported.warnings.iter())
         .map(|warning| output::warning_line(&warning.to_string()))
         .collect();
     output::emit(&format!(
-        "{count} samples, r = {radius}\n{verdict}{warnings}certificate    {certificate}\n"
+        "{count} samples, r = {judged_in}\n{verdict}{warnings}certificate    {certificate}\n"
     ))?;
     Ok(verdict_code(is_valid(&report, levels)))
 }
@@ -196,7 +202,7 @@ fn uncertified(arguments: &ConvertArguments) -> Result<(PointSet, ExportContext)
     let region = given.region_over(Region::UNIT_SQUARE);
     given.refuse_degrees(&read, region).in_file(path)?;
     let set = read.set;
-    let radius = match given.radius {
+    let radius = match given.least_radius() {
         Some(radius) => radius,
         None => smallest_distance(&set.points, region).in_file(path)?,
     };

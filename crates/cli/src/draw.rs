@@ -109,6 +109,8 @@ pub fn run(arguments: &DrawArguments) -> Result<u8> {
     // Checked before the set is read. A picture over the set would destroy it and its certificate.
     check_file(path)?;
     check_inputs_stay(path, [arguments.file.as_path()])?;
+    let has_image = arguments.ground.radius_image.is_some();
+    arguments.set.refuse_two_radii(has_image)?;
     output::note_left_out(&arguments.set, &arguments.file);
     let width = arguments.width();
     ensure!(
@@ -310,7 +312,7 @@ fn scene(arguments: &DrawArguments, read: &ReadSet, region: Region) -> Result<(S
     let stated = certificate
         .map(|c| &c.radius)
         .filter(|radius| !radius.varies());
-    let radius = given.radius.or(stated.map(CertifiedRadius::least));
+    let radius = given.least_radius().or(stated.map(CertifiedRadius::least));
     let origin = given.origin().or(certificate.and_then(|c| c.origin));
 
     // Blocks of other sides or another radius are not those of this set.

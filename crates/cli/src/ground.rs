@@ -2,14 +2,14 @@
 
 use std::path::{Path, PathBuf};
 
-use anyhow::{Context, Result, bail};
+use anyhow::{Context, Result, anyhow, bail};
 use clap::Args;
 use tilescope_analysis::Boundary as Border;
 use tilescope_core::Boundary;
 use tilescope_formats::{Certificate, Overrides, first_points, read_whole};
 use tilescope_sets::{
     Expression, GivenGround, GivenRadius, GrayImage, Ground, PlanarPolygon, RadiusSource,
-    ShapeSource, VaryingRecipe,
+    ShapeSource, VaryingError, VaryingRecipe,
 };
 
 use crate::options::SetArguments;
@@ -26,7 +26,8 @@ pub struct GroundArguments {
     #[arg(long, value_name = "IMAGE", conflicts_with_all = ["density_image", "radius_expression"])]
     pub radius_image: Option<PathBuf>,
     /// Samples as dense as a PNG or JPEG image is dark: --radius is that of black, or --count chooses it. The radius is at most 64 times
-    /// as large, also where the image is white: --mask leaves places out
+    /// as large, or from 32 times on where the width of pixels needs it, also where the image is white: a note says which, and
+    /// --mask leaves places out
     #[arg(long, value_name = "IMAGE", conflicts_with = "radius_expression")]
     pub density_image: Option<PathBuf>,
     /// The radius as a function of x and y, such as '0.006 + 0.024*x', with + - * / ^ pi abs atan2 cos exp floor hypot log max
@@ -101,8 +102,9 @@ impl GroundArguments {
     pub fn shape(&self, planar: bool) -> Result<Option<ShapeSource>> {
         if let Some(path) = &self.shape {
             let bytes = read_whole(path)?;
-            let polygon =
-                PlanarPolygon::from_geojson(&file_name(path), &bytes, planar).context("--shape")?;
+            let polygon = PlanarPolygon::from_geojson(&file_name(path), &bytes, planar)
+                .map_err(planar_hint)
+                .context("--shape")?;
             return Ok(Some(ShapeSource::Polygon(polygon)));
         }
         let image = self.mask.as_deref().map(|path| image(path, "--mask"));
@@ -190,7 +192,11 @@ impl GroundArguments {
     fn foreign(&self, set: &SetArguments) -> Result<VaryingRecipe> {
         // An expression gives the radius alone. A density needs a radius beside it, that of black; and where there is a shape
         // alone, the radius is the same everywhere.
-        let radius = match (&self.radius_expression, &self.density_image, set.radius) {
+        let radius = match (
+            &self.radius_expression,
+            &self.density_image,
+            set.least_radius(),
+        ) {
             (Some(_), _, Some(_)) => {
                 bail!("both --radius and --radius-expression are given; give one")
             }
@@ -202,9 +208,7 @@ impl GroundArguments {
             (None, None, Some(radius)) if self.radius_image.is_none() => {
                 RadiusSource::Constant(radius)
             }
-            _ if self.radius_image.is_some() => bail!(
-                "--radius-image is for sets with a certificate, which states the radii of black and white"
-            ),
+            _ if self.radius_image.is_some() => self.grey(set)?,
             _ => bail!("no certificate states a field or a shape of the set; give --radius"),
         };
 
@@ -223,6 +227,20 @@ impl GroundArguments {
             exact: None,
         })
     }
+
+    /// Returns the radii that an image gives, between the two that no certificate states.
+    fn grey(&self, set: &SetArguments) -> Result<RadiusSource> {
+        let option = "--radius-image";
+        let span = set
+            .radius
+            .and_then(|span| Some([span.least, span.greatest?]));
+        let path = self.radius_image.as_deref().zip(span);
+        let (path, radii) = path.with_context(|| {
+            format!("no certificate states the radii of black and of white, so that {option} needs --radius MIN..MAX")
+        })?;
+        let image = image(path, option)?;
+        Ok(RadiusSource::Image { image, radii })
+    }
 }
 
 /// Returns the name of a file without its folders.
@@ -235,6 +253,16 @@ pub fn file_name(path: &Path) -> String {
 pub fn image(path: &Path, option: &'static str) -> Result<GrayImage> {
     let bytes = read_whole(path)?;
     GrayImage::read(&file_name(path), &bytes).context(option)
+}
+
+/// Adds the option that takes coordinates as they are to the error of those that may be degrees.
+fn planar_hint(error: VaryingError) -> anyhow::Error {
+    match error {
+        VaryingError::Degrees { .. } => {
+            anyhow!("{error}; --planar takes them as they are")
+        }
+        other => other.into(),
+    }
 }
 
 fn expression(text: &str) -> Result<Expression> {

@@ -2,7 +2,7 @@
 
 use std::path::Path;
 
-use anyhow::{Result, anyhow, bail};
+use anyhow::{Result, anyhow, bail, ensure};
 use clap::Args;
 use clap::builder::{PossibleValue, PossibleValuesParser, TypedValueParser};
 use serde::de::DeserializeOwned;
@@ -13,6 +13,7 @@ use tilescope_formats::{
     StreamReader, refuse_degrees,
 };
 
+use crate::parameters::{RadiusSpan, TWO_RADII};
 use crate::paths::InFile;
 
 /// The names of a type's values, the same in options and in JSON, each with its line of `--help`, if any.
@@ -97,9 +98,9 @@ pub fn formats() -> impl TypedValueParser<Value = Format> + use<> {
 /// Options that stand in for, or override, a set's certificate.
 #[derive(Debug, Args)]
 pub struct SetArguments {
-    /// Poisson-disk radius
-    #[arg(long, value_name = "R")]
-    pub radius: Option<f64>,
+    /// Poisson-disk radius; with --radius-image MIN..MAX, the radii of black and of white, of a set without a certificate
+    #[arg(long, value_name = "R", value_parser = RadiusSpan::parse)]
+    pub radius: Option<RadiusSpan>,
     /// Width of the domain
     #[arg(long, value_name = "W")]
     pub width: Option<f64>,
@@ -151,6 +152,9 @@ pub fn refuse_stated(options: &[(&str, bool)], clause: &str) -> Result<()> {
 /// What to do about a false certificate.
 pub const WITHOUT_CERTIFICATE: &str = "--no-certificate reads the set without it";
 
+/// What to do about samples outside the domain.
+const ANOTHER_DOMAIN: &str = "--width, --height, --boundary and --origin state another domain";
+
 /// What to do about third coordinates, if neither a certificate nor an option says that the set is one in space.
 const IN_SPACE: &str =
     "--depth gives a set in space its third side, and --slice then takes a plane of it";
@@ -180,12 +184,24 @@ impl SetArguments {
             set: self.set,
             columns: columns.and_then(|columns| columns.try_into().ok()),
             region: given.contains(&true).then(region),
-            radius: self.radius,
+            radius: self.least_radius(),
             origin: self.origin(),
             planar: self.planar,
             without_certificate: self.no_certificate,
             ..Overrides::default()
         })
+    }
+
+    /// Returns the given radius; of two, the first.
+    pub fn least_radius(&self) -> Option<f64> {
+        self.radius.map(|span| span.least)
+    }
+
+    /// Refuses two radii, unless there is an image whose grey lies between them.
+    pub fn refuse_two_radii(&self, has_image: bool) -> Result<()> {
+        let greatest = self.radius.and_then(|span| span.greatest);
+        ensure!(greatest.is_none() || has_image, TWO_RADII);
+        Ok(())
     }
 
     /// Returns the given origin.
@@ -267,6 +283,12 @@ impl SetArguments {
         self.read_hinted(path, self.set, self.checked(), varying)
     }
 
+    /// The same as [`Self::read_varying`], without a comparison of the file with its certificate.
+    pub fn read_as_stated(&self, path: &Path) -> Result<ReadSet> {
+        let varying = true;
+        self.read_hinted(path, self.set, CertificateUse::AsStated, varying)
+    }
+
     fn checked(&self) -> CertificateUse {
         if self.no_certificate {
             CertificateUse::LeftOut
@@ -331,8 +353,9 @@ fn with_option(error: FormatError) -> anyhow::Error {
 pub fn hinted(error: CheckError) -> anyhow::Error {
     match error {
         CheckError::Verify(error @ VerifyError::OutOfRegion { .. }) => {
-            anyhow!("{error}; --width, --height, --boundary and --origin state another domain")
+            anyhow!("{error}; {ANOTHER_DOMAIN}")
         }
+        error @ CheckError::Beyond { .. } => anyhow!("{error}; {ANOTHER_DOMAIN}"),
         CheckError::Format(error @ FormatError::NotPlanar { .. }) => {
             anyhow!("{error}; {IN_SPACE}")
         }

@@ -9,7 +9,8 @@ use tilescope_analysis::{
 };
 use tilescope_core::{Stage, Summary};
 use tilescope_formats::{
-    Certificate, CertificateDifference, CertifiedLevel, CertifiedRadius, Warning, is_valid,
+    Certificate, CertificateDifference, CertifiedLevel, CertifiedRadius, CertifiedShape,
+    VaryingDomain, Warning, is_valid,
 };
 use tilescope_gpu::Backend;
 use tilescope_sets::Facts;
@@ -171,11 +172,7 @@ impl Outcome {
     pub fn text(&self) -> String {
         let (facts, judged) = (&self.facts, &self.judged);
         let region = region_text(&facts.region);
-        // A field has no single radius: its least and its greatest stand in the place of one.
-        let varying = facts
-            .varying
-            .as_ref()
-            .map(|varying| radius_text(&varying.radius));
+        let varying = facts.varying.as_deref().map(ground_text);
         let radius = varying.unwrap_or_else(|| Number(facts.radius).to_string());
 
         let mut out = format!("{} on {region}, r = {radius}\n", facts.method);
@@ -276,6 +273,29 @@ pub fn radius_text(radius: &CertifiedRadius) -> String {
             )
         }
     }
+}
+
+/// Returns "0.01 to 0.2, a field, in a polygon of 2 rings with 9 corners": the radius, for a field the least and the greatest
+/// one, and the shape, if there is one.
+pub fn ground_text(varying: &VaryingDomain) -> String {
+    let radius = radius_text(&varying.radius);
+    match &varying.shape {
+        None => radius,
+        Some(CertifiedShape::Polygon { rings }) => {
+            let corners: usize = rings.iter().map(Vec::len).sum();
+            let rings = counted(rings.len(), "ring");
+            format!("{radius}, in a polygon of {rings} with {corners} corners")
+        }
+        Some(CertifiedShape::Mask { pitch, .. }) => {
+            format!("{radius}, in a mask with pixels of {}", Number(*pitch))
+        }
+    }
+}
+
+/// Returns "1 ring" or "2 rings".
+fn counted(count: usize, what: &str) -> String {
+    let ending = if count == 1 { "" } else { "s" };
+    format!("{count} {what}{ending}")
 }
 
 /// Returns "1 x 1, periodic".

@@ -109,6 +109,9 @@ impl FromArgMatches for RunArguments {
     }
 }
 
+/// Why two radii are refused.
+pub const TWO_RADII: &str = "--radius takes two radii, MIN..MAX, with --radius-image only";
+
 /// A radius, or the radii of black and of white.
 #[derive(Clone, Copy, Debug, Default)]
 pub struct RadiusSpan {
@@ -143,7 +146,7 @@ fn refuse_sizes(
     // The conflicts of clap have no exceptions, and with an image a radius and a number of samples go together: they are
     // refused here, in the words of clap.
     let why = if greatest.is_some() && !has_image {
-        "--radius takes two radii, MIN..MAX, with --radius-image only\n"
+        &format!("{TWO_RADII}\n")
     } else if has_count && is_given("radius") && !has_image {
         "the argument '--radius <R>' cannot be used with '--count <N>'\n"
     } else if has_exactly && is_given("radius") && !has_image {

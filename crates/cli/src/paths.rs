@@ -27,10 +27,21 @@ impl<T, E: Into<anyhow::Error>> InFile<T> for Result<T, E> {
 /// Refuses a path to which a point set could not be written once it is made. `option` is the name
 /// of the option by which a format can be chosen.
 pub fn check_target(path: &Path, format: Option<Format>, option: &str) -> Result<()> {
+    check_target_beside(path, format, option, &[])
+}
+
+/// The same as [`check_target`], of a command that writes `pictures` as well, whose extensions stand first among those known.
+pub fn check_target_beside(
+    path: &Path,
+    format: Option<Format>,
+    option: &str,
+    pictures: &[&str],
+) -> Result<()> {
     match Format::to_write(path, format) {
         Err(FormatError::UnknownFormat { .. }) => {
             // Variants of a format may share an extension, and stand beside each other.
-            let mut known = Format::ALL.map(Format::extension).to_vec();
+            let mut known = pictures.to_vec();
+            known.extend(Format::ALL.map(Format::extension));
             known.dedup();
             bail!(
                 "{}: the extension names no format (known: {}); give {option}",

@@ -53,6 +53,9 @@ pub fn is_in_space(set: &SetArguments, file: &Path) -> bool {
 /// take beside them. Without the certificate of a set in space, a width and a height that are not given are 1, and a
 /// box without a given boundary is periodic.
 fn overrides(set: &SetArguments, file: &Path) -> Result<Overrides> {
+    // No image has radii in space.
+    let has_image = false;
+    set.refuse_two_radii(has_image)?;
     refuse(
         &[
             ("--columns", set.columns.is_some()),
@@ -72,7 +75,7 @@ fn overrides(set: &SetArguments, file: &Path) -> Result<Overrides> {
         format: set.format,
         set: set.set,
         region: (is_given || of_stated.is_none()).then(region),
-        radius: set.radius,
+        radius: set.least_radius(),
         without_certificate: set.no_certificate,
         ..Overrides::default()
     })

@@ -19,7 +19,7 @@ use crate::interrupt;
 use crate::make::Worked;
 use crate::options::{PRECISIONS, formats, named};
 use crate::output::{self, Outcome, Work};
-use crate::paths::{check_file, check_inputs_stay, check_target, extension};
+use crate::paths::{check_file, check_inputs_stay, check_target_beside, extension};
 use crate::progress::Stopwatch;
 
 /// Arguments of `tilescope stipple`.
@@ -101,6 +101,9 @@ struct LookArguments {
     size: u32,
 }
 
+/// The extension of pictures without points.
+const PICTURE: &str = "png";
+
 /// How large dots are.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
 enum DotSize {
@@ -166,14 +169,14 @@ impl StippleArguments {
         if self.is_picture() {
             check_file(path)?;
         } else {
-            check_target(path, self.format, "--format")?;
+            check_target_beside(path, self.format, "--format", &[PICTURE])?;
         }
         check_inputs_stay(path, [self.image.as_path()])
     }
 
     /// Returns whether the output is a picture without points, which has no certificate.
     fn is_picture(&self) -> bool {
-        let is_png = |path: &PathBuf| extension(path) == "png";
+        let is_png = |path: &PathBuf| extension(path) == PICTURE;
         self.format.is_none() && self.out.as_ref().is_some_and(is_png)
     }
 

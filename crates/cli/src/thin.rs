@@ -23,7 +23,7 @@ use tilescope_sets::thinning::{
 use crate::engine::ThreadArguments;
 use crate::ground::{file_name, formula, image};
 use crate::options::{boundaries, columns, formats, pair};
-use crate::parameters::RadiusSpan;
+use crate::parameters::{RadiusSpan, TWO_RADII};
 use crate::paths::{InFile, check_file, check_inputs_stay, named};
 use crate::progress::{verifying, watched};
 use crate::{interrupt, output, verdict_code};
@@ -305,9 +305,7 @@ impl ThinArguments {
         // single radius is the span's `least`.
         match (&self.radius_image, span.greatest) {
             (None, None) => Ok(RadiusSource::Constant(span.least)),
-            (None, Some(_)) => {
-                bail!("--radius takes two radii, MIN..MAX, with --radius-image only")
-            }
+            (None, Some(_)) => bail!(TWO_RADII),
             (Some(_), None) => {
                 bail!("--radius-image needs --radius MIN..MAX, the radii of black and of white")
             }

@@ -1,13 +1,15 @@
 //! `tilescope verify`: checks a file against its radius, its region and its certificate.
 
 use std::path::PathBuf;
+use std::sync::Arc;
 
-use anyhow::{Context, Result, bail};
+use anyhow::{Context, Result, bail, ensure};
 use clap::Args;
 use serde_json::json;
-use tilescope_analysis::verify_prefix;
+use tilescope_analysis::{Control, MAX_FACTOR, verify_prefix};
 use tilescope_formats::{
-    Certificate, CertificateUse, CertifiedLevel, Check, CheckError, Overrides, check_stream,
+    Certificate, CertificateUse, CertifiedLevel, Check, CheckError, Overrides, VaryingDomain,
+    check_stream,
 };
 use tilescope_sets::check_or_unit_square;
 
@@ -32,7 +34,8 @@ pub struct VerifyArguments {
     /// The points from which a thinned set was chosen: judge the choice itself
     #[arg(long, value_name = "FILE", conflicts_with = "prefix")]
     source: Option<PathBuf>,
-    /// Judge only the first N samples of a set with nested levels: whether they hold what its certificate states
+    /// Judge only the first N samples: of a set with nested levels, whether they hold what its certificate states; of a stipple, a
+    /// field or a shape, whether no two are near, and within which factor of their radii they cover
     #[arg(long, value_name = "N", conflicts_with_all = ["radius"])]
     prefix: Option<usize>,
     /// Judge only the samples of a set with nested levels whose ranks are below T, a number from above 0 to 1: whether they are
@@ -70,11 +73,15 @@ Examples:
   tilescope verify balls.ply
   tilescope verify theirs.xyz --radius 1 --width 10 --height 10 --depth 10 --boundary bounded
   tilescope verify photo.svg --density-image photo.jpg
+  tilescope verify photo.svg --density-image photo.jpg --prefix 20000
+  tilescope verify theirs.csv --radius-image grey.png --radius 0.005..0.02
   tilescope verify theirs.csv --radius 0.5 --width 20 --height 10 --boundary bounded --json";
 
 /// Checks a file against its radius, its domain and its certificate, and prints the verdict.
 pub fn run(arguments: &VerifyArguments) -> Result<u8> {
     interrupt::listen();
+    let has_image = arguments.ground.radius_image.is_some();
+    arguments.set.refuse_two_radii(has_image)?;
     output::note_left_out(&arguments.set, &arguments.file);
     if let Some(stated) = thinned::space::certificate(&arguments.set, &arguments.file) {
         return thinned_in_space(arguments, &stated);
@@ -104,7 +111,7 @@ pub fn run(arguments: &VerifyArguments) -> Result<u8> {
         return judge_thinned();
     }
 
-    let (check, given_origin) = match checked(arguments) {
+    let found = match checked(arguments) {
         // Only the certificate says that a set was thinned, and it is read with the points.
         Err(error) if matches!(error.downcast_ref(), Some(CheckError::Thinned)) => {
             return judge_thinned();
@@ -116,13 +123,13 @@ pub fn run(arguments: &VerifyArguments) -> Result<u8> {
         }
         outcome => outcome?,
     };
-    let corner = origin(given_origin, &check);
+    let corner = origin(found.origin, &found.check);
     output::report(
         arguments.json,
-        || to_json(&check, corner),
-        || to_text(&check, corner),
+        || to_json(&found.check, corner),
+        || to_text(&found, corner),
     )?;
-    Ok(verdict_code(check.passed()))
+    Ok(verdict_code(found.check.passed()))
 }
 
 /// Checks a set whose certificate states that it was chosen from points in space.
@@ -164,8 +171,68 @@ fn in_space(arguments: &VerifyArguments) -> Result<u8> {
     solid::check::verify(file, set, judge, *json)
 }
 
-/// Judges the first `count` samples by the levels that the certificate states, and prints the verdict.
+/// Judges the first `count` samples, and prints the verdict.
 fn prefix(arguments: &VerifyArguments, count: usize) -> Result<u8> {
+    let (file, set) = (&arguments.file, &arguments.set);
+    let stated = set.certificate(file)?;
+    if let Some(stated) = stated.filter(Certificate::is_varying) {
+        return prefix_of_field(arguments, count, &stated);
+    }
+    prefix_of_levels(arguments, count)
+}
+
+/// Judges the first `count` samples in the field and the shape of the whole set, and prints the verdict: they are a set of as
+/// many samples, as the first dots of a stipple are one with fewer dots.
+fn prefix_of_field(arguments: &VerifyArguments, count: usize, stated: &Certificate) -> Result<u8> {
+    let (file, set) = (&arguments.file, &arguments.set);
+    let name = named(file);
+    // Only in the order of arrival are the first samples spread over the whole set.
+    ensure!(
+        stated.shuffle_seed.is_none(),
+        "{name}: the samples were shuffled, so that the first {count} in the file are not the first that arrived"
+    );
+    let ground = arguments.ground.judged(file, set, Some(stated))?;
+    let ground = ground.context("the certificate states neither a field nor a shape")?;
+    // As for levels: what the certificate states of all samples says nothing of these.
+    let points = set.read_as_stated(file)?.set.points;
+    ensure!(
+        (1..=points.len()).contains(&count),
+        "--prefix is {count}; the set has {} samples",
+        points.len()
+    );
+
+    let options = arguments.judge.options();
+    let first = &points[..count];
+    let judge = |control: Control<'_>| {
+        let judged = &ground.varying.judged;
+        judged.verify_prefix(first, &options, control)
+    };
+    let report = verifying(judge).in_file(file)?;
+    // Without a factor the report has the gaps of a whole set, which says nothing about a beginning.
+    ensure!(
+        report.covering_factor.is_some() || report.conflicts > 0,
+        "{name}: the first {count} samples leave places that are farther than {MAX_FACTOR} times the radius from all of them; \
+         covering is measured up to that factor, for which about {} samples are needed",
+        points.len().div_ceil((MAX_FACTOR * MAX_FACTOR) as usize)
+    );
+    let radius = output::ground_text(&ground.varying);
+    let no_levels = [];
+    output::report(
+        arguments.json,
+        || output::verdict_json(&report),
+        || {
+            let verdict = output::verdict_text(&report, &no_levels);
+            format!(
+                "the first {count} of {}, r = {radius}\n\n{verdict}",
+                points.len()
+            )
+        },
+    )?;
+    Ok(verdict_code(report.valid()))
+}
+
+/// Judges the first `count` samples by the levels that the certificate states, and prints the verdict.
+fn prefix_of_levels(arguments: &VerifyArguments, count: usize) -> Result<u8> {
     let (file, set) = (&arguments.file, &arguments.set);
     arguments
         .ground
@@ -179,7 +246,9 @@ fn prefix(arguments: &VerifyArguments, count: usize) -> Result<u8> {
     };
     // The claim says how far apart these samples are and how far they cover, by the levels that they complete.
     let Some(claim) = certificate.prefix(count) else {
-        bail!("{name}: the certificate states no levels, or fewer than {count} samples");
+        bail!(
+            "{name}: the certificate states no levels, no field and no shape, or fewer than {count} samples"
+        );
     };
 
     let region = set.region_over(certificate.region);
@@ -195,9 +264,18 @@ fn prefix(arguments: &VerifyArguments, count: usize) -> Result<u8> {
     Ok(verdict_code(level.valid))
 }
 
-/// Reads and verifies a file. Returns also the given origin, or else that of the field and the shape; none where no
-/// origin is given and the radius is the same everywhere in a rectangle.
-fn checked(arguments: &VerifyArguments) -> Result<(Check, Option<[f64; 2]>)> {
+/// A verified file.
+struct CheckedFile {
+    check: Check,
+    /// The given origin, or else that of the field and the shape; none where no origin is given and the radius is the same
+    /// everywhere in a rectangle.
+    origin: Option<[f64; 2]>,
+    /// The field and the shape that it was judged in.
+    varying: Option<Arc<VaryingDomain>>,
+}
+
+/// Reads and verifies a file.
+fn checked(arguments: &VerifyArguments) -> Result<CheckedFile> {
     let file = &arguments.file;
     let mut overrides = Overrides {
         judges: arguments.judge.choice(),
@@ -221,10 +299,11 @@ fn checked(arguments: &VerifyArguments) -> Result<(Check, Option<[f64; 2]>)> {
     }
     match outcome {
         Err(error @ CheckError::NoRadius) => Err(error).context("give --radius").in_file(file),
-        outcome => {
-            let check = outcome.map_err(hinted).in_file(file)?;
-            Ok((check, overrides.origin))
-        }
+        outcome => Ok(CheckedFile {
+            check: outcome.map_err(hinted).in_file(file)?,
+            origin: overrides.origin,
+            varying: overrides.varying,
+        }),
     }
 }
 
@@ -257,7 +336,8 @@ fn to_json(check: &Check, origin: Option<[f64; 2]>) -> serde_json::Value {
 }
 
 /// Returns the outcome in lines.
-fn to_text(check: &Check, origin: Option<[f64; 2]>) -> String {
+fn to_text(found: &CheckedFile, origin: Option<[f64; 2]>) -> String {
+    let check = &found.check;
     let mut report = check.report.clone();
     // Gaps are printed at their places in the file, whose domain begins at its origin; the report's begins at zero. The
     // samples of conflicts have numbers, and no place is printed.
@@ -267,18 +347,17 @@ fn to_text(check: &Check, origin: Option<[f64; 2]>) -> String {
     }
 
     let verdict = output::verdict_text(&report, &check.levels);
-    // A field has no single radius; its certificate states the least and the greatest.
-    let stated = check.certificate.as_ref().map(|stated| &stated.radius);
-    let radius = stated.filter(|radius| radius.varies()).cloned();
+    // A field has no single radius: its least and its greatest stand in the place of one.
+    let radius = match &found.varying {
+        Some(varying) => output::ground_text(varying),
+        None => report.radius.to_string(),
+    };
     let at = origin.map_or_else(String::new, |[x, y]| format!(" at {x} {y}"));
 
     let mut out = format!(
-        "{}: {}{at}, r = {}\n\n{verdict}",
+        "{}: {}{at}, r = {radius}\n\n{verdict}",
         check.detection,
         output::region_text(&report.region),
-        radius
-            .as_ref()
-            .map_or_else(|| report.radius.to_string(), output::radius_text),
     );
 
     out += &output::certificate_text(check.certificate.as_ref(), &check.differences);

@@ -52,7 +52,11 @@ impl Analysis {
     pub fn of(arguments: &AnalyzeArguments) -> Result<Self> {
         let (files, against) = (&arguments.files, &arguments.against);
         let paths: Vec<&Path> = against.iter().chain(files).map(PathBuf::as_path).collect();
-        let request = Request::new(&arguments.set, arguments.frequencies, &paths);
+        let request = Request::new(
+            (&arguments.set, &arguments.ground),
+            arguments.frequencies,
+            &paths,
+        );
         let mut analysis = Self {
             has_reference: !against.is_empty(),
             averaged: arguments.average,

@@ -16,6 +16,7 @@ use tilescope_formats::{Check, CheckError, Format, PointSet, StreamReader};
 use tilescope_sets::check_or_unit_square;
 
 use super::measure::{Measure, of_set, values_by_key};
+use crate::ground::GroundArguments;
 use crate::options::{SetArguments, WITHOUT_CERTIFICATE, hinted};
 use crate::output;
 use crate::paths::{InFile, named};
@@ -98,6 +99,8 @@ impl<'p> Source<'p> {
 /// How files are measured.
 pub struct Request<'a> {
     arguments: &'a SetArguments,
+    /// The field and the shape of sets whose certificates name their images, or that have none.
+    ground: &'a GroundArguments,
     /// The largest frequency as nu, if the arguments give it.
     nu: Option<f64>,
     /// The radius of all sets, if it is known and the same; then the bins of distances begin there.
@@ -108,13 +111,17 @@ pub struct Request<'a> {
 
 impl<'a> Request<'a> {
     /// Returns how all of `paths` are measured. Files that cannot be read do not influence it.
-    pub fn new(arguments: &'a SetArguments, nu: Option<f64>, paths: &[&Path]) -> Self {
+    pub fn new(
+        (arguments, ground): (&'a SetArguments, &'a GroundArguments),
+        nu: Option<f64>,
+        paths: &[&Path],
+    ) -> Self {
         // Files that cannot be read are passed over here. One that can be read may still state no radius. Where a
         // radius varies, no two samples are nearer than the least one, so that bins may begin there.
         let readable = paths
             .iter()
             .filter_map(|path| arguments.certificate(path).ok());
-        let stated: Option<Vec<f64>> = match arguments.radius {
+        let stated: Option<Vec<f64>> = match arguments.least_radius() {
             Some(radius) => Some(vec![radius]),
             None => readable.map(|found| Some(found?.radius.least())).collect(),
         };
@@ -124,6 +131,7 @@ impl<'a> Request<'a> {
         let is_same = |first: &f64| (radii.iter()).all(|r| (r / first - 1.0).abs() <= 1e-9);
         Self {
             arguments,
+            ground,
             nu,
             radius: radii.first().copied().filter(is_same),
             unit: Cell::new(None),
@@ -155,7 +163,7 @@ impl<'a> Request<'a> {
             set,
             check,
             has_radius,
-        } = read(source, self.arguments)?;
+        } = read(source, self.arguments, self.ground)?;
         let (samples, region) = (set.len(), check.report.region);
         // A set that cannot be averaged is refused before it is measured.
         if let Some(common) = common {
@@ -303,15 +311,27 @@ struct VerifiedFile {
 }
 
 /// Reads and verifies a file, and prints warnings.
-fn read(source: Source<'_>, arguments: &SetArguments) -> Result<VerifiedFile> {
+fn read(
+    source: Source<'_>,
+    arguments: &SetArguments,
+    ground: &GroundArguments,
+) -> Result<VerifiedFile> {
     let path = source.path;
     let mut overrides = arguments.overrides(path)?;
     overrides.set = source.set.or(overrides.set);
     let check_with =
         |overrides: &_| verifying(|control| tilescope_formats::check(path, overrides, control));
+    if ground.is_given() {
+        ground.judge_in(path, arguments, &mut overrides)?;
+    }
 
     // A set without a stated domain is taken for one of the periodic unit square.
     let mut outcome = check_or_unit_square(&overrides, check_with);
+    // As for `verify`: a field and a shape are made only for a set whose certificate states them.
+    if let Err(CheckError::NoField) = outcome {
+        ground.judge_in(path, arguments, &mut overrides)?;
+        outcome = check_or_unit_square(&overrides, check_with);
+    }
     let has_radius = !matches!(outcome, Err(CheckError::NoRadius));
     if !has_radius {
         // Read once more, as a check without a radius returns no points.
@@ -338,6 +358,11 @@ fn read(source: Source<'_>, arguments: &SetArguments) -> Result<VerifiedFile> {
     let warn = |warning: &str| output::note(&format!("warning: {name}: {warning}"));
     for difference in &check.differences {
         warn(&difference.to_string());
+    }
+    if overrides.varying.is_some() {
+        let note = "note: {name}: where the radius varies or there is a shape, numbers and curves are those of all places of \
+                    the domain together, in the least radius";
+        output::note(&note.replace("{name}", &name));
     }
     // Two samples at one place have no cells of their own.
     if let (true, Some(pair)) = (report.min_distance <= 0.0, report.worst_conflicts.first()) {

@@ -14,6 +14,7 @@ use tilescope_sets::{BallSize, SolidMade, SolidRecipe};
 
 use crate::make::NO_VERDICT;
 use crate::output::{self, warning_line};
+use crate::parameters::TWO_RADII;
 use crate::paths::{InFile, named};
 use crate::progress::{Stopwatch, verifying};
 use crate::sample_arguments::{SampleArguments, SamplingMethod};
@@ -125,10 +126,7 @@ fn recipe(arguments: &SampleArguments) -> Result<SolidRecipe> {
         (None, None) => BallSize::Radius(asked.radius),
     };
     // In space there is one radius: `greatest` is the second of MIN..MAX.
-    ensure!(
-        arguments.run.greatest.is_none(),
-        "--radius takes two radii, MIN..MAX, with --radius-image only"
-    );
+    ensure!(arguments.run.greatest.is_none(), TWO_RADII);
     Ok(SolidRecipe {
         size,
         boundary: asked.boundary,

@@ -144,11 +144,6 @@ fn tables_have_the_radius_of_each_sample() {
     run(&folder, "verify ramp.ply --json", 0);
     let head = fs::read(folder.path().join("ramp.ply")).unwrap();
     assert!(String::from_utf8_lossy(&head[..300]).contains("property double radius"));
-    refused(
-        &folder,
-        "analyze ramp.csv",
-        "its radius varies or it covers a shape",
-    );
 }
 
 /// Returns the radii of the disks of a picture, in pixels, in their order.
