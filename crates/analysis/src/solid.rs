@@ -27,6 +27,7 @@ mod disks;
 mod error;
 mod farthest;
 mod measured;
+mod memory;
 mod pairs;
 mod plane_power;
 mod region;
@@ -143,7 +144,8 @@ impl SolidReport {
 /// names its judges.
 ///
 /// `control` is called now and then, from any thread of the current rayon pool; `Break` cancels. The report does not depend
-/// on the number of threads. Besides the samples, memory holds some 150 bytes for each.
+/// on the number of threads. Besides the samples, memory holds some 150 bytes for each: they are asked for before the work
+/// begins.
 ///
 /// ```
 /// use std::ops::ControlFlow;
@@ -181,6 +183,7 @@ pub fn verify_solid(
         witnesses: options.witnesses,
     };
     error::check(&question)?;
+    memory::ask(points.len())?;
 
     // Pairs and cubes count the samples once each, and so do circles.
     let passes = 2 * u64::from(by_cubes) + u64::from(by_circles);

@@ -3,8 +3,8 @@
 
 use thiserror::Error;
 
-/// Less than this is not asked for, 64 MiB: every system has it.
-const SMALL: u64 = 64 << 20;
+/// Less than this is not asked for, 1 MiB: allocators keep about as much at hand.
+const SMALL: u64 = 1 << 20;
 
 /// The system does not give the memory that a computation takes.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Error)]
@@ -61,13 +61,37 @@ pub fn ask(bytes: u64) -> Result<(), NoMemory> {
     if bytes < SMALL {
         return Ok(());
     }
-    let missing = NoMemory { bytes };
-    let size = usize::try_from(bytes).map_err(|_| missing)?;
+    if is_given(bytes) {
+        Ok(())
+    } else {
+        Err(NoMemory { bytes })
+    }
+}
+
+/// Returns how much the system gives now, of a number of bytes that it does not give, to a thousandth of that number.
+#[must_use]
+pub fn given_of(bytes: u64) -> u64 {
+    let (mut given, mut refused) = (0, bytes);
+    for _ in 0..10 {
+        let middle = u64::midpoint(given, refused);
+        if is_given(middle) {
+            given = middle;
+        } else {
+            refused = middle;
+        }
+    }
+    given
+}
+
+fn is_given(bytes: u64) -> bool {
+    let Ok(size) = usize::try_from(bytes) else {
+        return false;
+    };
     let mut asked = Vec::<u8>::new();
-    asked.try_reserve_exact(size).map_err(|_| missing)?;
+    let is_given = asked.try_reserve_exact(size).is_ok();
     // A compiler may leave out an allocation that nothing looks at.
     std::hint::black_box(asked.as_mut_ptr());
-    Ok(())
+    is_given
 }
 
 /// Returns an error if the system does not give that much memory for about this number of samples. It is given back at
@@ -86,6 +110,8 @@ mod tests {
         assert_eq!(ask(2 * SMALL), Ok(()));
         let bytes = 1 << 60;
         assert_eq!(ask(bytes), Err(NoMemory { bytes }));
+        let given = given_of(bytes);
+        assert!(given < bytes && is_given(given), "{given}");
         let bytes = u64::MAX;
         assert_eq!(ask_for(1e18, 24.0), Err(NoMemory { bytes }));
         let text = NoMemory {

@@ -151,6 +151,7 @@ impl From<VerifyError> for Failure {
 impl From<SolidError> for Failure {
     fn from(error: SolidError) -> Self {
         match error {
+            SolidError::NoMemory { .. } => Self::Memory(error.to_string()),
             // No argument is at fault for these either.
             SolidError::Disagreement { .. }
             | SolidError::Farther { .. }

@@ -66,7 +66,9 @@ pub(super) fn search_in(
 
     // A limit is shorter than half a period, or the set was refused: so images one period away suffice.
     let may_cover = |&image: &[f64; 3]| root.distances(image).nearest <= rule.limit_squared;
-    let near: Vec<[f64; 3]> = question.images().filter(may_cover).collect();
+    // Counted first: a list that grows takes up to three times its memory.
+    let count = question.images().filter(may_cover).count();
+    let near = SampleGroup::all_of(question.images().filter(may_cover), count);
 
     let task = Task {
         rule,
@@ -75,7 +77,7 @@ pub(super) fn search_in(
         level: Level::new(),
         monitor,
     };
-    task.of_cube(root, &SampleGroup::all_of(&near))
+    task.of_cube(root, &near)
 }
 
 /// When a cube is proven, and when it is not cut further.

@@ -8,7 +8,7 @@ use crate::monitor::{Control, Monitor};
 use crate::verify::VerifyOptions;
 
 use super::cubes::{Cube, search_in};
-use super::{SolidError, SolidQuestion, SolidRegion, SolidReport, error, pairs};
+use super::{SolidError, SolidQuestion, SolidRegion, SolidReport, error, memory, pairs};
 
 /// Judges the part of a larger set in and around a window, which reaches from its `low` to its `high` corner. `points` are the
 /// samples of the part, `region` is the box that the part fills, and `radius` that of the set.
@@ -46,6 +46,8 @@ pub fn verify_solid_cut(
             });
         }
     }
+
+    memory::ask(points.len())?;
 
     // The searches for pairs and for gaps each count all samples once.
     let monitor = Monitor::begin(control, 2 * points.len() as u64)?;

@@ -81,6 +81,19 @@ pub enum SolidError {
         /// How far from a sample a place may be.
         limit: f64,
     },
+    /// The system does not give the memory that the judges need.
+    #[error(
+        "about {:.2} GB of memory are needed to judge {count} samples, and the system gives {:.2} GB",
+        *.bytes as f64 / 1e9, *.given as f64 / 1e9
+    )]
+    NoMemory {
+        /// How many samples there are.
+        count: usize,
+        /// About how much is needed, in bytes.
+        bytes: u64,
+        /// About how much the system gives, in bytes.
+        given: u64,
+    },
     /// The judge by triangulation is for planar sets alone.
     #[error(
         "the judge delaunay judges planar sets alone: sets in space are judged by subdivision, circles or both"

@@ -7,7 +7,8 @@ use crate::monitor::{Control, Monitor};
 use crate::verify::VerifyOptions;
 
 use super::{
-    SolidError, SolidQuestion, SolidRegion, SolidReport, deepest, error, farthest, verify_solid,
+    SolidError, SolidQuestion, SolidRegion, SolidReport, deepest, error, farthest, memory,
+    verify_solid,
 };
 
 /// The largest factor of the radius that is measured. In a periodic region of 4 radii no place is near two images of a sample up
@@ -90,6 +91,7 @@ pub fn measure_solid(
     };
     // `verify_solid` checks the same below; the search needs it now.
     error::check(&question)?;
+    memory::ask(points.len())?;
     // Measured first, since the factor of a beginning is what the judges are asked about.
     let monitor = Monitor::begin(control, points.len() as u64)?;
     let farthest = farthest::search(&question, &monitor)?;

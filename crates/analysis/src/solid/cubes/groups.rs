@@ -19,18 +19,21 @@ impl SampleGroup {
     /// No samples: a lane at infinity is within the limit of no place.
     const EMPTY: Self = Self([[f64::INFINITY; LANES]; 3]);
 
-    /// Returns samples in groups, all full but the last.
-    pub fn all_of(samples: &[[f64; 3]]) -> Vec<Self> {
-        let group = |samples: &[[f64; 3]]| {
-            let mut group = Self::EMPTY;
-            for (lane, sample) in samples.iter().enumerate() {
-                for (axis, value) in sample.iter().enumerate() {
-                    group.0[axis][lane] = *value;
+    /// Returns samples, of which there are `count`, in groups, all full but the last.
+    pub fn all_of(samples: impl Iterator<Item = [f64; 3]>, count: usize) -> Vec<Self> {
+        let mut groups = Vec::with_capacity(count.div_ceil(LANES));
+        for (index, sample) in samples.enumerate() {
+            let lane = index % LANES;
+            if lane == 0 {
+                groups.push(Self::EMPTY);
+            }
+            if let Some(group) = groups.last_mut() {
+                for (axis, value) in sample.into_iter().enumerate() {
+                    group.0[axis][lane] = value;
                 }
             }
-            group
-        };
-        samples.chunks(LANES).map(group).collect()
+        }
+        groups
     }
 
     /// Returns which samples are within a squared limit of some place of a cube, a bit for each.
@@ -177,7 +180,7 @@ mod tests {
     fn lanes_are_rounded_as_the_formula_for_one_sample() {
         // Two full groups and one with free lanes. The box is not cut along z.
         let samples = samples(21);
-        let groups = SampleGroup::all_of(&samples);
+        let groups = SampleGroup::all_of(samples.iter().copied(), samples.len());
         let cube = Cube {
             middle: [0.43, 0.51, 0.58],
             half: [0.13, 0.11, 0.07],
