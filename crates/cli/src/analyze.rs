@@ -27,12 +27,13 @@ use tilescope_formats::write_whole;
 use crate::ground::GroundArguments;
 use crate::options::SetArguments;
 use crate::paths::{check_file, check_inputs_stay, extension, named};
+use crate::space::SizeArgument;
 use crate::{EXIT_BAD_INPUT, EXIT_FINE, interrupt, output};
 use gather::Analysis;
 use space::InSpace;
 
 /// Arguments of `tilescope analyze`.
-#[derive(Debug, Args)]
+#[derive(Clone, Debug, Args)]
 #[command(after_help = EXAMPLES, allow_negative_numbers = true)]
 pub struct AnalyzeArguments {
     /// The point sets, in any formats
@@ -53,6 +54,7 @@ pub struct AnalyzeArguments {
     set: SetArguments,
     #[command(flatten)]
     ground: GroundArguments,
+    size: SizeArgument,
     /// Save a report: .html (table and curves), .png or .svg (curves), .csv (all numbers)
     #[arg(long, value_name = "FILE")]
     out: Option<PathBuf>,
@@ -104,6 +106,10 @@ pub fn run(arguments: &AnalyzeArguments) -> Result<u8> {
     interrupt::listen();
     let has_image = arguments.ground.radius_image.is_some();
     arguments.set.refuse_two_radii(has_image)?;
+    // From here on three sides in one word are as three options.
+    let mut arguments = arguments.clone();
+    arguments.set.take_sides(&arguments.size);
+    let arguments = &arguments;
     let out = arguments.out.as_deref();
     // The path is checked before the work, so that the command does not fail only when it writes. A report in the place
     // of an input would destroy it.

@@ -10,10 +10,10 @@ use std::path::{Path, PathBuf};
 
 use anyhow::{Result, ensure};
 use clap::Args;
-use serde_json::json;
+use serde_json::{Value, json};
 use tilescope_core::combine::combine;
 use tilescope_core::combine::file::{Layout, LayoutError, MAX_LAYOUT_BYTES, PieceSource};
-use tilescope_formats::{ExportContext, Format, Precision};
+use tilescope_formats::{ExportContext, Format, Precision, solid_certificate};
 use tilescope_sets::{Made, named_by_content, stated_layout};
 
 use crate::engine::ThreadArguments;
@@ -136,14 +136,17 @@ fn glue(path: &Path, out: Option<&Path>) -> Result<Glued> {
     // Only a root has no folder, and could not be read above.
     let folder = path.parent().unwrap_or(Path::new(""));
     // Only the layout names the files of its pieces, so that they are known no earlier.
+    let of_file = |source: &PieceSource| match source {
+        PieceSource::File { path, .. } => Some(folder.join(path)),
+        PieceSource::Run { .. } | PieceSource::Reference { .. } => None,
+    };
+    let pieces = placed.pieces.iter();
+    let files: Vec<PathBuf> = pieces.filter_map(|piece| of_file(&piece.source)).collect();
     if let Some(out) = out {
-        let of_file = |source: &PieceSource| match source {
-            PieceSource::File { path, .. } => Some(folder.join(path)),
-            PieceSource::Run { .. } | PieceSource::Reference { .. } => None,
-        };
-        let pieces = placed.pieces.iter();
-        let files: Vec<PathBuf> = pieces.filter_map(|piece| of_file(&piece.source)).collect();
         check_inputs_stay(out, files.iter().map(PathBuf::as_path))?;
+    }
+    for file in &files {
+        refuse_third_side(file).in_file(file)?;
     }
 
     let (pieces, census) = pieces::make(&placed, folder)?;
@@ -170,5 +173,29 @@ fn read(path: &Path) -> Result<Layout> {
     if bytes > MAX_LAYOUT_BYTES {
         return Err(LayoutError::TooLong { bytes }.into());
     }
-    Ok(Layout::from_json(&fs::read(path)?)?)
+    let text = fs::read(path)?;
+    // A third side is no misspelt field: the answer says what it would need.
+    ensure!(
+        !serde_json::from_slice(&text).is_ok_and(|layout| has_depth(&layout)),
+        "\"depth\": sets in space are not combined: pieces and seams are those of a plane"
+    );
+    Ok(Layout::from_json(&text)?)
+}
+
+/// Refuses the file of a set in space.
+fn refuse_third_side(file: &Path) -> Result<()> {
+    ensure!(
+        solid_certificate(file).is_none(),
+        "its certificate states a third side, and sets in space are not combined: pieces and seams are those of a plane"
+    );
+    Ok(())
+}
+
+/// Whether a layout, or a part of it, states a third side.
+fn has_depth(value: &Value) -> bool {
+    match value {
+        Value::Object(fields) => fields.contains_key("depth") || fields.values().any(has_depth),
+        Value::Array(all) => all.iter().any(has_depth),
+        _ => false,
+    }
 }

@@ -16,10 +16,11 @@ use crate::progress::verifying;
 use crate::ranks::{self, RankArguments};
 use crate::sample_arguments::leave_out_origin;
 use crate::solid::{self, Slice};
+use crate::space::SizeArgument;
 use crate::{interrupt, output, verdict_code};
 
 /// Arguments of `tilescope convert`.
-#[derive(Debug, Args)]
+#[derive(Clone, Debug, Args)]
 #[command(after_help = EXAMPLES, allow_negative_numbers = true)]
 pub struct ConvertArguments {
     /// The point set
@@ -28,6 +29,8 @@ pub struct ConvertArguments {
     output: PathBuf,
     #[command(flatten)]
     set: SetArguments,
+    #[command(flatten)]
+    size: SizeArgument,
     #[command(flatten)]
     judge: JudgeArguments,
     #[command(flatten)]
@@ -60,6 +63,10 @@ Examples:
 /// Writes a set in another format, and prints its verdict.
 pub fn run(arguments: &ConvertArguments) -> Result<u8> {
     interrupt::listen();
+    // From here on three sides in one word are as three options.
+    let mut arguments = arguments.clone();
+    arguments.set.take_sides(&arguments.size);
+    let arguments = &arguments;
     let path = &arguments.output;
     // The paths are checked before the input is read, which may take long.
     check_target(path, arguments.to, "--to")?;

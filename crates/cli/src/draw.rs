@@ -280,8 +280,7 @@ fn of_plane(arguments: &DrawArguments, slice: Slice) -> Result<(Scene, Shown)> {
         plane: Some(look),
         caption: format!("{name}: {slice} meets {count} of {} balls", disks.samples),
     };
-    // The origin of a set in space is left out: reading one refuses --origin, and its certificates state none.
-    let options = picture_options(arguments, &region, [0.0; 2])?;
+    let options = picture_options(arguments, &region, disks.origin)?;
     let shown = Shown::of(picture.points, &region, options.window);
     Ok((set_scene(&picture, &options), shown))
 }

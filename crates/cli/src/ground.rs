@@ -16,7 +16,7 @@ use crate::options::SetArguments;
 use crate::paths::InFile;
 
 /// A field and a shape.
-#[derive(Debug, Default, Args)]
+#[derive(Clone, Debug, Default, Args)]
 #[command(
     next_help_heading = "A radius that varies, and shapes (bounded, unless --boundary says otherwise)"
 )]

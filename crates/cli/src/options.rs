@@ -15,6 +15,8 @@ use tilescope_formats::{
 
 use crate::parameters::{RadiusSpan, TWO_RADII};
 use crate::paths::InFile;
+use crate::space::{Sides, SizeArgument};
+use crate::thin::is_by_x_and_y;
 
 /// The names of a type's values, the same in options and in JSON, each with its line of `--help`, if any.
 pub type Names<const N: usize> = [(&'static str, &'static str); N];
@@ -36,7 +38,8 @@ const JUDGES: Names<4> = [
 /// The judges of a set.
 #[derive(Clone, Debug, Args)]
 pub struct JudgeArguments {
-    /// The judge that verifies; if not given, both for up to 1,048,576 samples and covered circles for more
+    /// The judge that verifies; if not given, both for up to 1,048,576 samples and covered circles for more, in space
+    /// cubes for more
     #[arg(long, value_name = "JUDGE", value_parser = named::<JudgeChoice>(&JUDGES))]
     judge: Option<JudgeChoice>,
 }
@@ -96,7 +99,7 @@ pub fn formats() -> impl TypedValueParser<Value = Format> + use<> {
 }
 
 /// Options that stand in for, or override, a set's certificate.
-#[derive(Debug, Args)]
+#[derive(Clone, Debug, Args)]
 pub struct SetArguments {
     /// Poisson-disk radius; with --radius-image MIN..MAX, the radii of black and of white, of a set without a certificate
     #[arg(long, value_name = "R", value_parser = RadiusSpan::parse)]
@@ -120,6 +123,9 @@ pub struct SetArguments {
     /// certificate states, or at 0 0
     #[arg(long, num_args = 2, value_names = ["X", "Y"])]
     pub origin: Option<Vec<f64>>,
+    /// Beside --origin, where the lower corner of a set in space lies along z in the file; if not given, at 0
+    #[arg(long, value_name = "Z", requires = "origin")]
+    pub origin_z: Option<f64>,
     /// Take the points of a .geojson file as positions in a plane, though they may be longitudes and latitudes: all lie
     /// within 180 and 90, and some beyond the domain
     #[arg(long)]
@@ -157,12 +163,13 @@ const ANOTHER_DOMAIN: &str = "--width, --height, --boundary and --origin state a
 
 /// What to do about third coordinates, if neither a certificate nor an option says that the set is one in space.
 const IN_SPACE: &str =
-    "--depth gives a set in space its third side, and --slice then takes a plane of it";
+    "--depth gives a set in space its third side; draw and convert take a plane of one by --slice";
 
 impl SetArguments {
     /// Returns the values that override the certificate of `path`. A side or boundary that is not given is
     /// the certificate's; without one, the periodic unit square's.
     pub fn overrides(&self, path: &Path) -> Result<Overrides> {
+        self.refuse_origin_z()?;
         let given = [
             self.width.is_some(),
             self.height.is_some(),
@@ -204,9 +211,33 @@ impl SetArguments {
         Ok(())
     }
 
+    /// Takes the sides that `--size` gives in one word.
+    pub fn take_sides(&mut self, word: &SizeArgument) {
+        if let Some(Sides([width, height, depth])) = word.sides {
+            // The parser refuses single sides beside them.
+            (self.width, self.height, self.depth) = (Some(width), Some(height), Some(depth));
+        }
+    }
+
+    /// Refuses the third coordinate of an origin, which planar sets do not have.
+    fn refuse_origin_z(&self) -> Result<()> {
+        if self.origin_z.is_some() {
+            bail!(
+                "--origin-z: it is for sets in space, whose certificate states a third side or for which --depth does; leave it out"
+            );
+        }
+        Ok(())
+    }
+
     /// Returns the given origin.
     pub fn origin(&self) -> Option<[f64; 2]> {
         pair(self.origin.as_ref())
+    }
+
+    /// Returns the given origin of a set in space; without a third coordinate it has z = 0.
+    pub fn origin_in_space(&self) -> Option<[f64; 3]> {
+        let [x, y] = self.origin()?;
+        Some([x, y, self.origin_z.unwrap_or_default()])
     }
 
     /// Refuses a radius or a domain beside the certificate's. A `clause` says what depends on these.
@@ -316,7 +347,8 @@ impl SetArguments {
         certificate: CertificateUse,
         varying: bool,
     ) -> Result<ReadSet> {
-        let hint = Hint {
+        self.refuse_origin_z()?;
+        let mut hint = Hint {
             format: self.format,
             set,
             columns: columns(self.columns.as_deref()),
@@ -325,8 +357,17 @@ impl SetArguments {
             varying,
             ..Hint::default()
         };
-        let read = tilescope_formats::read(path, &hint).map_err(with_option);
-        read.in_file(path)
+        let mut read = tilescope_formats::read(path, &hint);
+        // A cloud that was thinned by x and y keeps its z, and is a planar set.
+        if matches!(read, Err(FormatError::NotPlanar { .. }))
+            && self
+                .certificate(path)?
+                .is_some_and(|stated| is_by_x_and_y(&stated))
+        {
+            hint.any_z = true;
+            read = tilescope_formats::read(path, &hint);
+        }
+        read.map_err(with_option).in_file(path)
     }
 }
 

@@ -23,7 +23,7 @@ use crate::{output, verdict_code};
 const RANK: &str = "rank";
 
 /// Which samples of nested levels `convert` keeps.
-#[derive(Debug, Args)]
+#[derive(Clone, Debug, Args)]
 pub struct RankArguments {
     /// Of a set with nested levels and their ranks, keep the samples with ranks below T, a number from above 0 to 1: about so
     /// large a share of them, evenly spread. The new file has the levels that are left, and ranks from 0 to 1 again

@@ -13,7 +13,7 @@ pub mod window;
 
 use std::path::Path;
 
-use anyhow::{Result, bail};
+use anyhow::{Result, bail, ensure};
 use tilescope_analysis::{JudgeChoice, Region, SolidError};
 use tilescope_formats::{CheckError, FormatError, Overrides, solid_certificate};
 
@@ -28,7 +28,7 @@ pub const PLANAR: &str = "it is for planar sets, and this one has a third side";
 /// Refuses the first of some options that is given, as `whose` has no use for it.
 pub fn refuse(options: &[(&str, bool)], whose: &str) -> Result<()> {
     match options.iter().find(|(_, is_given)| *is_given) {
-        Some((name, _)) => bail!("{name}: {whose}; leave it out"),
+        Some((name, _)) => bail!("{name}: {whose}; leave {name} out"),
         None => Ok(()),
     }
 }
@@ -59,7 +59,6 @@ fn overrides(set: &SetArguments, file: &Path) -> Result<Overrides> {
     refuse(
         &[
             ("--columns", set.columns.is_some()),
-            ("--origin", set.origin.is_some()),
             ("--planar", set.planar),
         ],
         PLANAR,
@@ -67,6 +66,15 @@ fn overrides(set: &SetArguments, file: &Path) -> Result<Overrides> {
 
     // A width, a height or a boundary that is not given is that of the certificate, if it is of a set in space.
     let stated = solid_certificate(file).filter(|_| !set.no_certificate);
+    // Certificates of sets in space state no origin: positions begin at 0. Only those of thinned ones lie anywhere.
+    ensure!(
+        set.origin.is_none()
+            || stated
+                .as_ref()
+                .is_none_or(|stated| stated.thinned.is_some()),
+        "--origin: its certificate states a box that begins at 0; leave --origin out, or read the set without it: \
+         {WITHOUT_CERTIFICATE}"
+    );
     let is_given = set.width.is_some() || set.height.is_some() || set.boundary.is_some();
     let of_stated = stated.map(|stated| stated.region);
     let region = || set.region_over(of_stated.unwrap_or(Region::UNIT_SQUARE));
@@ -76,6 +84,8 @@ fn overrides(set: &SetArguments, file: &Path) -> Result<Overrides> {
         set: set.set,
         region: (is_given || of_stated.is_none()).then(region),
         radius: set.least_radius(),
+        origin: set.origin(),
+        origin_z: set.origin_z,
         without_certificate: set.no_certificate,
         ..Overrides::default()
     })
@@ -88,7 +98,7 @@ fn hinted(error: CheckError) -> anyhow::Error {
     match error {
         CheckError::Solid(error @ SolidError::OutOfRegion { .. }) => {
             anyhow::anyhow!(
-                "{error}; --width, --height, --depth and --boundary state another domain"
+                "{error}; --width, --height, --depth, --boundary, --origin and --origin-z state another domain"
             )
         }
         CheckError::NoRadius => anyhow::Error::from(error).context("give --radius"),

@@ -8,6 +8,13 @@ pub struct SpaceArguments {
     /// Third side of the domain: the set is then one of balls in space, made by the reference sampler
     #[arg(long, value_name = "D")]
     pub depth: Option<f64>,
+    #[command(flatten)]
+    word: SizeArgument,
+}
+
+/// The three sides of a box in one word. Not where `--size` is that of a picture.
+#[derive(Clone, Debug, Default, Args)]
+pub struct SizeArgument {
     /// Width, height and depth in one word, such as 10x10x10
     #[arg(long = "size", value_name = "WxHxD", value_parser = Sides::parse, conflicts_with_all = ["depth", "width", "height"])]
     pub sides: Option<Sides>,
@@ -16,7 +23,7 @@ pub struct SpaceArguments {
 impl SpaceArguments {
     /// Returns whether there is a third side.
     pub const fn is_given(&self) -> bool {
-        self.depth.is_some() || self.sides.is_some()
+        self.depth.is_some() || self.word.sides.is_some()
     }
 
     /// Returns the option that gives the third side, where there is one.
@@ -30,7 +37,7 @@ impl SpaceArguments {
 
     /// Returns the sides of a box over a rectangle; without a third side, nothing.
     pub fn size(&self, [width, height]: [f64; 2]) -> Option<[f64; 3]> {
-        let typed = self.sides.map(|Sides(sides)| sides);
+        let typed = self.word.sides.map(|Sides(sides)| sides);
         typed.or(self.depth.map(|depth| [width, height, depth]))
     }
 }
@@ -40,16 +47,26 @@ impl SpaceArguments {
 pub struct Sides(pub [f64; 3]);
 
 impl Sides {
-    /// Reads `WxHxD`.
+    /// Reads `WxHxD`, also with X or the sign of multiplication.
     fn parse(text: &str) -> Result<Self, String> {
-        let parts: Vec<&str> = text.split('x').collect();
-        let &[width, height, depth] = parts.as_slice() else {
+        let parts: Vec<&str> = text.split(['x', 'X', '\u{d7}']).collect();
+        // Three numbers that are divided in another way are three sides all the same.
+        if parts.len() == 1 && text.split([',', ';', '*', ' ']).count() > 1 {
             return Err(format!(
-                "{text:?} has {} sides; three are needed, as in 10x10x10: a plane has --width and --height",
+                "{text:?} is no box; its sides are written with x between them, as in 10x10x10"
+            ));
+        }
+        let &[width, height, depth] = parts.as_slice() else {
+            let sides = if parts.len() == 1 { "side" } else { "sides" };
+            return Err(format!(
+                "{text:?} has {} {sides}; three are needed, as in 10x10x10: a plane has --width and --height",
                 parts.len()
             ));
         };
-        let side = |text: &str| text.parse().map_err(|_| format!("{text:?} is no number"));
+        let side = |text: &str| {
+            let text = text.trim();
+            text.parse().map_err(|_| format!("{text:?} is no number"))
+        };
         Ok(Self([side(width)?, side(height)?, side(depth)?]))
     }
 }
@@ -60,12 +77,21 @@ mod tests {
 
     #[test]
     fn three_sides_are_one_word() {
-        assert_eq!(Sides::parse("10x2.5x1e1"), Ok(Sides([10.0, 2.5, 10.0])));
+        for text in [
+            "10x2.5x1e1",
+            "10X2.5X10",
+            "10\u{d7}2.5\u{d7}10",
+            "10 x 2.5 x 10",
+        ] {
+            assert_eq!(Sides::parse(text), Ok(Sides([10.0, 2.5, 10.0])), "{text}");
+        }
         for (text, wanted) in [
             ("10x10", "\"10x10\" has 2 sides; three are needed"),
             ("1x2x3x4", "has 4 sides"),
             ("10x10xten", "\"ten\" is no number"),
-            ("", "has 1 sides"),
+            ("", "has 1 side;"),
+            ("10,10,10", "written with x between them, as in 10x10x10"),
+            ("10*10*10", "written with x between them"),
         ] {
             let said = Sides::parse(text).expect_err(text);
             assert!(said.contains(wanted), "{said}");

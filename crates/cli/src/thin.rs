@@ -369,7 +369,12 @@ impl ThinArguments {
 }
 
 /// The parameters of a certificate that say how its file is read.
-pub const XY: &str = "xy";
+const XY: &str = "xy";
+
+/// Whether a certificate states that points were thinned by their x and y, whatever z is.
+pub fn is_by_x_and_y(stated: &Certificate) -> bool {
+    stated.parameters.get(XY) == Some(&true.into())
+}
 pub const COLUMNS: &str = "columns";
 pub const SET: &str = "set";
 

@@ -20,7 +20,7 @@ use crate::options::{SetArguments, columns, refuse_stated};
 use crate::paths::InFile;
 use crate::progress::verifying;
 use crate::solid::box_text;
-use crate::thin::{COLUMNS, SET, XY, report_json, report_text};
+use crate::thin::{COLUMNS, SET, is_by_x_and_y, report_json, report_text};
 use crate::{output, verdict_code};
 
 /// Verifies a set whose certificate states that it was chosen from another one, and prints the verdict. Without a
@@ -68,6 +68,7 @@ fn refuse_others(set: &SetArguments, ground: &GroundArguments) -> Result<()> {
     let placed = [
         ("--depth", set.depth.is_some()),
         ("--origin", set.origin.is_some()),
+        ("--origin-z", set.origin_z.is_some()),
     ];
     refuse_stated(&placed, whose)?;
 
@@ -108,7 +109,7 @@ fn verdict(
         format: set.format,
         columns: columns(set.columns.as_deref().or(as_stated.as_deref())),
         certificate: CertificateUse::LeftOut,
-        any_z: stated.parameters.get(XY) == Some(&true.into()),
+        any_z: is_by_x_and_y(stated),
         ..Hint::default()
     };
     let chosen = PointFile::new(&bytes, hint).in_file(path)?;

@@ -17,16 +17,19 @@ use crate::ground::GroundArguments;
 use crate::options::{JudgeArguments, SetArguments, hinted};
 use crate::paths::{InFile, named};
 use crate::progress::verifying;
+use crate::space::SizeArgument;
 use crate::{interrupt, output, own_radii, ranks, solid, thinned, verdict_code};
 
 /// Arguments of `tilescope verify`.
-#[derive(Debug, Args)]
+#[derive(Clone, Debug, Args)]
 #[command(after_help = EXAMPLES, allow_negative_numbers = true)]
 pub struct VerifyArguments {
     /// The point set
     file: PathBuf,
     #[command(flatten)]
     set: SetArguments,
+    #[command(flatten)]
+    size: SizeArgument,
     #[command(flatten)]
     judge: JudgeArguments,
     #[command(flatten)]
@@ -82,6 +85,10 @@ pub fn run(arguments: &VerifyArguments) -> Result<u8> {
     interrupt::listen();
     let has_image = arguments.ground.radius_image.is_some();
     arguments.set.refuse_two_radii(has_image)?;
+    // From here on three sides in one word are as three options.
+    let mut arguments = arguments.clone();
+    arguments.set.take_sides(&arguments.size);
+    let arguments = &arguments;
     output::note_left_out(&arguments.set, &arguments.file);
     if let Some(stated) = thinned::space::certificate(&arguments.set, &arguments.file) {
         return thinned_in_space(arguments, &stated);

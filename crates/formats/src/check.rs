@@ -41,6 +41,8 @@ pub struct Overrides {
     pub radius: Option<f64>,
     /// The position in the file of the region's lower corner.
     pub origin: Option<[f64; 2]>,
+    /// The position in the file of the lower corner of a set in space along z, beside an origin; 0 without it.
+    pub origin_z: Option<f64>,
     /// Takes positions that seem to be longitudes and latitudes for those of a plane.
     pub planar: bool,
     /// The judges that verify the positions.

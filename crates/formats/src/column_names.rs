@@ -68,6 +68,20 @@ pub(crate) fn named(names: &[String]) -> Result<NamedColumns, String> {
     ))
 }
 
+/// Refuses names without x, y and z, the columns of points in space. The error is a reason.
+pub(crate) fn check_in_space(names: &[String]) -> Result<(), String> {
+    for axis in ["x", "y", "z"] {
+        // Longitude and latitude are no places in a box either, and are reported where the columns are read.
+        if find(names, axis)?.is_none() && degrees(names).is_none() {
+            return Err(format!(
+                "no column is named {axis}, and a set in space has x, y and z; the columns are {}",
+                list(names)
+            ));
+        }
+    }
+    Ok(())
+}
+
 /// Whether a remark such as `# x y` is a header: it names coordinates, planar or not.
 pub(crate) fn is_header(names: &[String]) -> bool {
     named(names).is_ok() || degrees(names).is_some()

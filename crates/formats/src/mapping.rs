@@ -137,7 +137,7 @@ impl Mapping {
 
     /// What a file stores for each of some domain positions.
     pub(crate) fn stored<'a>(&self, points: &'a [[f64; 2]]) -> Cow<'a, [[f64; 2]]> {
-        if self.keeps_units() && self.precision == Precision::Double {
+        if self.keeps_numbers() {
             return points.into();
         }
         points.iter().map(|&p| self.file_from_domain(p)).collect()
@@ -151,8 +151,13 @@ impl Mapping {
         stored.iter().map(|&p| self.domain_from_file(p)).collect()
     }
 
+    /// Whether a file stores the same numbers as those of the domain.
+    pub(crate) fn keeps_numbers(&self) -> bool {
+        self.keeps_units() && self.precision == Precision::Double
+    }
+
     /// Whether file coordinates are those of the domain.
-    fn keeps_units(&self) -> bool {
+    pub(crate) fn keeps_units(&self) -> bool {
         self.scale.to_bits() == 1.0_f64.to_bits() && self.origin == DVec2::ZERO
     }
 

@@ -9,6 +9,8 @@ mod disk;
 mod export;
 mod thinned;
 
+use std::borrow::Cow;
+
 use tilescope_analysis::{Region, SolidRegion};
 
 use crate::codecs::{CertificateUse, Hint, solid as codec};
@@ -72,7 +74,12 @@ impl SolidMapping {
         self.base.scale()
     }
 
-    pub fn stored(&self, points: &[[f64; 3]]) -> Vec<[f64; 3]> {
+    /// Returns what a file stores for each of some domain positions.
+    pub fn stored<'a>(&self, points: &'a [[f64; 3]]) -> Cow<'a, [[f64; 3]]> {
+        // A copy of a large set takes much memory.
+        if self.base.keeps_numbers() {
+            return points.into();
+        }
         let stored = |&[x, y, z]: &[f64; 3]| {
             let [x, y] = self.base.file_from_domain([x, y]);
             let [_, z] = self.side.file_from_domain([x, z]);
@@ -81,13 +88,15 @@ impl SolidMapping {
         points.iter().map(stored).collect()
     }
 
-    pub fn positions(&self, stored: &[[f64; 3]]) -> Vec<[f64; 3]> {
-        let position = |&[x, y, z]: &[f64; 3]| {
-            let [x, y] = self.base.domain_from_file([x, y]);
-            let [_, z] = self.side.domain_from_file([x, z]);
-            [x, y, z]
-        };
-        stored.iter().map(position).collect()
+    /// Makes domain positions of the coordinates that a file stores, where they are.
+    pub fn make_positions(&self, stored: &mut [[f64; 3]]) {
+        if self.base.keeps_units() {
+            return;
+        }
+        for [x, y, z] in stored {
+            [*x, *y] = self.base.domain_from_file([*x, *y]);
+            [_, *z] = self.side.domain_from_file([*x, *z]);
+        }
     }
 
     /// The largest change of a coordinate between two positions.

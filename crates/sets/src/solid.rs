@@ -37,6 +37,21 @@ pub struct SolidRecipe {
 }
 
 impl SolidRecipe {
+    /// Returns about how many samples the set will have.
+    ///
+    /// # Errors
+    ///
+    /// [`SampleError`] when sides or radius are refused.
+    pub fn expected(&self) -> Result<f64, SampleError> {
+        match self.balls {
+            BallSize::Radius(radius) => {
+                let domain = SolidDomain::from_size(self.size, radius, self.boundary)?;
+                Ok(domain.expected_samples())
+            }
+            BallSize::Count(count) | BallSize::Exactly(count) => Ok(count as f64),
+        }
+    }
+
     /// Makes the set on all threads of the current rayon pool. The samples do not depend on their number.
     ///
     /// # Errors

@@ -2,9 +2,9 @@
 
 use std::path::Path;
 
-use anyhow::{Context, Result, bail, ensure};
+use anyhow::{Result, bail, ensure};
 use serde_json::{Value, json};
-use tilescope_analysis::{JudgeChoice, SolidRegion, VerifyOptions, verify_solid};
+use tilescope_analysis::{JudgeChoice, SolidError, SolidRegion, VerifyOptions, verify_solid};
 use tilescope_formats::{
     Certificate, CheckError, ExportContext, Format, SolidCheck, SolidColumns, SolidContext,
     check_solid, check_solid_format, export_solid, in_space, read_solid,
@@ -26,7 +26,12 @@ pub fn verify(
     as_json: bool,
 ) -> Result<u8> {
     let (_, check) = checked(file, set, judge)?.map_err(hinted).in_file(file)?;
-    output::report(as_json, || to_json(&check), || to_text(&check))?;
+    let origin = set.origin_in_space();
+    output::report(
+        as_json,
+        || to_json(&check, origin),
+        || to_text(&check, judge.choice(), origin),
+    )?;
     Ok(verdict_code(check.passed()))
 }
 
@@ -45,7 +50,7 @@ fn checked(file: &Path, set: &SetArguments, judge: &JudgeArguments) -> Result<Ch
 }
 
 /// Returns the outcome for programs.
-fn to_json(check: &SolidCheck) -> Value {
+fn to_json(check: &SolidCheck, origin: Option<[f64; 3]>) -> Value {
     // The same fields as of planar sets, so that programs read both alike.
     let (report, stated) = (&check.verdict.report, check.certificate.as_ref());
     let mut object = json!({
@@ -60,17 +65,28 @@ fn to_json(check: &SolidCheck) -> Value {
         "passed": check.passed(),
     });
     output::add(&mut object, verdict::json(&check.verdict));
+    if let Some(origin) = origin {
+        object["origin"] = json!(origin);
+    }
     object
 }
 
-fn to_text(check: &SolidCheck) -> String {
+fn to_text(check: &SolidCheck, asked: JudgeChoice, origin: Option<[f64; 3]>) -> String {
+    let mut shown = check.verdict.clone();
+    // Gaps are printed at their places in the file, whose box begins at its origin; the report's begins at zero.
+    let [x, y, z] = origin.unwrap_or_default();
+    for gap in &mut shown.report.worst_gaps {
+        let [at_x, at_y, at_z] = gap.center;
+        gap.center = [at_x + x, at_y + y, at_z + z];
+    }
+    let at = origin.map_or_else(String::new, |[x, y, z]| format!(" at {x} {y} {z}"));
     let report = &check.verdict.report;
     let mut out = format!(
-        "{}: {}, r = {}\n\n{}",
+        "{}: {}{at}, r = {}\n\n{}",
         check.detection,
         verdict::box_text(&report.region),
         report.radius,
-        verdict::text(&check.verdict),
+        verdict::text(&shown, asked),
     );
     out += &output::certificate_text(check.certificate.as_ref(), &check.differences);
     out
@@ -89,6 +105,9 @@ pub fn convert(
     let (points, mut context) = match checked(input, set, judge)? {
         // Neither a certificate nor --radius states a radius: the smallest distance becomes the radius.
         Err(CheckError::NoRadius) => uncertified(input, set)?,
+        // A thinned set covers the points that it was chosen from and not its box. In another format it is a set of which
+        // nothing is known but box and radius.
+        Err(CheckError::Thinned) => thinned(input, set)?,
         read => {
             let (points, mut check) = read.map_err(hinted).in_file(input)?;
             let columns = std::mem::take(&mut check.columns);
@@ -101,6 +120,12 @@ pub fn convert(
     };
     context.planar.format = to;
     context.planar.verify = judge.options();
+    if let Some([x, y, z]) = set.origin_in_space() {
+        // Certificates of sets in space state no origin, so that the new file has none.
+        output::note(&format!(
+            "note: sets in space are written from 0 on: the origin {x} {y} {z} is taken off all positions"
+        ));
+    }
 
     let exported =
         verifying(|control| export_solid(path, &points, &context, control)).in_file(path)?;
@@ -111,10 +136,33 @@ pub fn convert(
         "{} samples, r = {}\n{}{warnings}certificate    {}\n",
         points.len(),
         context.planar.radius,
-        verdict::text(&exported.verdict),
+        verdict::text(&exported.verdict, judge.choice()),
         named(&exported.certificate_path)
     ))?;
     Ok(verdict_code(exported.verdict.valid()))
+}
+
+/// Returns a thinned set and what the certificate of a converted one states: the box and the radius of its own.
+fn thinned(file: &Path, set: &SetArguments) -> Result<(Vec<[f64; 3]>, SolidContext)> {
+    let given = overrides(set, file)?;
+    let read = read_solid(file, &given, set.depth)
+        .map_err(hinted)
+        .in_file(file)?;
+    let [x, y, z] = read.origin;
+    if set.origin.is_none() && [x, y, z].iter().any(|&value| value != 0.0) {
+        output::note(&format!(
+            "note: sets in space are written from 0 on: the lowest coordinates of the points, {x} {y} {z}, are taken off all"
+        ));
+    }
+    output::note(&format!(
+        "note: {}: the new certificate does not say that its points were chosen from others",
+        named(file)
+    ));
+    let context = SolidContext {
+        columns: read.columns,
+        ..of_unknown_origin(read.region, read.radius)
+    };
+    Ok((read.points, context))
 }
 
 /// Returns what the new file's certificate states: box and radius as they were checked, and how the set was made as its
@@ -205,7 +253,12 @@ fn smallest_distance(points: &[[f64; 3]], region: SolidRegion) -> Result<f64> {
     // shortest side has to be more than twice the covering limit, which is a hair above the radius. 2.5 is 2 with room.
     let radius = spacing.min(shortest / 2.5);
     let report = verifying(|control| verify_solid(points, region, radius, &options, control))
-        .context("no radius is known, and none can be measured; give --radius")?;
+        .map_err(|error| match error {
+            // The box is at fault, and not that no radius is known.
+            SolidError::OutOfRegion { .. } => hinted(error.into()),
+            other => anyhow::Error::from(other)
+                .context("no radius is known, and none can be measured; give --radius"),
+        })?;
     let distance = report.min_distance;
     ensure!(
         distance.is_finite() && distance > 0.0,

@@ -69,6 +69,8 @@ pub struct Balls {
     levels: Vec<u8>,
     /// Whether the order of the file is that of arrival.
     is_in_order: bool,
+    /// The name of the file.
+    name: String,
     /// The line above the picture.
     caption: String,
 }
@@ -101,6 +103,7 @@ pub fn read(file: &Path, set: &SetArguments) -> Result<Balls> {
         radius: read.radius,
         levels: read.columns.level,
         is_in_order,
+        name: name.to_string(),
         caption,
     })
 }
@@ -150,7 +153,11 @@ impl<'a> Drawn<'a> {
         if drawn == Err(OrbitError::Cancelled) {
             interrupt::check("the picture")?;
         }
-        Ok(drawn?)
+        let mut scene = drawn?;
+        // The title is a sentence of its own: it would otherwise say again what the caption says.
+        let words = described(picture.set.points.len(), picture.set.size, self.view);
+        scene.title = format!("{}: {words}", self.balls.name);
+        Ok(scene)
     }
 
     /// Writes an animation of a turn, and returns how many frames it has.

@@ -68,6 +68,8 @@ pub struct PlaneDisks {
     radius: f64,
     /// How many samples the set has.
     pub samples: usize,
+    /// Where the lower corner of the rectangle lies in the file.
+    pub origin: [f64; 2],
 }
 
 impl PlaneDisks {
@@ -91,7 +93,16 @@ pub fn read(file: &Path, set: &SetArguments, slice: Slice) -> Result<PlaneDisks>
     let read = tilescope_formats::read_solid(file, &given, set.depth)
         .map_err(hinted)
         .in_file(file)?;
-    disks(&read.points, read.region, read.radius, slice)
+    // The plane is that of a place in the file.
+    let within = Slice {
+        place: slice.place - read.origin[slice.axis],
+        ..slice
+    };
+    let found = disks(&read.points, read.region, read.radius, within)?;
+    Ok(PlaneDisks {
+        origin: slice.axes().map(|axis| read.origin[axis]),
+        ..found
+    })
 }
 
 /// Returns the disks in which a plane meets the balls. Fails if the plane is beyond the box.
@@ -119,6 +130,7 @@ fn disks(
         depths: Vec::new(),
         radius,
         samples: points.len(),
+        origin: [0.0; 2],
     };
     for point in points {
         let straight = point[slice.axis] - slice.place;
@@ -160,7 +172,9 @@ pub fn write(
     let [across, up] = slice.axes().map(|axis| AXES[axis]);
     let mut table = format!("{across},{up},radius,depth\n");
     let rows = disks.middles.iter().zip(&disks.radii).zip(&disks.depths);
+    let [left, low] = disks.origin;
     for (([a, b], radius), depth) in rows {
+        let (a, b) = (a + left, b + low);
         let _ = writeln!(table, "{a},{b},{radius},{depth}");
     }
     write_whole(path, table.as_bytes()).in_file(path)?;

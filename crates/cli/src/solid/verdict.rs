@@ -3,7 +3,7 @@
 use std::fmt::Write;
 
 use serde_json::{Value, json};
-use tilescope_analysis::{Boundary, Judge, Number, SolidRegion, SolidVerdict};
+use tilescope_analysis::{Boundary, Judge, JudgeChoice, Number, SolidRegion, SolidVerdict};
 
 use crate::output::{answer, compared, conflicts_answer, validity};
 
@@ -40,8 +40,26 @@ pub fn json(verdict: &SolidVerdict) -> Value {
     })
 }
 
-/// Returns the verdict in a few lines.
-pub fn text(verdict: &SolidVerdict) -> String {
+/// Returns why covered circles did not judge, though they were asked.
+fn declined(verdict: &SolidVerdict, asked: JudgeChoice) -> Option<&'static str> {
+    let report = &verdict.report;
+    let are_asked = match asked {
+        JudgeChoice::Circles | JudgeChoice::Both => true,
+        JudgeChoice::Automatic => report.count <= JudgeChoice::BOTH_UP_TO,
+        JudgeChoice::Subdivision | JudgeChoice::Delaunay => false,
+    };
+    if !are_asked || report.judges.contains(&Judge::Circles) {
+        return None;
+    }
+    Some(if report.conflicts > 0 {
+        "covered circles judge sets without conflicts alone"
+    } else {
+        "covered circles do not judge samples that are so far apart"
+    })
+}
+
+/// Returns the verdict in a few lines. `asked` are the judges that were chosen.
+pub fn text(verdict: &SolidVerdict, asked: JudgeChoice) -> String {
     // Lengths are in radii, with as many decimals as in the verdict on planar sets: 9, and 6 for single witnesses, or
     // more where that shows whether a length or its limit is larger.
     let report = &verdict.report;
@@ -63,12 +81,13 @@ pub fn text(verdict: &SolidVerdict) -> String {
         ),
     };
 
+    let why = declined(verdict, asked).map_or_else(String::new, |why| format!("   ({why})"));
     let mut out = format!(
         "samples        {}\n\
          density        {:.4} N r^3 / volume\n\
          conflict-free  {}   min distance {closest} r\n\
          {covers}\n\
-         verified by    {}\n",
+         verified by    {}{why}\n",
         report.count,
         report.density,
         conflicts_answer(report.conflicts),

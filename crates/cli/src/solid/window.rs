@@ -35,8 +35,8 @@ pub fn run(arguments: &SampleArguments, corners: [f64; 6]) -> Result<u8> {
     )?;
     ensure!(
         !arguments.space.is_given(),
-        "{}: --window of six numbers is a part of space without end, which has no sides; leave it out",
-        arguments.space.option()
+        "{option}: --window of six numbers is a part of space without end, which has no sides; leave {option} out",
+        option = arguments.space.option()
     );
     ensure!(
         arguments.run.count.is_none() && arguments.nested.exactly.is_none(),

@@ -44,12 +44,23 @@ pub(super) fn read(bytes: &[u8], any_z: bool) -> Result<Raw, FormatError> {
 
 /// Reads points in space, of shape (N, 3).
 pub(super) fn read_solid(bytes: &[u8]) -> Result<(Vec<[f64; 3]>, Precision), FormatError> {
-    let (header, offset) = read_head(bytes)?;
+    let of_space = "only shape (N, 3) can be a set in space";
+    let (header, offset) = read_head(bytes).map_err(|error| match error {
+        // Of another shape the reader of planar sets would name that of those.
+        FormatError::Unsupported { format, what, .. } if what.starts_with("shape") => {
+            FormatError::Unsupported {
+                format,
+                what,
+                supported: of_space,
+            }
+        }
+        other => other,
+    })?;
     if header.columns != 3 {
         return Err(FormatError::Unsupported {
             format: FORMAT,
             what: format!("shape ({}, {})", header.count, header.columns),
-            supported: "only shape (N, 3) can be a set in space",
+            supported: of_space,
         });
     }
 

@@ -5,7 +5,7 @@ use super::kept::ColumnUse;
 use super::solid_columns::{self, SolidColumns};
 use super::{Hint, detected, npy, ply, table, utk};
 use crate::binary;
-use crate::detect::Detection;
+use crate::detect::{Detection, Evidence};
 use crate::error::FormatError;
 use crate::format::{Format, Precision};
 use crate::text::{as_utf8, push, push_line};
@@ -49,12 +49,26 @@ pub(crate) fn check_format(format: Format) -> Result<(), FormatError> {
 ///
 /// As [`decode`](crate::decode), and for formats and files without a third coordinate.
 pub fn decode(bytes: &[u8], hint: &Hint<'_>) -> Result<SolidRaw, FormatError> {
+    let is_set = false;
+    decode_as(bytes, hint, is_set)
+}
+
+/// The same of a set of balls. Rows without names have three numbers there: of a fourth it is not known what it says, and
+/// which three are the place. A cloud to be thinned may have more, which stay beside its points.
+pub(crate) fn decode_set(bytes: &[u8], hint: &Hint<'_>) -> Result<SolidRaw, FormatError> {
+    let is_set = true;
+    decode_as(bytes, hint, is_set)
+}
+
+fn decode_as(bytes: &[u8], hint: &Hint<'_>, is_set: bool) -> Result<SolidRaw, FormatError> {
     let bytes = &*as_utf8(bytes);
     let mut detection = detected(bytes, hint)?;
     // Three numbers in a line are taken for XYZ: only the name says that they are UTK's.
     let named = Format::from_path(hint.name.as_ref());
     if detection.format == Format::Xyz && hint.format.is_none() && named == Some(Format::UtkText) {
         detection.format = Format::UtkText;
+        // What is in the file is what its name says.
+        detection.evidence = Evidence::Extension;
     }
     let format = detection.format;
     check_format(format)?;
@@ -71,6 +85,7 @@ pub fn decode(bytes: &[u8], hint: &Hint<'_>) -> Result<SolidRaw, FormatError> {
         // x and y are read as of a planar set, whatever z is, and then z as a column by itself. A choice of two columns
         // is one of a plane, and is not used.
         Format::Csv | Format::Xyz => {
+            table::check_in_space(bytes, format, is_set)?;
             let (columns, any_z) = (None, true);
             let planar = table::read(bytes, format, columns, any_z)?;
             let heights = table::heights(bytes, format)?;

@@ -84,6 +84,73 @@ pub(super) fn column(
     column_by(bytes, format, columns, of_use, pick)
 }
 
+/// Refuses a table whose head shows that it has no points in space, with what is needed. Of a set (`is_set`) rows without
+/// names have three numbers; between commas, where a number more may be the end of one with a decimal comma, those of
+/// other clouds have, too.
+pub(super) fn check_in_space(
+    bytes: &[u8],
+    format: Format,
+    is_set: bool,
+) -> Result<(), FormatError> {
+    let mut table = TextTable::new(format, None);
+    table.any_z = true;
+    // The columns of the first row are counted, whatever they are.
+    table.chosen = Some(["1", "2"].map(str::to_owned));
+    let mut rest = without_bom(bytes);
+    while table.rows.is_none() && !rest.is_empty() {
+        rest = match table.take_head(rest) {
+            Ok(rest) => rest,
+            // A single column cannot be chosen twice. What is wrong with any other head is reported when it is read.
+            Err(FormatError::Header { .. }) if table.header.names.is_empty() => {
+                return Err(unlike_space(format, table.line + 1, 1));
+            }
+            Err(_) => return Ok(()),
+        };
+    }
+    // A table without rows is refused where it is read.
+    let Some(rows) = &table.rows else {
+        return Ok(());
+    };
+
+    if rows.names.is_empty() {
+        let most = if is_set || rows.separator == Separator::Comma {
+            3
+        } else {
+            usize::MAX
+        };
+        let fits = (3..=most).contains(&rows.count);
+        return if fits {
+            Ok(())
+        } else {
+            Err(unlike_space(format, table.line + 1, rows.count))
+        };
+    }
+    let line = [table.header.line, table.remark.line].into_iter().max();
+    let fault = |reason| FormatError::Header {
+        format,
+        place: FilePlace::Line(line.unwrap_or_default()),
+        reason,
+    };
+    names::check_in_space(&rows.names).map_err(fault)
+}
+
+/// Why rows without names are no points in space.
+fn unlike_space(format: Format, line: u64, count: usize) -> FormatError {
+    let columns = if count == 1 { "column" } else { "columns" };
+    let help = if count > 3 {
+        "; leave the others out, or name x, y and z in a first line"
+    } else {
+        ""
+    };
+    FormatError::Row {
+        format,
+        place: FilePlace::Line(line),
+        reason: format!(
+            "{count} {columns} and no header, and a set in space has three: x, y and z{help}"
+        ),
+    }
+}
+
 /// Returns the third coordinates of a table of points in space: those of the column z, without names of the third column.
 pub(super) fn heights(bytes: &[u8], format: Format) -> Result<Vec<f64>, FormatError> {
     let pick = |rows: &TableRows| {

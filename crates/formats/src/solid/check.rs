@@ -49,6 +49,9 @@ pub struct SolidSet {
     pub points: Vec<[f64; 3]>,
     /// The box that they lie in.
     pub region: SolidRegion,
+    /// Where the lower corner of the box lies in the file: 0 unless it was given, or the set is a thinned one whose points
+    /// lie elsewhere.
+    pub origin: [f64; 3],
     /// The radius of their balls.
     pub radius: f64,
     /// The certificate beside the file, if there is one.
@@ -69,7 +72,9 @@ pub(crate) fn read_solid_bytes(
 ) -> Result<SolidSet, CheckError> {
     // No judge runs here. The certificate is refused all the same if the file's content, or the certificate's other
     // numbers, contradict one of its statements. Planar sets that are only read are treated in the same way.
-    let file = SolidFile::read(data, name, certificate, overrides, depth)?;
+    // A thinned set can be read as one that covers nothing, in the box that its certificate states.
+    let takes_thinned = true;
+    let file = SolidFile::read(data, name, certificate, overrides, depth, takes_thinned)?;
     let wrong = (file.stated.as_ref())
         .and_then(|stated| contradictions(stated, &file.found).into_iter().next());
     if let Some(first) = wrong {
@@ -82,6 +87,7 @@ pub(crate) fn read_solid_bytes(
     Ok(SolidSet {
         points: file.points,
         region: file.judged.region,
+        origin: file.origin,
         radius: file.judged.radius,
         certificate: file.stated,
         columns: file.columns,
@@ -93,6 +99,8 @@ struct SolidFile {
     detection: Detection,
     /// The points in domain units, as the judge takes them.
     points: Vec<[f64; 3]>,
+    /// Where the lower corner of the box lies in the file.
+    origin: [f64; 3],
     columns: SolidColumns,
     stated: Option<Certificate>,
     judged: SolidJudged,
@@ -104,7 +112,7 @@ impl SolidFile {
     /// Reads a file, and what its certificate and the overrides say about it. `certificate` has the bytes of that
     /// beside the file; a `depth` that is given takes the place of the third side that it states.
     ///
-    /// Fails when the file or the certificate cannot be read, when the set is a thinned one, and when neither the
+    /// Fails when the file or the certificate cannot be read, when the set is a thinned one unless `takes_thinned`, and when neither the
     /// overrides nor the certificate state the rectangle, the radius or the depth.
     fn read(
         data: &[u8],
@@ -112,6 +120,7 @@ impl SolidFile {
         certificate: Option<&[u8]>,
         overrides: &Overrides,
         depth: Option<f64>,
+        takes_thinned: bool,
     ) -> Result<Self, CheckError> {
         let beside = certificate.filter(|_| !overrides.without_certificate);
         let read_beside = beside.map(|bytes| {
@@ -121,14 +130,20 @@ impl SolidFile {
         let stated = read_beside.transpose()?;
 
         // A thinned set covers the points that it was chosen from, and not its box: another function judges it.
-        if stated
+        let is_thinned = stated
             .as_ref()
-            .is_some_and(|stated| stated.thinned.is_some())
-        {
+            .is_some_and(|stated| stated.thinned.is_some());
+        if is_thinned && !takes_thinned {
             return Err(CheckError::Thinned);
         }
 
-        let raw = codec::decode(data, &hint(name, overrides.format, overrides.set))?;
+        let hint = hint(name, overrides.format, overrides.set);
+        // The points of a thinned cloud keep what stood beside them.
+        let raw = if is_thinned {
+            codec::decode(data, &hint)?
+        } else {
+            codec::decode_set(data, &hint)?
+        };
         let (format, precision) = (raw.detection.format, raw.precision);
         // What the overrides leave open is taken from the certificate.
         let judged = SolidJudged::new(format, stated.as_ref(), overrides, depth)?;
@@ -143,9 +158,18 @@ impl SolidFile {
             positions_digest: solid_digest(&raw.points),
             count: raw.points.len() as u64,
         };
+        let mut points = raw.points;
+        mapping.make_positions(&mut points);
+        let origin = origin(&points, &judged.region, overrides, is_thinned);
+        for point in &mut points {
+            for (value, least) in point.iter_mut().zip(origin) {
+                *value -= least;
+            }
+        }
         Ok(Self {
             detection: raw.detection,
-            points: mapping.positions(&raw.points),
+            points,
+            origin,
             columns: raw.columns,
             stated,
             judged,
@@ -153,11 +177,30 @@ impl SolidFile {
             found,
         })
     }
+
+    /// Judges the file, and compares its certificate with it and the verdict. Returns also the points.
+    fn check(self, control: Control<'_>) -> Result<(Vec<[f64; 3]>, SolidCheck), CheckError> {
+        let verdict = self.judged.verdict(&self.points, control)?;
+        // A wrong statement is a difference of the check, and no error.
+        let differences = (self.stated.as_ref()).map_or_else(Vec::new, |stated| {
+            differences(stated, &self.judged, &self.mapping, &self.found, &verdict)
+        });
+
+        let check = SolidCheck {
+            detection: self.detection,
+            precision: self.found.precision,
+            certificate: self.stated,
+            verdict,
+            differences,
+            columns: self.columns,
+        };
+        Ok((self.points, check))
+    }
 }
 
 /// Re-verifies `data`, a file called `name` with a set in space, against `certificate`, the bytes of its certificate file. A
-/// `depth` that is given takes the place of the stated one, as the values of `overrides` do; a choice of columns, an origin and a field
-/// are left out. Returns also the points, in domain units and in the file's order.
+/// `depth` that is given takes the place of the stated one, as the values of `overrides` do; a choice of columns and a field are left
+/// out. Returns also the points, in domain units and in the file's order.
 ///
 /// # Errors
 ///
@@ -170,22 +213,42 @@ pub fn check_solid_bytes(
     depth: Option<f64>,
     control: Control<'_>,
 ) -> Result<(Vec<[f64; 3]>, SolidCheck), CheckError> {
-    // A wrong statement is a difference of the check, and no error.
-    let file = SolidFile::read(data, name, certificate, overrides, depth)?;
-    let verdict = file.judged.verdict(&file.points, control)?;
-    let differences = (file.stated.as_ref()).map_or_else(Vec::new, |stated| {
-        differences(stated, &file.judged, &file.mapping, &file.found, &verdict)
-    });
+    let takes_thinned = false;
+    SolidFile::read(data, name, certificate, overrides, depth, takes_thinned)?.check(control)
+}
 
-    let check = SolidCheck {
-        detection: file.detection,
-        precision: file.found.precision,
-        certificate: file.stated,
-        verdict,
-        differences,
-        columns: file.columns,
-    };
-    Ok((file.points, check))
+/// The same of a file whose bytes this function drops before the judges need memory.
+pub(crate) fn check_owned(
+    data: Vec<u8>,
+    name: &str,
+    certificate: Option<&[u8]>,
+    overrides: &Overrides,
+    depth: Option<f64>,
+    control: Control<'_>,
+) -> Result<(Vec<[f64; 3]>, SolidCheck), CheckError> {
+    let takes_thinned = false;
+    let file = SolidFile::read(&data, name, certificate, overrides, depth, takes_thinned)?;
+    drop(data);
+    file.check(control)
+}
+
+/// Returns where the lower corner of the box lies in a file with these points: where it is given, or else at 0. The
+/// certificate of a thinned set states only how large a box is that holds all points: of one that lies elsewhere the
+/// corner is that of the points.
+fn origin(
+    points: &[[f64; 3]],
+    region: &SolidRegion,
+    overrides: &Overrides,
+    is_thinned: bool,
+) -> [f64; 3] {
+    if let Some([x, y]) = overrides.origin {
+        return [x, y, overrides.origin_z.unwrap_or_default()];
+    }
+    if !is_thinned || points.iter().all(|&point| region.contains(point)) {
+        return [0.0; 3];
+    }
+    let least = |a: [f64; 3], b: &[f64; 3]| [0, 1, 2].map(|axis| a[axis].min(b[axis]));
+    points.iter().fold([f64::INFINITY; 3], least)
 }
 
 /// The box, radius and options to verify a file with.

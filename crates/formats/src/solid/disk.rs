@@ -10,7 +10,7 @@ use crate::error::FormatError;
 use crate::export::{ExportError, Warning};
 use crate::files::{file_name, read_certificate, read_whole, stored_at, write_whole};
 
-use super::check::{SolidCheck, SolidSet, check_solid_bytes, read_solid_bytes};
+use super::check::{SolidCheck, SolidSet, check_owned, read_solid_bytes};
 use super::export::{SolidBytes, SolidContext, SolidExported, export_through, unverified_bytes};
 
 /// Writes points in space (in domain units) to the file `path` and a certificate beside it, as [`export`](crate::export) does
@@ -81,7 +81,7 @@ pub fn check_solid(
         read_certificate(path)?
     };
     let (name, beside) = (file_name(path)?, certificate.as_deref());
-    check_solid_bytes(&data, &name, beside, overrides, depth, control)
+    check_owned(data, &name, beside, overrides, depth, control)
 }
 
 /// The set in space in the file `path`, with its certificate compared with the file as [`read`](crate::read) compares that of a

@@ -1,5 +1,6 @@
 //! Validated export of sets in space: as that of planar sets, with a third axis.
 
+use std::borrow::Cow;
 use std::path::PathBuf;
 
 use tilescope_analysis::{Control, SolidRegion, SolidVerdict, measure_solid};
@@ -138,19 +139,20 @@ pub(crate) fn export_through(
     let decoded = codec::decode(&data, &hint(no_name, Some(format), only_set))?;
     compare(&written, &decoded)?;
     let has_columns = codec::has_columns(format);
-    if has_columns && decoded.columns != columns {
+    if has_columns && decoded.columns != *columns {
         return Err(ExportError::ReadBack {
             written: "columns of arrival and level".to_owned(),
             found: "others".to_owned(),
         });
     }
-    // A large set takes much memory, and its written positions are no longer needed.
-    drop(written);
-    let stored = mapping.positions(&decoded.points);
+    let digests = [solid_digest(&decoded.points), bytes_digest(&data)];
+    // A large set takes much memory, and the judges need some more: what they do not look at is dropped before.
+    drop((written, data));
+    let mut stored = decoded.points;
+    mapping.make_positions(&mut stored);
     let verdict = context.judge(&stored, format, control)?;
     let rounded = rounding(&points, &stored, &verdict, &mapping, name, context, control)?;
 
-    let digests = [solid_digest(&decoded.points), bytes_digest(&data)];
     let stated = certificate(name, format, context, &verdict, rounded, digests);
     // Sets in space have no provenance, so that no warning says that it was left out.
     let has_provenance = false;
@@ -190,16 +192,20 @@ pub fn export_solid_bytes(
     })
 }
 
-/// Returns the points and their columns in the order in which they are written.
-fn ordered(points: &[[f64; 3]], context: &SolidContext) -> (Vec<[f64; 3]>, SolidColumns) {
+/// Returns the points and their columns in the order in which they are written: copies only where that is another one.
+fn ordered<'a>(
+    points: &'a [[f64; 3]],
+    context: &'a SolidContext,
+) -> (Cow<'a, [[f64; 3]]>, Cow<'a, SolidColumns>) {
+    let Some(seed) = context.planar.shuffle_seed else {
+        return (points.into(), Cow::Borrowed(&context.columns));
+    };
     let (mut ordered, mut columns) = (points.to_vec(), context.columns.clone());
-    if let Some(seed) = context.planar.shuffle_seed {
-        shuffle(seed, ordered.len(), |a, b| {
-            ordered.swap(a, b);
-            columns.swap(a, b);
-        });
-    }
-    (ordered, columns)
+    shuffle(seed, ordered.len(), |a, b| {
+        ordered.swap(a, b);
+        columns.swap(a, b);
+    });
+    (ordered.into(), Cow::Owned(columns))
 }
 
 /// Fails if the decoded positions differ, in any bit, from those that were written.

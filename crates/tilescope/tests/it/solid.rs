@@ -195,6 +195,10 @@ fn formats_are_converted_and_planes_are_cut() {
         );
         let stated = certificate(&folder, name);
         assert_eq!(stated["method"], json!("reference"), "{name}");
+        // Each is what its name says.
+        let said = ends(&folder, &format!("verify {name}"), 0);
+        let first = said.lines().next().unwrap();
+        assert!(first.contains("by its extension:"), "{first}");
     }
     refused(
         &folder,
@@ -305,6 +309,16 @@ fn balls_are_drawn_as_pictures_and_turn() {
         svg.contains("seen from 20 degrees below") && svg.contains("by the level"),
         "{svg}"
     );
+    // The title is one sentence, with each fact once.
+    let title = svg
+        .split("<title>")
+        .nth(1)
+        .and_then(|rest| rest.split("</title>").next());
+    assert_eq!(
+        title.expect("a title").matches("balls").count(),
+        1,
+        "{title:?}"
+    );
 
     // The colours are the levels of the file, whatever its order. Without them they are the order, if that is the one of
     // arrival, and otherwise there is one colour, without a legend.
@@ -367,6 +381,266 @@ fn balls_are_drawn_as_pictures_and_turn() {
     ends(&folder, "sample --radius 0.1 --out planar.csv", 0);
     refused(&folder, "draw planar.csv x.png --orbit", "no third side");
     refused(&folder, "draw a.ply x.png", "or of its balls, --orbit");
+}
+
+/// The memory of the whole command is asked for before: an allocation that fails would end the program, with a lock left
+/// beside the file.
+#[test]
+#[cfg(target_os = "linux")]
+fn what_memory_does_not_hold_is_refused_with_need_and_limit() {
+    let folder = tempdir().unwrap();
+    let limited = |options: &str| {
+        let program = assert_cmd::cargo::cargo_bin("tilescope");
+        let program = program.display();
+        let line = format!(
+            "ulimit -v 3000000; exec '{program}' sample --size 1x1x1 --threads 2 {options}"
+        );
+        let run = std::process::Command::new("sh")
+            .args(["-c", &line])
+            .current_dir(folder.path())
+            .output();
+        let run = run.expect("a shell");
+        (
+            run.status.code(),
+            String::from_utf8_lossy(&run.stderr).into_owned(),
+        )
+    };
+    // 27 million samples take more than ten gigabytes.
+    let (code, said) = limited("--radius 0.003 --out a.npy");
+    assert_eq!(code, Some(2), "{said}");
+    for wanted in [
+        "GB of memory are needed to make and verify",
+        "(--no-verify)",
+        "the system gives",
+    ] {
+        assert!(said.contains(wanted), "{said}");
+    }
+    let (code, said) = limited("--radius 0.003 --no-verify --out a.npy");
+    assert!(
+        code == Some(2) && said.contains("needed to make some"),
+        "{said}"
+    );
+    assert_eq!(
+        fs::read_dir(folder.path()).unwrap().count(),
+        0,
+        "a lock is left"
+    );
+    // The control: a set that fits is made under the same limit.
+    let (code, said) = limited("--radius 0.1 --out a.npy");
+    assert_eq!(code, Some(0), "{said}");
+}
+
+/// Sides are read in one word wherever single ones are.
+#[test]
+fn three_sides_in_one_word_are_read_by_all_commands() {
+    let folder = tempdir().unwrap();
+    ends(
+        &folder,
+        "sample --size 6X5\u{d7}7 --radius 1 --out a.xyz",
+        0,
+    );
+    let found = run(
+        &folder,
+        "verify a.xyz --no-certificate --radius 1 --size 6x5x7",
+        0,
+    );
+    assert_eq!(found["region"]["depth"], json!(7.0));
+    ends(
+        &folder,
+        "convert a.xyz b.npy --no-certificate --radius 1 --size 6x5x7",
+        0,
+    );
+    assert_eq!(certificate(&folder, "b.npy")["depth"], json!(7.0));
+    run(
+        &folder,
+        "analyze a.xyz --no-certificate --radius 1 --size 6x5x7",
+        0,
+    );
+    refused(
+        &folder,
+        "verify a.xyz --size 6x5x7 --depth 7",
+        "cannot be used with",
+    );
+    refused(
+        &folder,
+        "verify a.xyz --size 6,5,7",
+        "written with x between them",
+    );
+    // A box that is too small is said to be so, and what states another one.
+    refused(
+        &folder,
+        "analyze a.xyz --no-certificate --depth 7",
+        "--width, --height",
+    );
+}
+
+/// A window has coordinates of space without end: an origin says where its box begins.
+#[test]
+fn windows_are_read_again_with_their_corner() {
+    let folder = tempdir().unwrap();
+    ends(
+        &folder,
+        "sample --radius 1 --window 5 -20 0.5 15 -10 10.5 --out w.csv",
+        0,
+    );
+    let given = "--radius 1 --size 10x10x10 --boundary bounded";
+    refused(&folder, &format!("verify w.csv {given}"), "--origin");
+    // As of a window of a plane, gaps are along its sides alone: samples beyond them are not in the file.
+    let corner = "--origin 5 -20 --origin-z 0.5";
+    let found = run(&folder, &format!("verify w.csv {given} {corner}"), 1);
+    assert_eq!(
+        (&found["conflict_free"], &found["maximal"]),
+        (&json!(true), &json!(false))
+    );
+    assert_eq!(found["origin"], json!([5.0, -20.0, 0.5]));
+    let said = ends(&folder, &format!("verify w.csv {given} {corner}"), 1);
+    assert!(said.contains("bounded at 5 -20 0.5"), "{said}");
+    // Gaps are told at their places in the file.
+    let place = said
+        .split("gap: (")
+        .nth(1)
+        .and_then(|rest| rest.split(", ").nth(1));
+    assert!(place.unwrap().starts_with('-'), "{said}");
+    let said = ends(&folder, &format!("convert w.csv v.ply {given} {corner}"), 1);
+    assert!(said.contains("conflict-free  yes"), "{said}");
+    run(&folder, "verify v.ply", 1);
+    ends(
+        &folder,
+        &format!("draw w.csv w.svg {given} {corner} --slice y=-15 --size 100"),
+        0,
+    );
+    // Planar sets have no third coordinate, and a certificate of a set in space states a box at 0.
+    refused(
+        &folder,
+        "verify w.csv --radius 1 --origin 5 5 --origin-z 1",
+        "--origin-z",
+    );
+    refused(&folder, "verify v.ply --origin 5 5", "begins at 0");
+}
+
+/// A thinned cloud is drawn, measured and converted by its own certificate.
+#[test]
+fn thinned_clouds_are_read_by_their_certificate() {
+    let folder = tempdir().unwrap();
+    // Far from 0, as clouds are.
+    let mut text = "x,y,z\n".to_owned();
+    for index in 0..1000 {
+        let [x, y, z] = [index % 10, index / 10 % 10, index / 100];
+        let _ = writeln!(text, "{},{},{}", 1000 + x, y - 50, f64::from(z) / 2.0);
+    }
+    fs::write(folder.path().join("cloud.csv"), text).unwrap();
+    ends(&folder, "thin cloud.csv --radius 1.5 --out a.csv", 0);
+    let disks = ends(&folder, "convert a.csv disks.csv --slice z=2", 0);
+    assert!(disks.contains("the plane z = 2 meets"), "{disks}");
+    let table = fs::read_to_string(folder.path().join("disks.csv")).unwrap();
+    assert!(table.lines().nth(1).unwrap().starts_with("100"), "{table}");
+    ends(&folder, "draw a.csv a.svg --slice x=1005 --size 100", 0);
+    refused(
+        &folder,
+        "draw a.csv b.svg --slice x=5 --size 100",
+        "beyond the domain",
+    );
+    ends(&folder, "draw a.csv a.png --orbit --size 64", 0);
+    let found = run(&folder, "analyze a.csv", 0);
+    assert_eq!(found["files"].as_array().unwrap().len(), 1);
+    let said = ends(&folder, "convert a.csv b.ply", 1);
+    assert!(said.contains("conflict-free  yes"), "{said}");
+    assert_eq!(certificate(&folder, "b.ply")["thinned"], Value::Null);
+    // The control: with a false certificate nothing is read.
+    let path = folder.path().join("a.csv");
+    let rows = fs::read_to_string(&path).unwrap();
+    fs::write(&path, rows.trim_end().rsplit_once('\n').unwrap().0).unwrap();
+    refused(&folder, "draw a.csv c.svg --slice z=2", "--no-certificate");
+
+    // One that was thinned by x and y is a planar set.
+    ends(
+        &folder,
+        "thin cloud.csv --radius 1.5 --xy --out flat.csv",
+        0,
+    );
+    let said = ends(&folder, "draw flat.csv flat.png --size 100", 0);
+    assert!(said.contains("samples drawn"), "{said}");
+}
+
+/// Two columns, or more than three without names, are no set in space; a cloud keeps what stands beside its points.
+#[test]
+fn other_numbers_of_columns_are_refused_with_what_is_needed() {
+    let folder = tempdir().unwrap();
+    let write = |name: &str, text: &str| fs::write(folder.path().join(name), text).unwrap();
+    let given = "--radius 1 --size 10x10x10";
+    for (name, text, wanted) in [
+        (
+            "four.xyz",
+            "1 2 3 1\n4 5 6 1\n",
+            "line 1: 4 columns and no header, and a set in space has three",
+        ),
+        (
+            "element.xyz",
+            "C 1 2 3\nC 4 5 6\n",
+            "4 columns and no header",
+        ),
+        (
+            "two.xyz",
+            "1 2\n4 5\n",
+            "2 columns and no header, and a set in space has three: x, y and z",
+        ),
+        ("two.csv", "1,2\n4,5\n", "2 columns and no header"),
+        ("four.csv", "1,2,3,4\n", "4 columns and no header"),
+        (
+            "named.csv",
+            "x,y,w\n1,2,3\n",
+            "no column is named z, and a set in space has x, y and z",
+        ),
+        (
+            "others.csv",
+            "a,b,c\n1,2,3\n",
+            "no column is named x, and a set in space has x, y and z",
+        ),
+    ] {
+        write(name, text);
+        refused(&folder, &format!("verify {name} {given}"), wanted);
+        refused(&folder, &format!("convert {name} out.ply {given}"), wanted);
+    }
+    // The controls: three columns, and names.
+    write("three.xyz", "1 2 3\n4 5 6\n");
+    write("names.xyz", "# x y z intensity\n1 2 3 1\n4 5 6 1\n");
+    for name in ["three.xyz", "names.xyz"] {
+        assert_eq!(
+            run(&folder, &format!("verify {name} {given}"), 1)["count"],
+            json!(2),
+            "{name}"
+        );
+    }
+    ends(&folder, "thin four.xyz --radius 1 --out thinned.xyz", 0);
+    assert_eq!(
+        fs::read_to_string(folder.path().join("thinned.xyz")).unwrap(),
+        "1 2 3 1\n4 5 6 1\n"
+    );
+}
+
+/// A verdict by one judge says why the other one, who was asked, did not judge.
+#[test]
+fn a_judge_that_declines_is_said_to_have_declined() {
+    let folder = tempdir().unwrap();
+    ends(&folder, "sample --size 5x5x5 --radius 1 --out a.csv", 0);
+    let why = "(covered circles judge sets without conflicts alone)";
+    for judge in ["", "--judge circles", "--judge both"] {
+        let said = ends(
+            &folder,
+            &format!("verify a.csv --no-certificate --size 5x5x5 --radius 1.1 {judge}"),
+            1,
+        );
+        assert!(said.contains(&format!("subdivision   {why}")), "{said}");
+        let said = ends(&folder, &format!("verify a.csv {judge}"), 0);
+        assert!(!said.contains(why), "{said}");
+    }
+    // Who asked for cubes alone needs no reason.
+    let said = ends(
+        &folder,
+        "verify a.csv --no-certificate --size 5x5x5 --radius 1.1 --judge subdivision",
+        1,
+    );
+    assert!(!said.contains(why), "{said}");
 }
 
 /// When each sample arrived, in columns of the file, goes with it through all commands.
@@ -478,7 +752,11 @@ fn files_of_others_are_sets_in_space_where_a_third_side_is_given() {
         "verify a.xyz --radius 0.8",
         "--depth gives a set in space its third side",
     );
-    refused(&folder, "verify a.xyz --radius 0.8", "--slice");
+    refused(
+        &folder,
+        "verify a.xyz --radius 0.8",
+        "draw and convert take a plane of one by --slice",
+    );
     // A thinned cloud needs no domain, and no third side.
     run(&folder, "thin a.xyz --radius 0.8 --out b.xyz", 0);
     refused(&folder, "thin a.xyz --radius-expression 0.8", "--xy");
@@ -619,4 +897,25 @@ fn what_makes_no_set_in_space_is_refused_by_name() {
     ends(&folder, "sample --size 5x5x5 --radius 1 --out a.ply", 0);
     refused(&folder, "verify a.ply --prefix 5", "--prefix");
     refused(&folder, "verify a.ply --origin 1 1", "--origin");
+    sample("--radius 1 --levels 3", "leave --levels out");
+
+    // Combination is of planar sets, in a layout and in its files.
+    let layout = |piece: &str, more: &str| {
+        let text = format!(
+            r#"{{"version": 1, "radius": 0.1, "boundary": "bounded", "columns": [1], "rows": [1], {more}"pieces": [{piece}]}}"#
+        );
+        fs::write(folder.path().join("layout.json"), text).unwrap();
+    };
+    layout(r#"{"file": "a.ply", "radius": 1}"#, "");
+    refused(
+        &folder,
+        "combine layout.json",
+        "its certificate states a third side",
+    );
+    layout(r#"{"seed": 1}"#, r#""depth": 2, "#);
+    refused(
+        &folder,
+        "combine layout.json",
+        "sets in space are not combined",
+    );
 }
