@@ -18,7 +18,7 @@ const TITLE: &str =
     "Reproduction of Wang & Suda 2017, \"Fast Maximal Poisson-Disk Sampling by Randomized Tiling\"";
 
 /// The first paragraph of every report.
-const INTRODUCTION: &str = "Sets by KDRT and by the reference sampler were made by the commands below, on the machines named there, and \
+const INTRODUCTION: &str = "Sets by KDRT, by exact tiling and by the reference sampler were made by the commands below, on the machines named there, and \
 judged by an independent verifier before anything was concluded from them; sets that are by design not maximal Poisson-disk sets (random, \
 jittered, controls) are measured as they are. A verdict follows from the numbers by the rule beside it. \"Not comparable\" \
 means that the numbers decide nothing. Rates are the machine's; the paper's are of an Intel Core i7-4930K and an NVIDIA GTX 1080.";
