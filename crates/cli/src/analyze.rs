@@ -54,6 +54,7 @@ pub struct AnalyzeArguments {
     set: SetArguments,
     #[command(flatten)]
     ground: GroundArguments,
+    #[command(flatten)]
     size: SizeArgument,
     /// Save a report: .html (table and curves), .png or .svg (curves), .csv (all numbers)
     #[arg(long, value_name = "FILE")]

@@ -254,7 +254,10 @@ fn course_in_ground(arguments: &CurveArguments, watch: &mut Stopwatch) -> Result
     };
     let recipe = recipe(&asked)?;
     let exactly = ("--exactly", arguments.nested.exactly.is_some());
-    refuse(&[exactly], "moments of a field or a shape are those of a whole set")?;
+    refuse(
+        &[exactly],
+        "moments of a field or a shape are those of a whole set",
+    )?;
     Ok(Course::of_ground(&recipe, watch)?)
 }
 

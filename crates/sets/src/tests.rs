@@ -201,5 +201,8 @@ fn darts_of_a_set_by_the_reference_sampler_are_thrown_again() {
     assert_eq!(differs(&moved), Some(5));
     let fewer = outcome(&points[1..]);
     assert!(matches!(fewer, Err(ReferencePatternError::Count { .. })));
-    assert!(matches!(outcome(&[]), Err(ReferencePatternError::Count { count: 0, .. })));
+    assert!(matches!(
+        outcome(&[]),
+        Err(ReferencePatternError::Count { count: 0, .. })
+    ));
 }

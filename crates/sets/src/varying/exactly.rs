@@ -2,13 +2,16 @@
 
 use tilescope_core::Observer;
 
+use super::VaryingRecipe;
 use super::error::VaryingError;
-use super::{MAX_TRIES, VaryingRecipe};
 use crate::made::Made;
 
 /// Sets have at most this many roots of the wanted number more than that. The number of samples of a field scatters by 0.2
 /// roots, so that a few runs meet this.
 const LEFT_OUT: f64 = 0.6;
+
+/// Runs before a number is given up. Chosen: a few are enough, and later ones differ by [`jitter`].
+const MAX_TRIES: usize = 12;
 
 /// How many samples more than wanted runs aim at, in roots of the wanted number: a third of [`LEFT_OUT`].
 const AIM: f64 = 0.2;

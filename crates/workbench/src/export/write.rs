@@ -17,8 +17,7 @@ use serde::{Deserialize, Deserializer, Serialize, Serializer};
 use serde_json::json;
 use tilescope_analysis::Report;
 use tilescope_figures::{
-    AnimationError, FigureError, Scene, on_paper, to_pixels, to_png_controlled, to_svg, write_apng,
-    write_gif,
+    AnimationError, FigureError, Scene, to_pixels, to_png_controlled, to_svg, write_apng, write_gif,
 };
 use tilescope_formats::{
     Drawing, ExportContext, ExportError, FormatError, PointSet, Warning, certificate_path,

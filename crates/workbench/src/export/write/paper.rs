@@ -3,8 +3,7 @@
 
 use std::io::Write;
 
-use tilescope_drawing::dots::on_paper;
-use tilescope_figures::{FigureError, Scene, to_pixels, to_png_controlled, to_svg};
+use tilescope_figures::{FigureError, Scene, on_paper, to_pixels, to_png_controlled, to_svg};
 use tilescope_formats::ExportContext;
 use tilescope_session::jobs::Monitor;
 use tilescope_session::moment::Moment;
