@@ -44,6 +44,7 @@ impl PythonFieldPlane {
     /// Returns facts as JSON.
     fn facts(&self) -> String {
         let found = region(self.ground.field.domain());
+        // The least and the greatest one, which are the same where a shape has one radius.
         let radius = &self.ground.varying.radius;
         json!({
             "parameters": self.recipe.stated_on(&self.ground),
@@ -80,8 +81,10 @@ impl PythonFieldPlane {
     ) -> PyResult<(u64, u64)> {
         let window = self.checked_window(corners)?;
         run(py, progress, |watch| {
+            // That of making them is asked for by the sampler.
             ask_to_judge(self.ground.expected_in(&window) as usize)?;
             let mut observer = watch.observer();
+            // The samples around the window are made with it, as a place of it may be near one of them.
             let made = self
                 .recipe
                 .make_window(&self.ground, &window, &mut observer)?;
@@ -98,6 +101,7 @@ impl PythonFieldPlane {
         let [left, bottom, right, top] = rectangle("the window", corners)?;
         let domain = self.ground.field.domain();
         let window = (domain.window([left, bottom], [right, top])).map_err(Failure::from)?;
+        // In a bounded domain a window is cut to the domain, so that nothing is left of one outside.
         if (window.min.cmpge(window.max)).any() {
             let [width, height] = domain.size();
             return Err(PyValueError::new_err(format!(

@@ -557,6 +557,7 @@ impl<'a> TileSearch<'a> {
                 if one.index > other.index && self.is_asked_about(&other) {
                     continue;
                 }
+
                 let squared = one.distance_squared(&other);
                 if is_near(squared, one.radius.into(), other.radius.into()) {
                     self.report_conflict(one.index, other.index, squared);
