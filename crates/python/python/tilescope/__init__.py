@@ -3,7 +3,7 @@ A set is *conflict-free* if no two samples are closer than the radius, and *maxi
 the domain is farther than the radius from all samples. :func:`sample` makes sets that are both, at
 millions of samples a second; equal parameters give equal points, bit for bit, on every machine and
 by the command line too. :class:`Plane` gives windows of sets that are never made as a whole,
-and :class:`Space` those of sets in space.
+:class:`FieldPlane` those of fields and shapes, and :class:`Space` those of sets in space.
 :func:`verify`, which does not know the sampler, judges any set.
 
 Examples
