@@ -142,6 +142,8 @@ def same(found, stated):
 
 def check(data, held, stated):
     """Returns the names of the fields that are false."""
+    if "depth" in stated:
+        raise Unjudged("the certificate has `depth`: the set is one in space, and this program judges rectangles alone")
     part = next((name for name in UNJUDGED if name in stated), None)
     if part or isinstance(stated["radius"], dict):
         raise Unjudged(f"the certificate has `{part or 'radius'}`, and one radius in a rectangle is judged")
