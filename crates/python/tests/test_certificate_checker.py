@@ -148,3 +148,11 @@ def test_conflicts_and_gaps_are_seen_as_such(holed, crowded, tmp_path):
         # The control: the same set, called free of them.
         beside.write_text(json.dumps({**json.loads(beside.read_text()), name: 0, "valid": True}))
         assert name in false_fields(path)
+
+
+@pytest.mark.parametrize("suffix", [".csv", ".npy"])
+def test_sets_in_space_are_refused_by_name(tmp_path, capsys, suffix):
+    path = tmp_path / ("balls" + suffix)
+    tilescope.sample(size=(6, 6, 6), radius=1).save(path)
+    assert checker.main(str(path)) == 2
+    assert "the set is one in space" in capsys.readouterr().out
