@@ -223,16 +223,17 @@ fn what_cannot_be_thinned_in_space_is_refused_by_name() {
         assert!(found.contains(said), "{line}: {found}");
     }
 
-    // Other commands do not take it for a maximal set, and what judges it refuses options of others.
+    // Other commands do not take it for a maximal set.
     thin(&folder, "cloud.csv --radius 0.5 --out thinned.csv").unwrap();
     let words = words(&folder, "convert", "thinned.csv thinned.npy");
     let Some(Command::Convert(arguments)) = Arguments::try_parse_from(words).unwrap().command
     else {
         panic!("another command");
     };
-    let said = crate::convert::run(&arguments).expect_err("thinned");
+    assert_eq!(crate::convert::run(&arguments).unwrap(), 1);
+    let stated = fs::read_to_string(folder.path().join("thinned.npy.certificate.json")).unwrap();
     assert!(
-        format!("{said:#}").contains("chosen from another set"),
-        "{said:#}"
+        stated.contains("\"valid\": false") && !stated.contains("\"thinned\""),
+        "{stated}"
     );
 }
