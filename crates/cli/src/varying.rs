@@ -144,6 +144,10 @@ fn refuse_tiling(arguments: &VaryingArguments<'_>) -> Result<()> {
     }
 
     ensure!(
+        arguments.nested.exactly.is_none(),
+        "--exactly: a set in a field or a shape has about as many samples as --count says; give that"
+    );
+    ensure!(
         arguments.nested.levels.is_none(),
         "--levels: {why}; leave it out"
     );

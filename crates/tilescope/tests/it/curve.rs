@@ -74,10 +74,10 @@ fn the_last_row_is_what_analyze_says_of_the_set() {
 }
 
 #[test]
-fn the_last_row_of_a_shape_or_a_field_is_what_analyze_says_of_the_set() {
+fn the_last_row_of_a_shape_or_a_field_is_the_verdict_on_the_set() {
     let folder = tempdir().unwrap();
     park(&folder);
-    let of_shape = "samples,density,packing,conflicts,gaps,min_distance_r,relative_radius";
+    let of_shape = "samples,density,conflicts,gaps,min_distance_r,relative_radius";
     let of_field = "samples,density,conflicts,gaps";
     let shape = ["--shape", "park.geojson", "--radius", "1.5", "--seed", "4"];
     let tiled = ["--method", "exact", "--leaf", "8", "--pattern-side", "30"];
@@ -92,10 +92,13 @@ fn the_last_row_of_a_shape_or_a_field_is_what_analyze_says_of_the_set() {
         let asked = [&run[..], &["--numbers", keys, "--moments", "5"]].concat();
         let (header, rows) = table(&folder, &asked);
         assert_eq!(header, format!("event,stage,{keys}"));
-        let numbers = analyzed(&folder, &run);
+        let mut making = tilescope(&folder);
+        let made = making.arg("sample").args(&run).arg("--json").assert();
+        let verdict: Value = serde_json::from_slice(&made.success().get_output().stdout).unwrap();
         for (key, cell) in keys.split(',').zip(&rows[4][2..]) {
-            let (found, expected): (f64, _) =
-                (cell.parse().unwrap(), numbers[key].as_f64().unwrap());
+            let name = if key == "samples" { "count" } else { key };
+            let found: f64 = cell.parse().unwrap();
+            let expected = verdict[name].as_f64().unwrap();
             let is_near = (found - expected).abs() <= 1e-5 * expected.abs();
             assert!(is_near, "{run:?} {key}: {found} {expected}");
         }
@@ -123,6 +126,10 @@ fn the_last_row_of_a_shape_or_a_field_is_what_analyze_says_of_the_set() {
     refused(&with(&["--method", "kdrt"]), "--method kdrt: --shape");
     refused(&with(&["--levels", "3"]), "--levels: --shape");
     refused(&with(&["--depth", "9"]), "--shape: --depth makes");
+    refused(
+        &["--shape", "park.geojson", "--exactly", "90"],
+        "--exactly: a set in a field or a shape",
+    );
     refused(
         &["--radius", "0.1", "--origin", "1", "2"],
         "--origin: numbers of a run",
