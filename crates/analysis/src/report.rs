@@ -6,7 +6,6 @@ use serde::{Deserialize, Serialize};
 use crate::exact::covering_limit;
 use crate::findings::{Findings, MAX_CONFLICTS};
 use crate::judge::Judge;
-use crate::measures::largest_min_distance;
 use crate::region::Region;
 use crate::witness::{Conflict, Gap};
 
@@ -65,6 +64,11 @@ pub(crate) struct JudgedSet {
     pub covering_tolerance: f64,
 }
 
+/// Returns the smallest distance in the densest packing of so many samples in an area, the hexagonal one.
+pub(crate) fn distance_in_packing(count: usize, area: f64) -> f64 {
+    (2.0 * area / (3f64.sqrt() * count as f64)).sqrt()
+}
+
 impl Report {
     /// Returns the report on a set. Lengths in `found` are those of the samples' unit, multiplied by `scale`; all
     /// others are in the samples' unit.
@@ -95,7 +99,7 @@ impl Report {
         );
 
         let min_distance = found.min_distance / scale;
-        let r_max = largest_min_distance(count, region.area());
+        let r_max = distance_in_packing(count, region.area());
 
         Self {
             judges: vec![found.judge],
@@ -130,7 +134,7 @@ impl Report {
     /// state it.
     #[must_use]
     pub fn relative_radius_of_region(&self) -> f64 {
-        self.min_distance / largest_min_distance(self.count, self.region.area())
+        self.min_distance / distance_in_packing(self.count, self.region.area())
     }
 
     /// The verdict in numbers, for messages.

@@ -72,10 +72,12 @@ fn follow(
         return Box::new(move |_, _, _| Err(why.clone()));
     }
 
+    // A field that is too steep to be followed says so in the place of every value.
     let course = match course_of(recording) {
         Ok(course) => course,
         Err(why) => return Box::new(move |_, _, _| Err(why.clone())),
     };
+    // Each evaluator has a moment of its own, at the cursor that it was asked for last.
     let mut moment = LiveMoment::new(Arc::new(course));
     Box::new(move |key, cursor, steps| {
         // Expressions name only numbers of the list above. Some of these are of planar sets alone, some of sets in space

@@ -9,7 +9,7 @@ use tilescope_analysis::measures::{
 use tilescope_analysis::{COVERING_TOLERANCE, MAX_CONFLICTS, Report};
 
 use crate::moment::{LiveMoment, Wanted};
-use crate::setting::Setting;
+use crate::setting::{Setting, is_live};
 
 /// Why numbers cannot be had at every moment.
 #[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
@@ -130,21 +130,6 @@ fn not_found(key: &str, setting: Setting, known: String) -> NumberError {
             place: setting.place(),
             known,
         },
-    }
-}
-
-/// Returns whether a number is read from what live measures give.
-pub const fn is_live(number: &SetNumber) -> bool {
-    match number.needs {
-        None | Some(Part::Report | Part::Spectrum) => true,
-        Some(
-            Part::Pairs
-            | Part::Distances
-            | Part::Rough
-            | Part::Smooth
-            | Part::Cells
-            | Part::Discrepancy,
-        ) => false,
     }
 }
 

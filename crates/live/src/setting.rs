@@ -5,8 +5,6 @@ use tilescope_analysis::measures::{
 };
 use tilescope_analysis::{LiveSquares, VaryingRegion};
 
-use crate::numbers::is_live;
-
 /// What the samples of a run lie in.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Setting {
@@ -69,6 +67,7 @@ impl Setting {
             Self::Space => SPACE_CATALOGUE,
             Self::Rectangle | Self::Shape | Self::Field => CATALOGUE,
         };
+        // By its key a number is looked up as it is in this setting, which leaves out those that mean nothing here.
         let keys = catalogue.iter().map(|number| number.key);
         keys.filter_map(move |key| self.number(key))
     }
@@ -80,11 +79,7 @@ impl Setting {
             Self::Rectangle => true,
             // Subdivision finds out whether a place is covered, and not how far its nearest sample is. The smooth spectrum, cells
             // and discrepancies are defined in a rectangle or a torus. The spectrum is of all samples, and is called global.
-            Self::Shape => {
-                let is_of_rectangle =
-                    !matches!(number.needs, None | Some(Part::Report | Part::Spectrum));
-                number.key != "covering_radius_r" && !is_of_rectangle
-            }
+            Self::Shape => is_live(number) && number.key != "covering_radius_r",
             // Counts and the density are by the radius at each place. Of the numbers of the spectrum all but the slope have
             // limits in 1 / r, and there is no r.
             Self::Field => {
@@ -94,6 +89,21 @@ impl Setting {
             }
             Self::Space => false,
         }
+    }
+}
+
+/// Returns whether a number is read from what live measures give.
+pub const fn is_live(number: &SetNumber) -> bool {
+    match number.needs {
+        None | Some(Part::Report | Part::Spectrum) => true,
+        Some(
+            Part::Pairs
+            | Part::Distances
+            | Part::Rough
+            | Part::Smooth
+            | Part::Cells
+            | Part::Discrepancy,
+        ) => false,
     }
 }
 

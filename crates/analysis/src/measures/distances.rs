@@ -13,6 +13,7 @@ use crate::error::VerifyError;
 use crate::grid::Grid;
 use crate::monitor::{Control, Monitor};
 use crate::region::Region;
+use crate::report::distance_in_packing;
 
 /// Samples per parallel task.
 const CHUNK: usize = 4096;
@@ -27,7 +28,7 @@ const CHUNK: usize = 4096;
 /// ```
 #[must_use]
 pub fn largest_min_distance(count: usize, area: f64) -> f64 {
-    (2.0 * area / (3f64.sqrt() * count as f64)).sqrt()
+    distance_in_packing(count, area)
 }
 
 /// Returns the density `N r^2 / area`: 0.6966 for random sequential addition until nothing fits.

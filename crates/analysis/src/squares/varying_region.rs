@@ -6,11 +6,10 @@ use crate::error::VerifyError;
 use crate::grid::Grid;
 use crate::input::check_points;
 use crate::judge::{Judge, JudgeChoice};
-use crate::measures::largest_min_distance;
 use crate::monitor::{Control, Monitor};
 use crate::pairs::{self, cell_side};
 use crate::region::Region;
-use crate::report::Report;
+use crate::report::{Report, distance_in_packing};
 use crate::verify::VerifyOptions;
 use crate::witness::{Conflict, Gap, GapKind};
 
@@ -229,7 +228,7 @@ impl VaryingRegion {
         let (count, area) = (points.len(), self.area());
         // Where the radius varies, the distances of a packing are many.
         let relative_radius = if self.has_one_radius() {
-            min_distance / largest_min_distance(count, area)
+            min_distance / distance_in_packing(count, area)
         } else {
             f64::INFINITY
         };
