@@ -77,8 +77,7 @@ impl EngineArguments {
         self.engine == EngineArgument::Gpu || self.adapter.gpu_adapter.is_some()
     }
 
-    /// Refuses a GPU and its options, by their names, for a method that no GPU runs, and the sequential engine: such a method
-    /// has a single engine, and its samples are the same on any number of threads.
+    /// Refuses a GPU and its options, by their names, for a method that no GPU runs.
     pub fn check_on_cpu(&self, method: &str) -> Result<()> {
         ensure!(
             !self.wants_gpu(),
@@ -87,10 +86,6 @@ impl EngineArguments {
         ensure!(
             !self.adapter.checked_shaders,
             "--checked-shaders is for KDRT and exact tiling on a GPU: {method} runs on the CPU; leave it out"
-        );
-        ensure!(
-            self.engine != EngineArgument::Sequential,
-            "--engine sequential is for KDRT: {method} runs on all threads, and on one with --threads 1; leave it out"
         );
         Ok(())
     }

@@ -4,6 +4,7 @@ use anyhow::{Context, Error, Result, anyhow, bail, ensure};
 use tilescope_core::{Boundary, NOT_OF_EXACT, Parameter, SampleError};
 use tilescope_sets::{ExactBlocks, RadiusSource, VaryingError, VaryingRecipe};
 
+use crate::engine::EngineArgument;
 use crate::ground::{CoordinateArguments, GroundArguments, formula, image};
 use crate::make::Worked;
 use crate::options::pair;
@@ -81,16 +82,12 @@ impl VaryingArguments<'_> {
 pub fn make(arguments: &SampleArguments) -> Result<Worked> {
     let recipe = recipe_of(arguments)?;
     let mut watch = Stopwatch::start();
-    let exactly = arguments.nested.exactly;
-    let made = match exactly {
+    let made = match arguments.nested.exactly {
         Some(samples) => recipe.make_exactly(samples as u64, &mut watch),
         None => recipe.make(&mut watch),
     };
     let made = made.map_err(advised)?;
-    // The tries that find the radii of a number of samples are not part of the time that the set takes.
-    if recipe.count.is_some() || exactly.is_some() {
-        watch.drop_tries();
-    }
+    // Of several tries for the radii of a number of samples the watch has the time of the last.
     let work = Work::on_cpu(&mut watch);
     Ok(Worked { made, work })
 }
@@ -114,6 +111,11 @@ pub fn recipe_of(arguments: &SampleArguments) -> Result<VaryingRecipe> {
         "the reference sampler"
     };
     arguments.engine.check_on_cpu(method)?;
+    // There is one engine, and its samples are the same on any number of threads.
+    ensure!(
+        arguments.engine.engine != EngineArgument::Sequential,
+        "--engine sequential is for KDRT: {method} runs on all threads, and on one with --threads 1; leave it out"
+    );
     Ok(recipe)
 }
 
@@ -143,10 +145,6 @@ fn refuse_tiling(arguments: &VaryingArguments<'_>) -> Result<()> {
         }
     }
 
-    ensure!(
-        arguments.nested.exactly.is_none(),
-        "--exactly: a set in a field or a shape has about as many samples as --count says; give that"
-    );
     ensure!(
         arguments.nested.levels.is_none(),
         "--levels: {why}; leave it out"

@@ -128,7 +128,7 @@ fn the_last_row_of_a_shape_or_a_field_is_the_verdict_on_the_set() {
     refused(&with(&["--depth", "9"]), "--shape: --depth makes");
     refused(
         &["--shape", "park.geojson", "--exactly", "90"],
-        "--exactly: a set in a field or a shape",
+        "--exactly: moments of a field",
     );
     refused(
         &["--radius", "0.1", "--origin", "1", "2"],
