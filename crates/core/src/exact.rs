@@ -55,9 +55,9 @@ const SMALL_SET: f64 = 28_000.0;
 impl PatternSpec {
     /// Returns the pattern that exact tiling takes for a set of about `samples` samples if no other is asked for.
     ///
-    /// K sets of N samples from M patterns of k samples have means that vary by about 1 / (K N) + 1 / (M k): how far they are
-    /// from the mean of all sets is decided by the fewer. So each seed has a pattern of its own, which for a set of up to
-    /// 28,000 samples is at least as large as the set, and beyond that has 111,000 samples.
+    /// The mean of K sets of N samples from M patterns of k samples has a variance of about 1 / (K N) + 1 / (M k), in units of
+    /// that of one sample: beyond K N = M k more samples hardly make it better. So each seed has a pattern of its own, which
+    /// for a set of up to 28,000 samples is at least as large as the set, and beyond that has 111,000 samples.
     #[must_use]
     pub fn for_exact(samples: f64, seed: u64) -> Self {
         Self {

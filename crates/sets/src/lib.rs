@@ -45,7 +45,10 @@ pub use facts::named_by_content;
 pub use facts::{Facts, Stated, stated};
 pub use layout::{set_of_piece, stated_layout};
 pub use made::{Made, point_set, provenance};
-pub use recipe::{EXACT_PAYS_FROM, GivenPattern, Recipe, Settled, exact_pattern, facts_of_exact};
+pub use recipe::{
+    EXACT_PAYS_FROM, GivenPattern, Recipe, Settled, exact_pattern, exact_seconds, facts_of_exact,
+    independent_samples, reference_seconds,
+};
 pub use reference_pattern::{ReferencePatternError, StatedSet};
 pub use solid::{BallSize, SolidMade, SolidRecipe, columns_of};
 pub use solid_window::SolidSurroundings;

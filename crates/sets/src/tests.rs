@@ -97,6 +97,12 @@ fn exact_tiling_states_what_it_uses_and_how_large_its_pattern_is() {
     assert!((380..430).contains(&samples), "{samples}");
     let reuse = made.facts.parameters["samples_per_pattern_sample"].as_f64();
     assert_eq!(reuse, Some(made.set.len() as f64 / samples as f64));
+    // The variance is 1 / N + 1 / k: at N = k the set is worth half of either, and not all of it.
+    let law = made.facts.parameters["law"].as_str().unwrap();
+    assert!(
+        law.contains("N k / (N + k)") && !law.contains("fewer"),
+        "{law}"
+    );
 
     let go_on = |_| ControlFlow::Continue(());
     let report = made.judge(&VerifyOptions::default(), &go_on);
