@@ -333,11 +333,9 @@ fn sets_of_fields_are_analyzed_and_judged_from_their_beginning() {
 #[test]
 fn contrasts_up_to_a_limit_are_made_and_what_is_cut_off_is_said() {
     let folder = tempdir().unwrap();
-    for formula in ["0.01+0.63*x", "0.01+0.62*x"] {
-        let line = format!("sample --radius-expression {formula} --out set.csv --json");
-        assert_eq!(run(&folder, &line, 0)["valid"], json!(true));
-        run(&folder, "verify set.csv --json", 0);
-    }
+    let line = "sample --radius-expression 0.01+0.63*x --out set.csv --json";
+    assert_eq!(run(&folder, line, 0)["valid"], json!(true));
+    run(&folder, "verify set.csv --json", 0);
     refused(
         &folder,
         "sample --radius-expression 0.01+0.64*x",
