@@ -16,7 +16,6 @@ use tilescope_formats::{
 use crate::parameters::{RadiusSpan, TWO_RADII};
 use crate::paths::InFile;
 use crate::space::{Sides, SizeArgument};
-use crate::thin::is_by_x_and_y;
 
 /// The names of a type's values, the same in options and in JSON, each with its line of `--help`, if any.
 pub type Names<const N: usize> = [(&'static str, &'static str); N];
@@ -376,6 +375,14 @@ pub fn columns(names: Option<&[String]>) -> Option<[&str; 2]> {
     // The parser of arguments takes two names or none, so that no other number gets lost here.
     let names = <&[String; 2]>::try_from(names?).ok()?;
     Some(names.each_ref().map(String::as_str))
+}
+
+/// The parameter of a certificate that says that a cloud was thinned by x and y alone.
+pub const XY: &str = "xy";
+
+/// Whether a certificate states that points were thinned by their x and y, whatever z is.
+pub fn is_by_x_and_y(stated: &Certificate) -> bool {
+    stated.parameters.get(XY) == Some(&true.into())
 }
 
 /// Adds to the error of a file the option that helps.

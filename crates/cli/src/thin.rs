@@ -22,7 +22,7 @@ use tilescope_sets::thinning::{
 
 use crate::engine::ThreadArguments;
 use crate::ground::{file_name, formula, image};
-use crate::options::{boundaries, columns, formats, pair};
+use crate::options::{XY, boundaries, columns, formats, pair};
 use crate::parameters::{RadiusSpan, TWO_RADII};
 use crate::paths::{InFile, check_file, check_inputs_stay, named};
 use crate::progress::{verifying, watched};
@@ -369,12 +369,6 @@ impl ThinArguments {
 }
 
 /// The parameters of a certificate that say how its file is read.
-const XY: &str = "xy";
-
-/// Whether a certificate states that points were thinned by their x and y, whatever z is.
-pub fn is_by_x_and_y(stated: &Certificate) -> bool {
-    stated.parameters.get(XY) == Some(&true.into())
-}
 pub const COLUMNS: &str = "columns";
 pub const SET: &str = "set";
 

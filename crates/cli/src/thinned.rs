@@ -16,11 +16,11 @@ use tilescope_sets::GivenRadius;
 use tilescope_sets::thinning::{PointFile, ThinFileError, ThinRecipe};
 
 use crate::ground::{GroundArguments, file_name};
-use crate::options::{SetArguments, columns, refuse_stated};
+use crate::options::{SetArguments, columns, is_by_x_and_y, refuse_stated};
 use crate::paths::InFile;
 use crate::progress::verifying;
 use crate::solid::box_text;
-use crate::thin::{COLUMNS, SET, is_by_x_and_y, report_json, report_text};
+use crate::thin::{COLUMNS, SET, report_json, report_text};
 use crate::{output, verdict_code};
 
 /// Verifies a set whose certificate states that it was chosen from another one, and prints the verdict. Without a
