@@ -417,22 +417,28 @@ fn exact_tiling_takes_a_set_by_the_reference_sampler_as_its_pattern() {
     let count = &certificate(&folder, "set.csv")["count"];
     assert_eq!(parameters["pattern_samples"], *count);
 
-    // The third sample is moved by less than the lattice would show.
+    // The third sample is moved by less than the lattice would show. The other certificate states another seed.
     let text = read(&folder, "set.csv");
     let third = text.lines().nth(3).expect("a sample");
     let (x, y) = third.split_once(',').expect("two numbers");
     let right = x.parse::<f64>().expect("a number") + 1e-9;
     let moved = text.replace(third, &format!("{right},{y}"));
-    let path = |name: &str| folder.path().join(name);
-    fs::write(path("moved.csv"), moved).expect("written");
-    let stated = read(&folder, "set.csv.certificate.json");
-    fs::write(path("moved.csv.certificate.json"), stated).expect("written");
+    let stated = certificate(&folder, "set.csv");
+    let mut other = stated.clone();
+    other["parameters"]["seed"] = json!(8);
+    for (name, text, stated) in [("moved.csv", &moved, stated), ("other.csv", &text, other)] {
+        let path = |name: &str| folder.path().join(name);
+        fs::write(path(name), text).expect("written");
+        let beside = format!("{name}.certificate.json");
+        fs::write(path(&beside), stated.to_string()).expect("written");
+    }
 
     for (file, why) in [
         ("kdrt.csv", "the pattern is a set by \"kdrt\""),
         ("bounded.csv", "the pattern's domain is bounded"),
         ("oblong.csv", "the pattern's domain is 1.1 x 1"),
-        ("moved.csv", "sample 3 of the pattern"),
+        ("moved.csv", "is not true: digest"),
+        ("other.csv", "sample 1 of the pattern"),
     ] {
         let words = format!("{exact} --pattern @{file}");
         let words: Vec<&str> = words.split(' ').collect();
