@@ -482,6 +482,7 @@ impl RunRequest {
         let samples = domain.area_radii() * MAXIMAL_DENSITY;
         let mut recipe = self.recipe.clone();
         recipe.parameters.pattern = self.exact_pattern(samples)?;
+        // The samples of a given pattern are known, but exact tiling also needs the darts that were refused.
         if let (Some(set), Some(given)) = (&self.given_set, &recipe.pattern) {
             let source = given.source.clone();
             let arrived = |watch: &TaskWatch| set.arrived(source, watch);
@@ -493,6 +494,7 @@ impl RunRequest {
     /// Returns the blocks of an exact tiling of about so many samples, and refuses by their names the arguments that it has no use
     /// for.
     pub fn exact_blocks(&self, samples: f64) -> PyResult<ExactBlocks> {
+        // The recipe of a shape describes its pattern, and holds none.
         if self.recipe.pattern.is_some() {
             let text = "pattern is given with shape: exact tiling of a shape makes its pattern";
             return Err(refused(text));

@@ -34,6 +34,7 @@ pub fn curve<'py>(
     let method = named("method", method)?;
     check_method(request, method)?;
     let recipe = recipe_for(py, request, method)?;
+    // A run that is recorded makes its pattern from the parameters.
     if matches!(method, SetMethod::Exact) && recipe.pattern.is_some() {
         let text =
             "pattern is given with method 'exact', whose curve makes its pattern: leave it out";

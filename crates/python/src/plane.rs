@@ -57,10 +57,12 @@ impl PythonPlane {
     ) -> PyResult<Self> {
         let method = named("method", method)?;
         check_method(request, method)?;
+        // Exact tiling takes other defaults of the pattern, and throws the darts of a given one again.
         let recipe = recipe_for(py, request, method)?;
         match method {
             SetMethod::Kdrt => {}
             SetMethod::Exact => return Self::exact(py, &recipe, progress),
+            // The reference sampler throws its darts all over the domain, so that a part depends on the whole.
             SetMethod::Reference => {
                 let text = "method is 'reference', which makes whole sets; a plane needs 'kdrt' or 'exact'";
                 return Err(PyValueError::new_err(text));
@@ -127,6 +129,7 @@ impl PythonPlane {
                     single(plane.domain(), &points)
                 }
                 Windows::Exact(owned) => {
+                    // Buffers of a window are not kept: several threads of Python may make windows at once.
                     let points = owned.plane().observed_window(&window, &mut observer)?;
                     single(owned.domain(), &points)
                 }
@@ -200,6 +203,7 @@ impl PythonPlane {
 
         run(py, progress, |watch| {
             let parameters = &recipe.parameters;
+            // The plane owns the tables of the pattern, and windows read them.
             let history = recipe.history(&mut watch.observer())?;
             let pattern = Arc::clone(history.pattern());
             let plane = OwnedExactPlane::new(parameters, history)?;
