@@ -185,7 +185,28 @@ fn option(parameter: Parameter) -> Arg {
     if parameter == Parameter::Radius {
         return arg;
     }
-    arg.default_value(DEFAULTS[&parameter].as_str())
+    let with_default = arg.default_value(DEFAULTS[&parameter].as_str());
+
+    // The pattern of exact tiling has other defaults, which clap would not show.
+    let Some(of_exact) = default_of_exact(parameter) else {
+        return with_default;
+    };
+    let default = &DEFAULTS[&parameter];
+    let help = format!(
+        "{} [default: {default}; of exact tiling {of_exact}]",
+        row.help
+    );
+    with_default.help(help).hide_default_value(true)
+}
+
+/// Returns what exact tiling takes if an option is not given, where that is not what KDRT takes
+/// ([`PatternSpec::for_exact`](tilescope_core::PatternSpec::for_exact)).
+fn default_of_exact(parameter: Parameter) -> Option<&'static str> {
+    match parameter {
+        Parameter::PatternSide => Some("200, above 28,000 samples 400"),
+        Parameter::PatternSeed => Some("the seed of the set"),
+        _ => None,
+    }
 }
 
 /// The core's defaults as they are typed, which clap keeps as long as the program runs.
@@ -373,4 +394,34 @@ pub fn set_of_file(path: &Path, given: &GivenDomain, wanted: &str) -> Result<Set
         bail!("the set has no certificate; give {wanted}");
     };
     Ok(known.set(&read.set.points)?)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn defaults_of_the_pattern_are_named_for_both_methods() {
+        let help = |parameter: Parameter| option(parameter).get_help().expect("help").to_string();
+        let parts = [
+            "[default: 100; of exact tiling 200, above 28,000 samples 400]",
+            "[default: 0; of exact tiling the seed of the set]",
+        ];
+        for (parameter, part) in [Parameter::PatternSide, Parameter::PatternSeed]
+            .into_iter()
+            .zip(parts)
+        {
+            assert!(help(parameter).ends_with(part), "{}", help(parameter));
+            assert!(option(parameter).is_hide_default_value_set());
+        }
+        // Negative control: the leaf has one default, which clap shows.
+        assert!(!help(Parameter::Leaf).contains("exact"));
+        assert!(!option(Parameter::Leaf).is_hide_default_value_set());
+        // What the help says is what the core takes.
+        let sides = [28_000.0, 28_001.0].map(|samples| PatternSpec::for_exact(samples, 7));
+        assert_eq!(
+            sides.map(|spec| (spec.side.to_string(), spec.seed)),
+            [("200".to_owned(), 7), ("400".to_owned(), 7)]
+        );
+    }
 }

@@ -35,11 +35,13 @@ pub fn run(arguments: &SampleArguments) -> Result<u8> {
         return window::run(arguments, window);
     }
 
-    // Sets of a field or a shape are made by the reference sampler unless exact tiling of a shape is asked for. They
-    // get none of the remarks of `outcome`, which are on sets of one radius that fill their domain.
+    // Sets of a field or a shape are made by the reference sampler unless exact tiling of a shape is asked for. Of the
+    // remarks of `outcome`, which are on sets of one radius that fill their domain, they get the one on the time.
     if arguments.ground.is_given() {
         let mut outcome = finish(arguments, varying::make(arguments)?)?;
-        let notes = [beginning(&outcome), capped(&outcome)];
+        let is_exact = matches!(arguments.method, Some(SamplingMethod::Exact));
+        let time = note_on_time(outcome.count, true).filter(|_| is_exact);
+        let notes = [beginning(&outcome), capped(&outcome), time];
         outcome.warnings.extend(notes.into_iter().flatten());
         output::report(arguments.json, || outcome.json(), || outcome.text())?;
         return Ok(outcome.code());
@@ -178,12 +180,45 @@ fn with_remarks(
     }
 
     // This is a note on the time alone, and comes last.
-    if arguments.method() == SamplingMethod::Exact && (outcome.count as f64) < EXACT_PAYS_FROM {
-        let remark = format!(
-            "note: below about {} samples --method reference takes less time: it has the same law and makes no pattern",
-            grouped(EXACT_PAYS_FROM as u64)
-        );
-        outcome.warnings.push(remark);
-    }
+    let note = note_on_time(outcome.count, false);
+    let is_exact = arguments.method() == SamplingMethod::Exact;
+    outcome.warnings.extend(note.filter(|_| is_exact));
     outcome
+}
+
+/// Returns a note on the time of exact tiling, for a set so small that its pattern does not pay.
+fn note_on_time(count: u64, is_shape: bool) -> Option<String> {
+    let limit = grouped(EXACT_PAYS_FROM as u64);
+    // Where the limit lies was measured in rectangles. Darts in shapes take other times.
+    let text = if is_shape {
+        format!(
+            "note: in a rectangle darts take less time below about {limit} samples, as they have the same law and need no pattern; shapes were not timed. Without --method exact darts make this shape"
+        )
+    } else {
+        format!(
+            "note: below about {limit} samples --method reference takes less time: it has the same law and makes no pattern"
+        )
+    };
+    ((count as f64) < EXACT_PAYS_FROM).then_some(text)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn sets_for_which_a_pattern_does_not_pay_get_a_note_and_others_none() {
+        for (is_shape, part) in [
+            (false, "--method reference takes less"),
+            (true, "shapes were not timed"),
+        ] {
+            let note = note_on_time(299_999, is_shape).expect("a note");
+            assert!(
+                note.starts_with("note: ") && note.contains(part) && note.contains("300,000"),
+                "{note}"
+            );
+            // Negative control: at the limit the pattern pays.
+            assert_eq!(note_on_time(300_000, is_shape), None);
+        }
+    }
 }
