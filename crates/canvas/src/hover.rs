@@ -107,6 +107,21 @@ fn pointed_at(subject: &Subject<'_>, rect: Rect, pointer: Pos2) -> Option<Named>
     })
 }
 
+/// Returns by which sample another one is gone: exact tiling resolves no conflicts, but loses what came later.
+fn eliminated(by: u32, is_exact: bool) -> String {
+    let verb = if is_exact { "lost to" } else { "eliminated by" };
+    format!("{verb} sample {}", grouped(by as usize))
+}
+
+/// Returns where a sample is from that came in an iteration of exact tiling: its iterations are levels, the first of which has
+/// two.
+fn lacking(iteration: u32) -> String {
+    match iteration {
+        1 => "that the pattern lacks, of level 0 or 1".to_owned(),
+        level => format!("that the pattern lacks, of level {level}"),
+    }
+}
+
 /// Returns the short name and the full description of a sample.
 pub(crate) fn sample(subject: &Subject<'_>, id: u32) -> [String; 2] {
     let shown = subject.shown;
@@ -128,7 +143,7 @@ pub(crate) fn sample(subject: &Subject<'_>, id: u32) -> [String; 2] {
         Standing::Tiled => "not decided yet".to_owned(),
         Standing::Valid => "valid".to_owned(),
         Standing::Dropped => "dropped outside the domain".to_owned(),
-        Standing::Eliminated { by } => format!("eliminated by sample {}", grouped(by as usize)),
+        Standing::Eliminated { by } => eliminated(by, shown.session.is_exact()),
     };
 
     let word = block_name(shown.session);
@@ -154,6 +169,7 @@ pub(crate) fn sample(subject: &Subject<'_>, id: u32) -> [String; 2] {
         Origin::Inserted { iteration, .. } if shown.session.is_in_field() => {
             format!("of throw {iteration}")
         }
+        Origin::Inserted { iteration, .. } if shown.session.is_exact() => lacking(iteration),
         Origin::Inserted { iteration, .. } => format!("inserted in iteration {iteration}"),
     };
 

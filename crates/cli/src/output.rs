@@ -317,6 +317,8 @@ fn stage_table(facts: &Facts, seconds: &[(Stage, f64)]) -> String {
     // levels share a row.
     let levels_share_row = summary.is_none() || facts.method == "exact";
 
+    let names = Names::of(facts.method);
+
     // Algorithm 4 as printed fills the first gaps while it eliminates, and has no separate iteration 1. Sets that are
     // made by regions have no iteration 1 either, but none of their rows uses this value.
     let at_once = !seconds.iter().any(|&(stage, _)| stage == Stage::Iterate(1));
@@ -325,7 +327,7 @@ fn stage_table(facts: &Facts, seconds: &[(Stage, f64)]) -> String {
             dart_seconds += time;
             continue;
         }
-        let did = summary.map(|summary| what_happened(stage, summary, at_once));
+        let did = summary.map(|summary| what_happened(stage, summary, at_once, names));
         let (name, did) = (stage.to_string(), did.unwrap_or_default());
         let _ = writeln!(out, "  {name:<12} {:>9.1} ms   {did}", time * 1e3);
     }
@@ -333,22 +335,47 @@ fn stage_table(facts: &Facts, seconds: &[(Stage, f64)]) -> String {
     if dart_seconds > 0.0 {
         // Insertions at once are counted in the row of elimination.
         let inserted = |s: &Summary| s.inserted.iter().skip(at_once.into()).sum::<usize>();
-        let did = (summary.map(|summary| format!("   {} inserted", inserted(summary))))
-            .unwrap_or_default();
+        let did = summary.map(|summary| format!("   {} {}", inserted(summary), names.new));
+        let did = did.unwrap_or_default();
         let milliseconds = dart_seconds * 1e3;
         let _ = writeln!(out, "  {:<12} {milliseconds:>9.1} ms{did}", "throw darts");
     }
     out
 }
 
+/// What a method calls the samples that go and those that come after tiling.
+#[derive(Clone, Copy)]
+struct Names {
+    lost: &'static str,
+    new: &'static str,
+}
+
+impl Names {
+    /// Returns the names of a method, as certificates name it: exact tiling resolves no conflicts and fills no gaps.
+    fn of(method: &str) -> Self {
+        if method == "exact" {
+            Self {
+                lost: "lost",
+                new: "that the pattern lacks",
+            }
+        } else {
+            Self {
+                lost: "eliminated",
+                new: "inserted",
+            }
+        }
+    }
+}
+
 /// Returns the effect of a stage in a few words. `at_once` says that the first insertions happened during elimination.
-fn what_happened(stage: Stage, s: &Summary, at_once: bool) -> String {
+fn what_happened(stage: Stage, s: &Summary, at_once: bool, names: Names) -> String {
     // Samples are dropped only beyond a bounded border: of a periodic domain there is nothing to say.
     let dropped = |text: &str| match s.dropped {
         0 => String::new(),
         count => text.replace('#', &count.to_string()),
     };
     let (blocks, tiled, eliminated) = (s.blocks, s.tiled, s.eliminated);
+    let Names { lost, new } = names;
 
     match stage {
         Stage::Pattern => String::new(),
@@ -357,12 +384,12 @@ fn what_happened(stage: Stage, s: &Summary, at_once: bool) -> String {
         Stage::Tile => format!("{tiled} samples{}", dropped(", # more outside dropped")),
         Stage::Eliminate if at_once => {
             let first = s.inserted.first().copied().unwrap_or(0);
-            format!("{eliminated} eliminated, {first} inserted at once")
+            format!("{eliminated} {lost}, {first} {new} at once")
         }
-        Stage::Eliminate => format!("{eliminated} eliminated"),
+        Stage::Eliminate => format!("{eliminated} {lost}"),
         // Iterations are numbered from 1.
         Stage::Iterate(k) => match s.inserted.get(k as usize - 1) {
-            Some(n) => format!("{n} inserted"),
+            Some(n) => format!("{n} {new}"),
             // The last detection finds no gap, so that it has no count.
             None => "no gap is left".to_owned(),
         },
@@ -370,7 +397,7 @@ fn what_happened(stage: Stage, s: &Summary, at_once: bool) -> String {
             let inserted: Vec<String> = s.inserted.iter().map(ToString::to_string).collect();
             let (dropped, inserted) = (dropped(" and # dropped outside"), inserted.join(" + "));
             format!(
-                "{blocks} building blocks, {tiled} samples tiled{dropped}, {eliminated} eliminated, {inserted} inserted"
+                "{blocks} building blocks, {tiled} samples tiled{dropped}, {eliminated} {lost}, {inserted} {new}"
             )
         }
         Stage::Finish => format!("{} samples in canonical order", s.count),
@@ -524,6 +551,29 @@ pub fn conflicts_answer(count: u64) -> String {
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    #[test]
+    fn exact_tiling_has_words_of_its_own() {
+        let summary = Summary {
+            blocks: 4,
+            tiled: 700,
+            dropped: 0,
+            eliminated: 60,
+            inserted: vec![30, 12],
+            count: 682,
+        };
+        let did = |method| what_happened(Stage::Regions, &summary, false, Names::of(method));
+        let tiled = "4 building blocks, 700 samples tiled, ";
+        assert_eq!(
+            did("exact"),
+            format!("{tiled}60 lost, 30 + 12 that the pattern lacks")
+        );
+        // Negative control: KDRT keeps the paper's words.
+        assert_eq!(
+            did("kdrt"),
+            format!("{tiled}60 eliminated, 30 + 12 inserted")
+        );
+    }
 
     #[test]
     fn a_value_beside_a_limit_has_the_digits_that_show_its_side() {

@@ -55,6 +55,8 @@ pub struct Course {
     events: usize,
     /// The most samples that ever cover their disks at once.
     most: u32,
+    /// Whether its iterations are levels, as those of an exact tiling.
+    has_levels: bool,
 }
 
 impl Course {
@@ -77,6 +79,7 @@ impl Course {
             recorder.take(run_event);
         }
         let mut course = recorder.finish(*recording.domain(), &recording.run().samples.points);
+        course.has_levels = recording.is_exact();
         let third = recording.domain_in_space().zip(recording.heights());
         course.third = third.map(|(domain, heights)| Third {
             domain,
@@ -282,6 +285,13 @@ impl Course {
         self.start(cursor).stage
     }
 
+    /// Returns whether its iterations are levels: it is an exact tiling, whose first iteration has levels 0 and 1, and the kth
+    /// level k.
+    #[must_use]
+    pub const fn has_levels(&self) -> bool {
+        self.has_levels
+    }
+
     /// Returns how many cells, or in space cubes, throw a dart in the throw that is at work at `cursor`; 0 in other stages.
     #[must_use]
     pub fn active(&self, cursor: usize) -> u32 {
@@ -339,6 +349,7 @@ impl CourseRecorder {
             starts: self.starts,
             events: self.events,
             most: self.most,
+            has_levels: false,
         }
     }
 

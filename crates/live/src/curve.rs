@@ -34,11 +34,22 @@ pub struct Curve {
     pub events: Vec<usize>,
     /// The stage of each moment.
     pub stages: Vec<Stage>,
+    /// Whether iterations are levels, as in exact tilings ([`Course::has_levels`]).
+    pub has_levels: bool,
     /// The value of each number at each moment; NaN where it is not defined.
     pub columns: Vec<Vec<f64>>,
 }
 
 impl Curve {
+    /// Returns the name of the stage of each moment, such as `iterate 1`, or of an exact tiling `levels 0 and 1`.
+    pub fn stage_names(&self) -> impl Iterator<Item = String> {
+        self.stages.iter().map(|stage| match stage {
+            Stage::Iterate(1) if self.has_levels => "levels 0 and 1".to_owned(),
+            Stage::Iterate(level) if self.has_levels => format!("level {level}"),
+            stage => stage.to_string(),
+        })
+    }
+
     /// Returns the curve as CSV: a header, and a row for each moment. A number that is not defined is an empty cell.
     #[must_use]
     pub fn csv(&self) -> String {
@@ -49,7 +60,7 @@ impl Curve {
         }
         out.push('\n');
 
-        for (row, (event, stage)) in self.events.iter().zip(&self.stages).enumerate() {
+        for (row, (event, stage)) in self.events.iter().zip(self.stage_names()).enumerate() {
             let _ = write!(out, "{event},{stage}");
             for column in &self.columns {
                 let value = column[row];
@@ -152,6 +163,7 @@ impl CurveMaker {
             numbers: numbers.clone(),
             events: Vec::with_capacity(cursors.len()),
             stages: Vec::with_capacity(cursors.len()),
+            has_levels: course.has_levels(),
             columns: vec![Vec::with_capacity(cursors.len()); numbers.len()],
         };
         let wanted = wanted_for(&numbers);
@@ -194,6 +206,7 @@ impl CurveMaker {
             events,
             stages,
             columns,
+            has_levels: _,
         } = &mut self.curve;
 
         for (number, column) in numbers.iter().zip(columns) {

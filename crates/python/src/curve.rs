@@ -108,7 +108,7 @@ fn into_python(curve: Curve, py: Python<'_>) -> PyResult<Bound<'_, PyDict>> {
     // The whole numbers of numpy's default type, so that differences of events may be negative.
     let events = curve.events.iter().map(|&event| event as i64);
     found.set_item("event", PyArray1::from_iter(py, events))?;
-    let stages: Vec<String> = curve.stages.iter().map(ToString::to_string).collect();
+    let stages: Vec<String> = curve.stage_names().collect();
     found.set_item("stage", stages)?;
     for (number, column) in curve.numbers.iter().zip(curve.columns) {
         found.set_item(number.key, PyArray1::from_vec(py, column))?;

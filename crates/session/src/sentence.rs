@@ -290,15 +290,27 @@ fn exact_sentence(session: &Session, stage: Stage) -> Option<String> {
     let summary = &session.summary;
     let samples = |count: usize| counted(count, "sample", "samples");
 
-    let Stage::Iterate(k) = stage else {
-        return (stage == Stage::Tile).then(|| {
-            format!(
+    let k = match stage {
+        Stage::Iterate(k) => k,
+        Stage::Tile => {
+            return Some(format!(
                 "Tile: {}, laid on the pattern without margins, bring {}; {} in conflict.",
                 counted(summary.blocks, "block", "blocks"),
                 samples(summary.tiled),
                 counted(session.conflicts.len(), "pair is", "pairs are"),
-            )
-        });
+            ));
+        }
+        Stage::Finish => {
+            return Some(format!(
+                "Finish: {} tiled \u{2212} {} lost + {} that the pattern lacks = {}, in canonical order.",
+                grouped(summary.tiled),
+                grouped(summary.eliminated),
+                grouped(summary.inserted.iter().sum()),
+                samples(summary.count),
+            ));
+        }
+        // Pattern and blocks are as in every run, and no session of exact tiling has one of the others.
+        Stage::Pattern | Stage::Blocks | Stage::Eliminate | Stage::Regions => return None,
     };
 
     // Samples are lost as they arrive, level by level.

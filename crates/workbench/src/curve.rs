@@ -166,6 +166,8 @@ pub struct CurvePoints {
     pub events: Vec<usize>,
     /// The stage of each moment.
     pub stages: Vec<Stage>,
+    /// Whether iterations are levels, as in exact tilings.
+    pub has_levels: bool,
     /// The number at each moment; NaN where it is not defined.
     pub values: Vec<f64>,
 }
@@ -245,6 +247,7 @@ impl Task for CurveTask {
         Ok(CurvePoints {
             events: curve.events,
             stages: curve.stages,
+            has_levels: curve.has_levels,
             values: curve.columns.into_iter().next().unwrap_or_default(),
         })
     }
@@ -286,6 +289,7 @@ impl RunCurve {
             numbers: vec![number.row()],
             events: points.events.clone(),
             stages: points.stages.clone(),
+            has_levels: points.has_levels,
             columns: vec![points.values.clone()],
         };
         Some((number, curve.csv()))
@@ -386,6 +390,7 @@ mod tests {
         CurvePoints {
             events: vec![0, 10, 20, 30, 40],
             stages: vec![Stage::Tile; 5],
+            has_levels: false,
             values: vec![f64::NAN, 3.0, 5.0, 2.0, 4.0],
         }
     }

@@ -168,16 +168,23 @@ fn of_sample(subject: &Subject<'_>, which: Which, sample: u32) -> Vec<MenuEntry>
 
     let origin = recording.run().samples.origins[sample as usize];
     let is_inserted = matches!(origin, Origin::Inserted { .. });
-    let (birth, name_of_birth) = if is_inserted {
-        ("inserted", "Go to where it was inserted")
+    // Exact tiling fills no gaps and resolves no conflicts: what comes and goes does so by its arrival.
+    let is_exact = recording.is_exact();
+    let (birth, name_of_birth) = match (is_inserted, is_exact) {
+        (true, true) => ("inserted", "Go to where it came"),
+        (true, false) => ("inserted", "Go to where it was inserted"),
+        (false, _) => ("placed", "Go to where it was placed"),
+    };
+    let name_of_loss = if is_exact {
+        "Go to where it was lost"
     } else {
-        ("placed", "Go to where it was placed")
+        "Go to where it was eliminated"
     };
 
     for ((id, name), event) in [
         ((birth, name_of_birth), life.born),
         (("kept", "Go to where it was kept"), life.kept),
-        (("lost", "Go to where it was eliminated"), life.lost),
+        (("lost", name_of_loss), life.lost),
     ] {
         // An inserted sample is kept, and one outside the domain is lost, by the same event that made it. Such an event
         // has one entry only, that of the birth.

@@ -34,10 +34,34 @@ fn number(id: u32) -> String {
     }
 }
 
+/// Returns the levels of an iteration of exact tiling, the first of which has two.
+fn levels(iteration: u32) -> String {
+    match iteration {
+        1 => "levels 0, 1".to_owned(),
+        level => format!("level {level}"),
+    }
+}
+
 impl Words<'_> {
     /// Returns the short text of a run event. Most events of single samples are passed on to functions of their own.
     fn short(&self, run_event: RunEvent) -> String {
         match run_event {
+            // Iterations of exact tiling are levels, and what it inserts are samples that the pattern lacks.
+            RunEvent::Iteration { number: k, .. } if self.0.is_exact() => levels(k),
+            RunEvent::IterationEnd {
+                number: k,
+                inserted,
+            } if self.0.is_exact() => {
+                format!(
+                    "end of {}: {} the pattern lacks",
+                    levels(k),
+                    number(inserted)
+                )
+            }
+            RunEvent::Insert { sample, .. } if self.0.is_exact() => {
+                format!("{} comes, which the pattern lacks", number(sample))
+            }
+
             RunEvent::Begin(stage) => format!("begin: {stage}"),
             RunEvent::Split { index, .. } => match self.0.run().blocks.splits.get(index as usize) {
                 Some(split) => format!("cut a node, {}", size(&split.rect)),

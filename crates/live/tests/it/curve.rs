@@ -1,9 +1,10 @@
 //! Curves: a row for each change, with the numbers of that moment.
 
+use std::collections::BTreeSet;
 use std::sync::Arc;
 
 use tilescope_analysis::measures::{Part, number};
-use tilescope_core::{Domain, Parameters, Stage};
+use tilescope_core::{Domain, Parameters, Stage, TilingMethod};
 use tilescope_live::{
     Course, Curve, CurveError, CurveMaker, NumberError, is_of_spectrum, live_numbers, numbers_named,
 };
@@ -177,4 +178,27 @@ fn spectra_of_large_sets_and_curves_of_one_moment_are_refused() {
     let error = begin(&["samples"], Some(1)).unwrap_err();
     assert_eq!(error, CurveError::TooFewMoments { moments: 1 });
     assert_eq!(begin(&["samples"], Some(2)), Ok(()));
+}
+
+#[test]
+fn iterations_of_exact_tilings_are_named_by_their_levels() {
+    let kdrt = Parameters {
+        radius: 0.05,
+        ..Parameters::default()
+    };
+    let exact = Parameters {
+        method: TilingMethod::Exact,
+        ..kdrt
+    };
+    let names = |parameters: &Parameters| -> BTreeSet<String> {
+        let curve = made(&course(parameters), &["samples"], None);
+        curve.stage_names().collect()
+    };
+    let (levels, iterations) = (names(&exact), names(&kdrt));
+    assert!(
+        levels.contains("levels 0 and 1") && !levels.contains("iterate 1"),
+        "{levels:?}"
+    );
+    // Negative control: KDRT has iterations and no levels.
+    assert!(iterations.contains("iterate 1") && !iterations.contains("levels 0 and 1"));
 }

@@ -215,6 +215,7 @@ mod tests {
         let points = CurvePoints {
             events: (0..count).collect(),
             stages: vec![Stage::Tile; count],
+            has_levels: false,
             values,
         };
 
