@@ -65,7 +65,7 @@ pub use outline::{Outline, OutlineRow, OutlineRows};
 pub use query::{Query, QueryError};
 pub use ranks::RecordedLevels;
 pub use recording::{FollowRecording, MomentNumbers, NumberAt, NumberName, NumberValue, Recording};
-pub use sentence::{fraction, grouped, sentence, short, significant};
+pub use sentence::{arrival_text, fraction, grouped, sentence, short, significant, why_here};
 pub use session::{
     MAX_BUDGET, MAX_BYTES, MAX_SAMPLES, MAX_SCENES, MAX_STOPS, MAX_TEXT, PatternFile,
     SavedBreakpoint, SavedScene, Session, SessionError, VERSION, digest, method_refusal,

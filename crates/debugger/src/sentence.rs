@@ -1,5 +1,6 @@
 //! Events in words: one plain sentence each, for the timeline and for screen readers.
 
+mod arrived;
 mod exact;
 mod gaps;
 mod local;
@@ -12,6 +13,7 @@ use tilescope_core::{Fate, Insertion, Origin, Point, R, Rect, Run, RunEvent, Sta
 use crate::event::NONE;
 use crate::recording::Recording;
 
+pub use arrived::{arrival_text, why_here};
 pub use short::short;
 pub use tilescope_core::grouped;
 

@@ -1,11 +1,13 @@
 //! The inspector: the properties of the sample under the pointer, otherwise of the selection, with its history and the
 //! causes of the last event. Sizes are in screen points, and chosen, not measured, where no reason stands beside them.
 
+mod fate;
+
 use glam::DVec2;
 
 use egui::{Color32, RichText, Ui};
+use tilescope_core::Origin;
 use tilescope_core::stages::detect::Sites;
-use tilescope_core::{Fate, Origin, Standing};
 use tilescope_debugger::{Debugger, Recording, why};
 use tilescope_drawing::palette::Palette;
 use tilescope_session::moment::ShownMoment;
@@ -305,6 +307,8 @@ fn sample(
             if session.is_in_field() {
                 row(ui, "Radius", &own_radius(), palette);
                 row(ui, "From throw", &iteration.to_string(), palette);
+            } else if session.is_exact() {
+                row(ui, "The pattern lacks it", &fate::level(iteration), palette);
             } else {
                 row(ui, "Inserted in iteration", &iteration.to_string(), palette);
             }
@@ -312,15 +316,7 @@ fn sample(
         }
     }
 
-    let standing = standing_name(shown.standing(id));
-    row(ui, "At this moment", standing, palette);
-
-    match run.samples.fates[id as usize] {
-        Fate::Undecided => row(ui, "In the end", "undecided", palette),
-        Fate::Kept => row(ui, "In the end", "kept", palette),
-        Fate::Dropped => row(ui, "In the end", "dropped", palette),
-        Fate::Eliminated { by } => others(ui, "Eliminated by", &[by], palette, commands),
-    }
+    fate::show(ui, context, shown, id, commands);
 }
 
 /// Shows where a sample in space lies along the third axis, and how the plane cuts its ball.
@@ -345,16 +341,6 @@ fn sample_in_space(
     // A dart of a recorded run has its throw.
     if let Origin::Inserted { iteration, .. } = shown.session.run().samples.origins[id as usize] {
         row(ui, "From throw", &iteration.to_string(), palette);
-    }
-}
-
-const fn standing_name(standing: Standing) -> &'static str {
-    match standing {
-        Standing::Absent => "not there yet",
-        Standing::Tiled => "tiled, undecided",
-        Standing::Valid => "valid",
-        Standing::Eliminated { .. } => "eliminated",
-        Standing::Dropped => "outside the domain",
     }
 }
 

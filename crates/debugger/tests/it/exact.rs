@@ -3,9 +3,12 @@
 
 use tilescope_core::{
     Arrival, Fate, Origin, Parameters, PatternDarts, PatternHistory, PlacedDart, Point, R,
-    RunEvent, Stage, Unobserved, Verdict, exact_sample,
+    RunEvent, Stage, TilingMethod, Unobserved, Verdict, exact_sample,
 };
-use tilescope_debugger::{DEFAULT_BUDGET, Event, EventKind, NONE, Recording, Session, Status, why};
+use tilescope_debugger::{
+    DEFAULT_BUDGET, Event, EventKind, NONE, Recording, Session, Status, arrival_text, grouped, why,
+    why_here,
+};
 
 use crate::support::{record, restored, variants};
 
@@ -321,4 +324,76 @@ fn a_saved_session_of_an_exact_tiling_comes_back() {
     let again = restored(&session).unwrap();
     assert_eq!(again.state(), debugger.state());
     assert_eq!(again.session(), session);
+}
+
+#[test]
+fn why_a_sample_is_there_is_one_line_with_its_arrival_and_who_came_first() {
+    let parameters = Parameters {
+        radius: 0.02,
+        method: TilingMethod::Exact,
+        ..Parameters::default()
+    };
+    let thrown = Thrown::of(&parameters.as_exact());
+    let recording = &thrown.recording;
+    let run = recording.run();
+    let mut seen = [0; 4];
+
+    for id in 0..run.samples.len() as u32 {
+        // The arrival is compared with the one that is found by looking through the darts.
+        let arrival = thrown.of_sample(id).arrival;
+        assert_eq!(run.arrival_of(id), Some(arrival), "{id}");
+
+        let line = why_here(recording, id).unwrap();
+        let when = arrival_text(arrival);
+        assert!(
+            line.starts_with(&format!("sample {} ({when}): ", grouped(id.into()))),
+            "{line}"
+        );
+        assert!(!line.contains('\n') && line.len() < 160, "{line}");
+        let (origin, fate) = (
+            run.samples.origins[id as usize],
+            run.samples.fates[id as usize],
+        );
+        if let Origin::Tiled { block, .. } = origin {
+            assert!(
+                line.contains(&format!("): tiled from block {block}; ")),
+                "{line}"
+            );
+        }
+        let other = |by: u32| format!("sample {} (", grouped(by.into()));
+        let (part, kind) = match (origin, fate) {
+            (_, Fate::Eliminated { by }) => (format!("; lost, since {}", other(by)), 0),
+            (Origin::Tiled { .. }, _) => ("; ".to_owned(), 1),
+            (Origin::Inserted { iteration: 1, .. }, _) => {
+                ("): woken, as its first blocker".to_owned(), 2)
+            }
+            (Origin::Inserted { .. }, _) => ("): thrown where a loss".to_owned(), 3),
+        };
+        assert!(line.contains(&part), "{line}");
+        seen[kind] += 1;
+
+        // A sample to which others were lost says so, and no other does.
+        let lost = run
+            .samples
+            .fates
+            .iter()
+            .filter(|fate| **fate == Fate::Eliminated { by: id });
+        let count = lost.count();
+        if kind > 0 {
+            assert_eq!(
+                line.contains("refused sample") || line.contains(" samples"),
+                count > 0,
+                "{line}"
+            );
+        }
+    }
+    assert!(seen.iter().all(|count| *count > 5), "{seen:?}");
+
+    // Negative controls: a sample that there is not, and a run by the other method.
+    assert_eq!(why_here(recording, run.samples.len() as u32), None);
+    let kdrt = Parameters {
+        method: TilingMethod::Kdrt,
+        ..parameters
+    };
+    assert_eq!(why_here(&record(&kdrt, DEFAULT_BUDGET), 0), None);
 }
