@@ -6,6 +6,7 @@ mod ground;
 mod polygon;
 mod preset;
 mod refusal;
+mod shared;
 mod stipple;
 
 use std::collections::BTreeMap;
@@ -28,6 +29,7 @@ pub use choice::Choice;
 pub use ground::{GroundDraft, RadiusBy};
 pub use preset::Preset;
 pub use refusal::{DraftRefusal, FormPart};
+pub use shared::SharedPattern;
 pub use stipple::{StippleDraft, StippleNumber};
 
 /// Returns the parameters that are typed, in the order of the panel.

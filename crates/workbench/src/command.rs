@@ -142,6 +142,8 @@ pub enum FormCommand {
     CoverImage,
     /// Covers the whole domain again, instead of a shape.
     WholeDomain,
+    /// Takes the reference sampler instead of exact tiling: domain, radius and seed stay.
+    ReferenceSampler,
     /// Paints radii on the canvas.
     Paint(PaintCommand),
 }

@@ -191,7 +191,8 @@ const fn form(command: &FormCommand) -> Rules {
         | FormCommand::Inverted(_)
         | FormCommand::RunOn(_)
         | FormCommand::CoverImage
-        | FormCommand::WholeDomain => Some(UndoPart::Form),
+        | FormCommand::WholeDomain
+        | FormCommand::ReferenceSampler => Some(UndoPart::Form),
     };
 
     Rules {

@@ -199,7 +199,10 @@ fn second(ui: &mut Ui, side: &RunView, palette: &Palette, commands: &mut Vec<Com
 fn presets(ui: &mut Ui, context: &CompareContext<'_>, own: &mut Vec<CompareCommand>) {
     heading(ui, "Compare this run with");
     for (preset, refusal) in &context.presets {
-        let button = ui.add_enabled(refusal.is_none(), Button::new(preset.name()).frame(true));
+        let button = ui.add_enabled(
+            refusal.is_none(),
+            Button::new(ui.words(preset.name())).frame(true),
+        );
         button.known_as(format_args!("compare.{}", Kebab(*preset)));
         let button = button.on_disabled_hover_text(refusal.as_deref().unwrap_or_default());
         if button.clicked() {
@@ -210,11 +213,11 @@ fn presets(ui: &mut Ui, context: &CompareContext<'_>, own: &mut Vec<CompareComma
     // The other presets begin a second run at once; this one keeps the run shown, and the next one is compared with it.
     let kept = ui.add_enabled(
         context.first.session.is_some(),
-        Button::new("my next run (keeps this one as B)"),
+        Button::new(ui.words("my next run (keeps this one as B)")),
     );
     kept.known_as("compare.keep");
     let kept = kept
-        .on_hover_text("Keeps this run as B; then change the parameters and run.")
+        .on_hover_text(ui.words("Keeps this run as B; then change the parameters and run."))
         .on_disabled_hover_text("There is no session yet.");
     if kept.clicked() {
         own.push(CompareCommand::Keep);

@@ -3,6 +3,7 @@
 
 mod brush;
 mod form;
+mod shared;
 
 use egui::{Button, FontId, Label, RichText, Sense, Ui, UiBuilder, vec2};
 use tilescope_core::Parameters;

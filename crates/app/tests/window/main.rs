@@ -9,6 +9,7 @@ mod compact;
 mod compare;
 mod debugger;
 mod embedded;
+mod exact;
 mod export_sheet;
 mod fit;
 mod graded;

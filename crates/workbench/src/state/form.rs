@@ -159,6 +159,7 @@ impl Form {
             FormCommand::RunOn(runs_on) => self.draft.ground.stipple.runs_on = runs_on,
             FormCommand::CoverImage => self.draft.cover_image(),
             FormCommand::WholeDomain => self.draft.remove_shape(),
+            FormCommand::ReferenceSampler => self.draft.take_reference(),
 
             FormCommand::Paint(command) => self.paint(command, context),
 

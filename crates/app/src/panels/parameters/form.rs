@@ -15,7 +15,7 @@ use super::super::choices::{
     FORMULA, LEVELS, Listed, RADIUS_BY, SHAPE_BY, WITHIN, WITHOUT_IMAGE, meaning, options,
 };
 use super::super::engine;
-use super::{FormContext, brush, changed_mark, field_width, labelled};
+use super::{FormContext, brush, changed_mark, field_width, labelled, shared};
 use tilescope_workbench::command::{Command, FormCommand};
 use tilescope_workbench::draft::{
     self, Choice, DraftRefusal, FormPart, Preset, RadiusBy, StippleNumber,
@@ -100,6 +100,9 @@ impl Fields<'_> {
         let has_options = |parameter: &Parameter| !parameter.options().is_empty();
         for parameter in Parameter::all().filter(of_group).filter(has_options) {
             self.option(ui, parameter);
+            if parameter == Parameter::Method {
+                shared::show(ui, self.context, self.commands);
+            }
             if parameter == Parameter::PatternBoundary {
                 own_pattern(ui, self.context, self.commands);
             }
@@ -305,6 +308,7 @@ impl Fields<'_> {
             (current.name, &SHAPE_BY),
             |name| Choice::Parameter(parameter, name.into()),
         );
+        shared::show(ui, self.context, self.commands);
     }
 
     /// Shows the parameters of an exact tiling of a shape, which makes its own pattern.
