@@ -119,7 +119,10 @@ fn the_inspector_says_in_one_line_why_a_sample_is_there() {
 
     // Who came first is what a lesson asks: while its question is open, the line is not there.
     let pick = Command::View(Which::First, ViewCommand::Pick(Selection::Sample(0)));
-    for command in [LessonCommand::Open("exact".into()), LessonCommand::Go(2)] {
+    for command in [
+        LessonCommand::Open("exact".into()),
+        LessonCommand::Go("a-loss".into()),
+    ] {
         apply(&mut harness, Command::Lesson(command));
     }
     apply(&mut harness, pick);

@@ -3,7 +3,7 @@
 use tilescope_core::{Arrival, Fate, Origin, RunEvent, Verdict};
 
 use super::{Words, count, grouped};
-use crate::event::NONE;
+use crate::event::{Event, NONE};
 use crate::recording::Recording;
 
 /// Returns an arrival as `level 0, throw 3`. Throws are counted from 1, and only level 0 has several.
@@ -81,10 +81,7 @@ impl Words<'_> {
     fn refused_by(&self, sample: u32) -> String {
         let (mut lost, mut darts) = (Vec::new(), 0);
         for &event in self.0.events_of(sample) {
-            let run_event = self
-                .0
-                .event(event as usize)
-                .and_then(|event| event.run_event());
+            let run_event = self.0.event(event as usize).and_then(Event::run_event);
             match run_event {
                 Some(RunEvent::Eliminate { sample: other, by }) if by == sample => {
                     lost.push(grouped(other.into()));
