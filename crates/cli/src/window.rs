@@ -181,8 +181,15 @@ impl FoundWindow<'_> {
         let (min_distance, _limit) = output::compared(least, 1.0, decimals);
         let is_field = varying.is_some_and(|varying| varying.radius.varies());
         let of_least = if is_field { " of the least" } else { "" };
+        // Fewer than two samples have no distance.
+        let distance = if least.is_finite() {
+            format!("   min distance {min_distance} r{of_least}")
+        } else {
+            String::new()
+        };
+
         format!(
-            "{first_lines}conflict-free  {}   min distance {min_distance} r{of_least}\n\
+            "{first_lines}conflict-free  {}{distance}\n\
              maximal        {}\n\
              verdict        {}\n",
             output::conflicts_answer(whole.conflicts),
