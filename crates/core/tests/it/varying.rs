@@ -1,5 +1,6 @@
 //! Sets of varying radius against the definition: all darts of the first levels, none left out in advance, taken one after another.
 
+mod stripe;
 mod windows;
 
 use std::sync::Arc;
@@ -31,6 +32,22 @@ struct Dart {
     y: i64,
     x: i64,
     radius: i64,
+}
+
+/// A base cell, or a part of one that cuts in four have made.
+#[derive(Clone, Copy)]
+struct Part {
+    left: i64,
+    bottom: i64,
+    side: i64,
+    base_side: i64,
+}
+
+/// Whether coins thin the darts where the radius is larger than the side of the base cell.
+#[derive(Clone, Copy, PartialEq, Eq)]
+enum Coin {
+    Thrown,
+    LeftOut,
 }
 
 impl Case {
@@ -175,10 +192,6 @@ impl Case {
 
     /// All darts of a throw that exist.
     fn darts(&self, level: u32, throw: u32, out: &mut Vec<Dart>) {
-        let key = Key::from_seed(self.seed);
-        let key = key
-            .derive(Stream::Level, level)
-            .derive(Stream::Throw, throw);
         for (left, bottom, base_side) in self.base_cells() {
             let side = base_side >> level;
             let parts = 0..1_i64 << level;
@@ -186,45 +199,68 @@ impl Case {
                 .clone()
                 .flat_map(|i| parts.clone().map(move |j| (i, j)))
             {
-                let (left, bottom) = (left + i * side, bottom + j * side);
-                let cell = key.derive_at(left as i32, bottom as i32);
-                let count = POISSON
-                    .iter()
-                    .filter(|&&bound| cell.words()[0] >= bound)
-                    .count();
-                for index in 0..count as u32 {
-                    let [x, y, rank] = if side > 1 << 16 {
-                        let [x, y] = cell.draw(Stream::Dart, 2 * index);
-                        let [rank, _] = cell.draw(Stream::Dart, 2 * index + 1);
-                        let scaled = |word: u32| ((u64::from(word) * side as u64) >> 32) as u32;
-                        [scaled(x), scaled(y), rank]
-                    } else {
-                        let [position, rank] = cell.draw(Stream::Dart, index);
-                        let scaled = |word: u32| word / ((1 << 16) / side as u32);
-                        [scaled(position >> 16), scaled(position & 0xffff), rank]
-                    };
-                    let (x, y) = (left + i64::from(x), bottom + i64::from(y));
-                    if !self.inside(x, y) {
-                        continue;
-                    }
-
-                    let radius = self.radius(x, y);
-                    let coin = i64::from(cell.draw(Stream::Thin, index)[0] >> 16);
-                    if radius > base_side
-                        && coin * (radius * radius / 16) >= base_side * base_side * 4_096
-                    {
-                        continue;
-                    }
-                    out.push(Dart {
-                        level,
-                        throw,
-                        rank,
-                        y,
-                        x,
-                        radius,
-                    });
-                }
+                let part = Part {
+                    left: left + i * side,
+                    bottom: bottom + j * side,
+                    side,
+                    base_side,
+                };
+                self.part_darts(part, Coin::Thrown, level, throw, out);
             }
+        }
+    }
+
+    /// The darts of a part of a base cell that exist.
+    fn part_darts(&self, part: Part, coins: Coin, level: u32, throw: u32, out: &mut Vec<Dart>) {
+        let Part {
+            left,
+            bottom,
+            side,
+            base_side,
+        } = part;
+        let key = Key::from_seed(self.seed);
+        let key = key
+            .derive(Stream::Level, level)
+            .derive(Stream::Throw, throw);
+        let cell = key.derive_at(left as i32, bottom as i32);
+        let drawn = POISSON
+            .iter()
+            .filter(|&&bound| cell.words()[0] >= bound)
+            .count();
+        // A part of one unit throws its only point.
+        let count = if side == 1 { 1 } else { drawn as u32 };
+        for index in 0..count {
+            let [x, y, rank] = if side > 1 << 16 {
+                let [x, y] = cell.draw(Stream::Dart, 2 * index);
+                let [rank, _] = cell.draw(Stream::Dart, 2 * index + 1);
+                let scaled = |word: u32| ((u64::from(word) * side as u64) >> 32) as u32;
+                [scaled(x), scaled(y), rank]
+            } else {
+                let [position, rank] = cell.draw(Stream::Dart, index);
+                let scaled = |word: u32| word / ((1 << 16) / side as u32);
+                [scaled(position >> 16), scaled(position & 0xffff), rank]
+            };
+            let (x, y) = (left + i64::from(x), bottom + i64::from(y));
+            if !self.inside(x, y) {
+                continue;
+            }
+
+            let radius = self.radius(x, y);
+            let coin = i64::from(cell.draw(Stream::Thin, index)[0] >> 16);
+            let is_thinned = radius > base_side
+                && side > 1
+                && coin * (radius * radius / 16) >= base_side * base_side * 4_096;
+            if is_thinned && coins == Coin::Thrown {
+                continue;
+            }
+            out.push(Dart {
+                level,
+                throw,
+                rank,
+                y,
+                x,
+                radius,
+            });
         }
     }
 
