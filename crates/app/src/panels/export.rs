@@ -206,6 +206,7 @@ impl Sheet<'_> {
             return "The dots appear in the order of their arrival, as ink on paper, until all are there."
                 .to_owned();
         }
+
         let Some(range) = self.source.range(self.form) else {
             return "An animation shows the view from event to event.".to_owned();
         };
