@@ -192,7 +192,8 @@ impl VaryingRecipe {
         let mut radius = self.radius.scaled(estimate);
 
         loop {
-            let made = self.attempt(&radius, history, observer)?;
+            let made = self.attempt(&radius, history, observer);
+            let made = made.map_err(|error| error.of_count(count))?;
             match search.after(made.set.len() as u64) {
                 Step::Found => return Ok((made, settled(radius))),
                 Step::Again { scale } => radius = radius.scaled(scale),

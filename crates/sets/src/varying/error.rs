@@ -265,6 +265,19 @@ pub enum VaryingError {
         /// How many were made.
         nearest: u64,
     },
+    /// So few samples are asked for that the domain is too short for their radii.
+    #[error(
+        "{samples} samples are too few for the domain: its {name} must be at least {} times the least of their radii; choose more samples",
+        Number(*.minimum)
+    )]
+    Few {
+        /// How many were asked for.
+        samples: u64,
+        /// The name of the side that is too short: "width" or "height".
+        name: &'static str,
+        /// The limit in the least radius.
+        minimum: f64,
+    },
     /// The first samples of an exact tiling are asked for.
     #[error(
         "exact tiling keeps its samples in no order of arrival, so that the first of them are not spread over the shape; leave the method out"
@@ -296,6 +309,26 @@ pub enum VaryingError {
     /// The sampler refused the parameters, or was cancelled.
     #[error(transparent)]
     Sample(#[from] SampleError),
+}
+
+impl VaryingError {
+    /// Whether a side of the domain is too short for the radii.
+    pub(super) const fn is_of_short_side(&self) -> bool {
+        matches!(self, Self::Domain(ParameterError::SideTooShort { .. }))
+    }
+
+    /// Returns the error of a set whose radii follow from a number of samples: where a side is too short for them, the number is
+    /// named, since no radius was given that could be chosen smaller.
+    pub(super) fn of_count(self, samples: u64) -> Self {
+        match self {
+            Self::Domain(ParameterError::SideTooShort { name, minimum, .. }) => Self::Few {
+                samples,
+                name,
+                minimum,
+            },
+            other => other,
+        }
+    }
 }
 
 /// Says why radii beside pixels may differ by less than 64 times, and which least radius would allow as much.

@@ -25,7 +25,8 @@ impl VaryingRecipe {
     /// # Errors
     ///
     /// [`VaryingError::ExactOrder`] for a recipe of exact tiling, whose samples are in no order of arrival;
-    /// [`VaryingError::Exactly`] for 0 samples and when no scale gives as many; and those of [`Self::make`].
+    /// [`VaryingError::Exactly`] for 0 samples and when no scale gives as many; [`VaryingError::Few`] when so few need radii that are
+    /// too large for the domain; and those of [`Self::make`].
     pub fn make_exactly(
         &self,
         samples: u64,
@@ -52,7 +53,11 @@ impl VaryingRecipe {
         let mut nearest = 0;
         let mut best: Option<Made> = None;
         for tried in 0..MAX_TRIES {
-            let made = self.attempt(&radius, None, observer)?;
+            let made = match self.attempt(&radius, None, observer) {
+                // A try with larger radii does not lose the set that leaves out more.
+                Err(error) if error.is_of_short_side() && best.is_some() => break,
+                outcome => outcome.map_err(|error| error.of_count(samples))?,
+            };
             let found = made.set.len() as u64;
             if found.abs_diff(samples) < samples.abs_diff(nearest) {
                 nearest = found;

@@ -70,6 +70,33 @@ fn the_first_samples_are_those_of_the_set_with_the_same_radii() {
 }
 
 #[test]
+fn a_number_too_small_for_the_domain_is_refused_by_itself() {
+    let park = VaryingRecipe {
+        shape: Some(park()),
+        ..recipe(RadiusSource::Constant(1.0))
+    };
+    let few = park.make_exactly(2, &mut Unobserved).expect_err("refused");
+    let said = few.to_string();
+    assert!(
+        said.starts_with("2 samples are too few") && said.ends_with("choose more samples"),
+        "{said}"
+    );
+    let counted = VaryingRecipe {
+        count: Some(2),
+        ..park.clone()
+    };
+    let refused = counted.make(&mut Unobserved).expect_err("refused");
+    assert_eq!(refused.to_string(), said);
+    // The control: a radius that was given is to be chosen smaller.
+    let given = VaryingRecipe {
+        radius: RadiusSource::Constant(1e6),
+        ..park
+    };
+    let refused = given.make(&mut Unobserved).expect_err("refused");
+    assert!(refused.to_string().ends_with("choose a smaller radius"));
+}
+
+#[test]
 fn what_has_no_first_samples_is_refused() {
     let ramp = recipe(expression("0.006 + 0.024*x"));
     let none = ramp.make_exactly(0, &mut Unobserved).expect_err("refused");
