@@ -241,14 +241,21 @@ fn checked_window(domain: &Domain, [left, bottom, right, top]: [f64; 4]) -> Resu
 fn check_size(window: &Window) -> Result<()> {
     // In radii, as the density of a maximal set is the number of samples in a square of side r.
     let side = |axis: usize| (window.max[axis] - window.min[axis]) as f64 / f64::from(R);
-    check_expected(side(0) * side(1) * MAXIMAL_DENSITY)
+    let has_shape = false;
+    check_expected(side(0) * side(1) * MAXIMAL_DENSITY, has_shape)
 }
 
-/// Refuses a window with too many samples.
-fn check_expected(expected: f64) -> Result<()> {
+/// Refuses a window with too many samples. Of a shape the number is that without it.
+fn check_expected(expected: f64, has_shape: bool) -> Result<()> {
+    // How much of the window a shape covers is not found out before its samples are made.
+    let condition = if has_shape {
+        ", if the shape covers all of it"
+    } else {
+        ""
+    };
     ensure!(
         expected <= MAX_SAMPLES,
-        "about {expected:.3e} samples lie in the window; the limit is {MAX_SAMPLES:.0e}: \
+        "about {expected:.3e} samples lie in the window{condition}; the limit is {MAX_SAMPLES:.0e}: \
          make the whole set with --out, or choose a smaller window"
     );
     Ok(())

@@ -112,8 +112,14 @@ impl PythonFieldPlane {
         // A window becomes one array, and is limited as a whole set in memory is.
         let samples = self.ground.expected_in(&window);
         if samples > MAX_SEQUENTIAL_SAMPLES {
+            // How much of the window a shape covers is not found out before its samples are made.
+            let condition = if self.recipe.shape.is_some() {
+                ", if the shape covers all of it"
+            } else {
+                ""
+            };
             return Err(PyValueError::new_err(format!(
-                "about {samples:.3e} samples lie in the window; it may have {MAX_SEQUENTIAL_SAMPLES:.0e}: choose a smaller one"
+                "about {samples:.3e} samples lie in the window{condition}; it may have {MAX_SEQUENTIAL_SAMPLES:.0e}: choose a smaller one"
             )));
         }
         Ok(window)

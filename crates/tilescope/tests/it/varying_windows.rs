@@ -133,7 +133,11 @@ fn windows_that_cannot_be_made_are_refused_by_name() {
     for (line, wanted) in [
         (
             "--window 0 0 0.5 0.5 --count 500",
-            "--count would make the whole set",
+            "--count and --exactly would make the whole set",
+        ),
+        (
+            "--window 0 0 0.5 0.5 --exactly 500",
+            "--count and --exactly would make the whole set",
         ),
         (
             "--window 2 0 2.5 0.5",
@@ -152,6 +156,15 @@ fn windows_that_cannot_be_made_are_refused_by_name() {
     // Corners are named in the coordinates of the shape.
     let away = "sample --shape park.geojson --radius 1 --window 0 0 1 1";
     refused(&folder, away, "500000 to 500060");
+    // The number of samples in a shape is only bounded; the control is a field without one.
+    let large = "sample --shape park.geojson --radius 0.001 --window 500000 5400000 500040 5400040";
+    refused(
+        &folder,
+        large,
+        "in the window, if the shape covers all of it; the limit",
+    );
+    let all = "sample --radius-expression 0.00004+0*x --window 0 0 1 1";
+    refused(&folder, all, "samples lie in the window; the limit");
     let origin = "sample --radius 0.05 --origin 5 5 --window 0 0 1 1";
     refused(&folder, origin, "--origin");
 }
