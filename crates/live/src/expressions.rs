@@ -9,7 +9,7 @@ use crate::course::Course;
 use crate::curve::MAX_SAMPLES_OF_SPECTRUM;
 use crate::moment::{LiveMoment, MAX_SAMPLES};
 use crate::numbers::{all_live_numbers, is_of_spectrum, wanted_for};
-use crate::setting::LiveGround;
+use crate::setting::{LiveGround, Setting};
 
 /// The numbers of the catalogue that can be had at every moment, by their keys, for
 /// [`give_numbers`](Recording::give_numbers). Nothing is measured before an expression names one.
@@ -17,30 +17,41 @@ use crate::setting::LiveGround;
 /// A value takes at most the time of measuring its moment from nothing, and that of the changes since the value before where
 /// these are fewer; a watch waits for it no longer than the steps that it has in a frame. All conditions of a run from its start to
 /// its end take the time of the run's curve.
-pub static MOMENT_NUMBERS: LazyLock<Arc<MomentNumbers>> = LazyLock::new(|| {
-    // A recording in a field or a shape has the numbers of `moment_numbers_in`. Without them its judge is not known.
-    Arc::new(numbers_of(|recording| {
-        let is_in_ground = recording.run().locality.is_some();
-        let why = "it has no judge of its field or its shape here";
-        let course = || Course::of_recording(recording);
-        (!is_in_ground).then(course).ok_or_else(|| why.to_owned())
-    }))
+pub static MOMENT_NUMBERS: LazyLock<Arc<MomentNumbers>> =
+    LazyLock::new(|| Arc::new(numbers_of(all_live_numbers(), of_box)));
+
+/// The same for recordings of sets in space: numbers that are defined there have their meaning by distances in space.
+pub static SPACE_MOMENT_NUMBERS: LazyLock<Arc<MomentNumbers>> = LazyLock::new(|| {
+    // Planar numbers stay among the names, so that a watch of one that was kept from a planar run says that there is none.
+    let in_space = |number: &'static SetNumber| Setting::Space.number(number.key).unwrap_or(number);
+    Arc::new(numbers_of(all_live_numbers().map(in_space), of_box))
 });
+
+/// Returns the course of a recording in a rectangle or in space.
+fn of_box(recording: &Recording) -> Result<Course, String> {
+    // A recording in a field or a shape has the numbers of `moment_numbers_in`. Without them its judge is not known.
+    let is_in_ground = recording.run().locality.is_some();
+    let why = "it has no judge of its field or its shape here";
+    let course = || Course::of_recording(recording);
+    (!is_in_ground).then(course).ok_or_else(|| why.to_owned())
+}
 
 /// Returns the numbers of recordings in a field or a shape. `ground` makes what measures need of it, once for each evaluator
 /// that names a number, or says why it cannot.
 pub fn moment_numbers_in(
     ground: impl Fn() -> Result<LiveGround, String> + Send + Sync + 'static,
 ) -> MomentNumbers {
-    numbers_of(move |recording| Ok(Course::of_recording(recording).in_ground(ground()?)))
+    let course_of = move |recording: &_| Ok(Course::of_recording(recording).in_ground(ground()?));
+    numbers_of(all_live_numbers(), course_of)
 }
 
-/// Returns the numbers of recordings whose course is made by `course_of`.
+/// Returns these numbers of recordings whose course is made by `course_of`.
 fn numbers_of(
+    numbers: impl Iterator<Item = &'static SetNumber>,
     course_of: impl Fn(&Recording) -> Result<Course, String> + Send + Sync + 'static,
 ) -> MomentNumbers {
     MomentNumbers {
-        names: all_live_numbers().map(name).collect(),
+        names: numbers.map(name).collect(),
         follow: Box::new(move |recording| follow(recording, &course_of)),
     }
 }

@@ -45,7 +45,7 @@ mod timing;
 
 pub use course::{Change, Course, CourseRecorder};
 pub use curve::{Curve, CurveError, CurveMaker};
-pub use expressions::{MOMENT_NUMBERS, moment_numbers_in};
+pub use expressions::{MOMENT_NUMBERS, SPACE_MOMENT_NUMBERS, moment_numbers_in};
 pub use make::CourseError;
 pub use moment::{FRAME_STEPS, LiveMoment, MAX_SAMPLES, Moved, Wanted};
 pub use numbers::{

@@ -16,7 +16,7 @@ use tilescope_core::{
 };
 use tilescope_debugger::{Event, Outline, Recording};
 use tilescope_gpu::GpuError;
-use tilescope_live::{MOMENT_NUMBERS, Setting, moment_numbers_in};
+use tilescope_live::{MOMENT_NUMBERS, SPACE_MOMENT_NUMBERS, Setting, moment_numbers_in};
 
 use crate::combination::Combination;
 use crate::ground::MadeGround;
@@ -381,9 +381,10 @@ impl Session {
                 let ground = ground.clone();
                 Arc::new(moment_numbers_in(move || ground.live()))
             });
-        } else if recording.run().locality.is_none() && !recording.is_in_space() {
-            // A session in a field or a shape gets its ground after it is made, and its numbers then. Numbers of the
-            // plane are none of a set in space.
+        } else if recording.is_in_space() {
+            recording.give_numbers(|| Arc::clone(&SPACE_MOMENT_NUMBERS));
+        } else if recording.run().locality.is_none() {
+            // A session in a field or a shape gets its ground after it is made, and its numbers then.
             recording.give_numbers(|| Arc::clone(&MOMENT_NUMBERS));
         }
     }

@@ -6,10 +6,10 @@ use tilescope_analysis::measures::{MeasuredSet, space_number};
 use tilescope_core::{
     Boundary, Domain, Parameters, RunEvent, SolidDomain, Stage, Unobserved, solid_sample,
 };
-use tilescope_debugger::{DEFAULT_BUDGET, Debugger, Recording};
+use tilescope_debugger::{DEFAULT_BUDGET, Debugger, MomentNumbers, Recording};
 use tilescope_live::{
-    Course, CurveError, CurveMaker, LiveMoment, MOMENT_NUMBERS, NumberError, Wanted, numbers_named,
-    space_numbers, space_numbers_named,
+    Course, CurveError, CurveMaker, LiveMoment, MOMENT_NUMBERS, NumberError, SPACE_MOMENT_NUMBERS,
+    Wanted, numbers_named, space_numbers, space_numbers_named,
 };
 
 const PAIRS: Wanted = Wanted {
@@ -225,7 +225,7 @@ fn numbers_of_the_other_kind_of_set_are_refused() {
 #[test]
 fn watches_of_a_run_in_space_have_its_numbers() {
     let recording = Arc::new(recorded(3, Boundary::Periodic));
-    recording.give_numbers(|| Arc::clone(&MOMENT_NUMBERS));
+    recording.give_numbers(|| Arc::clone(&SPACE_MOMENT_NUMBERS));
     let mut debugger = Debugger::new(Arc::clone(&recording), DEFAULT_BUDGET);
     debugger.jump(recording.len() / 2);
     // Projections of balls to a plane are much closer than r, and would be conflicts there.
@@ -238,4 +238,14 @@ fn watches_of_a_run_in_space_have_its_numbers() {
     assert_eq!(debugger.evaluate("active_cubes > 0"), Ok("true".to_owned()));
     debugger.jump(recording.len());
     assert_eq!(debugger.evaluate("active_cubes"), Ok("0".to_owned()));
+
+    // The panel lists the meaning in space, which of the density is another one than in the plane.
+    let density = |numbers: &MomentNumbers| {
+        let found = numbers.names.iter().find(|number| number.name == "density");
+        found.unwrap().meaning
+    };
+    let [in_space, planar] =
+        [&SPACE_MOMENT_NUMBERS, &MOMENT_NUMBERS].map(|numbers| density(numbers));
+    assert_eq!(in_space, space_number("density").unwrap().meaning);
+    assert_ne!(in_space, planar);
 }

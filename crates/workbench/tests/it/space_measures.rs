@@ -5,7 +5,10 @@ use std::ops::ControlFlow;
 use tilescope_analysis::measures::{MeasuredSet, space_number};
 use tilescope_analysis::{JudgeChoice, SolidReport, VerifyOptions, verify_solid};
 use tilescope_core::Parameter;
-use tilescope_workbench::command::{AppearanceCommand, FormCommand, TimeCommand, WindowCommand};
+use tilescope_debugger::Direction;
+use tilescope_workbench::command::{
+    AppearanceCommand, DebugCommand, FormCommand, TimeCommand, WindowCommand,
+};
 use tilescope_workbench::curve::{CurveNumber, NOT_IN_SPACE, NOT_IN_THE_PLANE};
 use tilescope_workbench::layout::Panel;
 use tilescope_workbench::{Command, State};
@@ -76,6 +79,13 @@ fn numbers_move_with_a_run_in_space_in_both_directions() {
         assert!((value(&found, "density") - expected.density).abs() < 1e-6);
         assert!((value(&found, "min_distance_r") - expected.min_distance / 0.5).abs() < 1e-5);
 
+        // A watch has the same numbers.
+        for key in ["samples", "conflicts", "active_cubes"] {
+            let debugger = state.runs().first.debugger.as_ref().expect("a debugger");
+            let expected = value(&found, key).to_string();
+            assert_eq!(debugger.evaluate(key), Ok(expected), "{key} {part}");
+        }
+
         // The sentence of the throw has the same number of cubes.
         let throw = session(&state).recording().expect("events").active_cubes();
         let cubes = value(&found, "active_cubes") as usize;
@@ -95,6 +105,32 @@ fn numbers_move_with_a_run_in_space_in_both_directions() {
         counts.len() >= 5 && last == counts.last().copied(),
         "{counts:?}"
     );
+}
+
+#[test]
+fn breakpoints_of_a_run_in_space_stop_by_its_numbers() {
+    let mut state = made();
+    let recording = session(&state).recording().expect("events");
+    let (born, end) = (recording.life(99).expect("a sample").born, recording.len());
+    let line = recording.event(born as usize).expect("an event").line();
+    state.apply(Command::Debug(DebugCommand::ToggleBreakpoint(line)));
+
+    // Before the hundredth sample comes there are 99. The control: no moment has a million, and the run goes to its end.
+    for (condition, cursor) in [
+        ("samples == 99 && conflicts == 0", born as usize),
+        ("samples == 1000000", end),
+    ] {
+        let condition = DebugCommand::Condition(0, condition.to_owned());
+        state.apply(Command::Debug(condition));
+        jump(&mut state, 0);
+        let on = TimeCommand::Continue(Direction::Forwards);
+        state.apply(Command::Time(on));
+        state.settle();
+        assert_eq!(state.runs().first.cursor().expect("events").0, cursor);
+    }
+    // A number of the plane alone is not defined here.
+    let debugger = state.runs().first.debugger.as_ref().expect("a debugger");
+    assert_eq!(debugger.evaluate("gaps"), Ok("none".to_owned()));
 }
 
 #[test]
