@@ -161,6 +161,10 @@ impl LiveMoment {
     pub fn measured(&self) -> MeasuredSet {
         let course = self.course();
         let mut set = MeasuredSet::new(self.count(), course.region(), Some(course.radius()));
+        if course.ground().is_some() {
+            // The density alone needs no report, which would say the area.
+            set = set.covering(course.area());
+        }
         if let Some(solid) = course.solid_box() {
             set.space = Some(self.measured_in_space(solid.volume_in_radii()));
             return set;

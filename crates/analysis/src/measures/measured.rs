@@ -108,6 +108,8 @@ pub struct MeasuredSet {
     pub discrepancy: Option<Discrepancy>,
     /// The followed measures of a set in space; `None` of planar sets. The other measures are of its projection.
     pub space: Option<SolidMoment>,
+    /// The area that is to be covered, if it is another one than that of the region.
+    covered: Option<f64>,
     /// The parts that were measured, also those that are not defined for this set.
     known: Vec<Part>,
 }
@@ -129,7 +131,17 @@ impl MeasuredSet {
             order: None,
             discrepancy: None,
             space: None,
+            covered: None,
             known: Vec::new(),
+        }
+    }
+
+    /// Returns the same measures of a set in a shape or a field, of which this area is to be covered ([`Report::area`]).
+    #[must_use]
+    pub fn covering(self, area: f64) -> Self {
+        Self {
+            covered: Some(area),
+            ..self
         }
     }
 
@@ -190,12 +202,14 @@ impl MeasuredSet {
         Ok(())
     }
 
-    /// Returns the area that is to be covered: that of the region until a report says that it is a shape, or that the radius
-    /// varies ([`Report::area`]).
+    /// Returns the area that is to be covered: that of the region, unless [`Self::covering`] or a report says that it is a
+    /// shape, or that the radius varies ([`Report::area`]).
     #[must_use]
     pub fn area(&self) -> f64 {
         let judged = self.verdict().map(|report| report.area);
-        judged.unwrap_or_else(|| self.region.area())
+        judged
+            .or(self.covered)
+            .unwrap_or_else(|| self.region.area())
     }
 
     /// Takes the report of a verifier that judged the set before. If no radius is known, it may be that for any

@@ -291,6 +291,19 @@ fn the_curve_of_a_shape_has_every_number_that_means_something_there() {
             assert!(found.to_bits() == expected.to_bits(), "{key} {row}");
         }
     }
+    // The density alone, for which nothing is measured, is by the same area.
+    let density = numbers_named_in(&["density"], Setting::Shape).unwrap();
+    let mut maker = CurveMaker::new(Arc::clone(&course), &density, None).unwrap();
+    while !maker.proceed(100_000).unwrap() {}
+    let alone = maker.finish();
+    let bits = |column: &[f64]| {
+        column
+            .iter()
+            .map(|value| value.to_bits())
+            .collect::<Vec<_>>()
+    };
+    assert_eq!(bits(&alone.columns[0]), bits(&curve.columns[1]));
+
     // The control: the numbers move.
     let conflicts = &curve.columns[3];
     assert!(conflicts.iter().any(|count| *count > 0.0) && conflicts.last() == Some(&0.0));
