@@ -144,7 +144,7 @@ impl SolidReport {
 /// names its judges.
 ///
 /// `control` is called now and then, from any thread of the current rayon pool; `Break` cancels. The report does not depend
-/// on the number of threads. Besides the samples, memory holds some 150 bytes for each: they are asked for before the work
+/// on the number of threads. Besides the samples, memory holds some 100 bytes for each: they are asked for before the work
 /// begins.
 ///
 /// ```

@@ -54,7 +54,7 @@ mod tests {
     fn what_no_machine_has_is_refused_with_need_and_limit() {
         assert_eq!(ask(1_000), Ok(()));
         assert_eq!(ask(100_000), Ok(()));
-        // 2^50 samples take 2^57 bytes and more, beyond every address space.
+        // 2^50 samples take more than 2^56 bytes, beyond every address space.
         let count = 1 << 50;
         let refused = ask(count).expect_err("no memory");
         let SolidError::NoMemory { bytes, given, .. } = refused else {
