@@ -28,6 +28,9 @@ const KEYS: [&str; 6] = [
     "relative_radius",
 ];
 
+/// Watches show six decimals: half of the last one, and a hair for rounding.
+const DECIMALS: f64 = 0.51e-6;
+
 fn session(state: &State) -> &Arc<Session> {
     state.runs().first.session.as_ref().expect("a session")
 }
@@ -113,7 +116,7 @@ fn numbers_curves_and_watches_of_a_shape_are_those_of_its_judge() {
                 let debugger = state.runs().first.debugger.as_ref().expect("a debugger");
                 let watched = debugger.evaluate(key).expect("a value");
                 let watched: f64 = watched.parse().expect("a number");
-                assert!((watched - of_set).abs() <= 1e-6 * of_set, "{key} {watched}");
+                assert!((watched - of_set).abs() <= DECIMALS, "{key} {watched}");
                 show_curve(&mut state, key);
                 let curve = &state.runs().first.curve;
                 let points = curve
@@ -173,7 +176,7 @@ fn where_the_radius_varies_counts_and_density_have_curves_and_others_say_why_not
             .expect("a value")
             .parse()
             .expect("a number");
-        assert!((watched - found).abs() <= 1e-6 * found, "{key}");
+        assert!((watched - found).abs() <= DECIMALS, "{key}");
     }
     for key in ["min_distance_r", "relative_radius", "peak"] {
         show_curve(&mut state, key);
