@@ -28,7 +28,7 @@ pub enum CourseError {
     Ground(#[from] VaryingError),
     /// The judge of a field would keep too many squares.
     #[error(
-        "the radius is so small next to every place that too many squares would be kept: moments of this set are not measured"
+        "the radius differs so much between near places that too many squares would have to be kept: moments of this set are not measured"
     )]
     Steep,
     /// The run cannot be made, or was cancelled.
