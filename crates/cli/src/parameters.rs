@@ -306,6 +306,7 @@ impl RunArguments {
             method: &certificate.method,
             parameters: &certificate.parameters,
             known: KnownDomain::from(certificate),
+            origin: certificate.origin.unwrap_or_default(),
             points: &read.set.points,
         };
         let source = json!(named_by_content(path)?);

@@ -379,6 +379,7 @@ struct GivenSet {
     method: String,
     parameters: Stated,
     known: KnownDomain,
+    origin: [f64; 2],
     points: Vec<[f64; 2]>,
 }
 
@@ -389,6 +390,7 @@ impl GivenSet {
             // A set whose parameters are no JSON object has no seed, and is refused for that.
             parameters: serde_json::from_str(&set.parameters).unwrap_or_default(),
             known: set.known_domain()?,
+            origin: set.origin.into(),
             points: set.points()?.to_vec(),
         })
     }
@@ -399,6 +401,7 @@ impl GivenSet {
             method: &self.method,
             parameters: &self.parameters,
             known: self.known,
+            origin: self.origin,
             points: &self.points,
         };
         GivenPattern::of_reference(&set, source, &mut watch.observer()).map_err(Failure::from)

@@ -8,6 +8,7 @@ use thiserror::Error;
 use tilescope_core::{
     Boundary, Domain, Observer, ParameterError, PatternArrivals, PatternSpec, R, SampleError,
 };
+use tilescope_formats::{Format, Mapping, Precision};
 
 use crate::domain::KnownDomain;
 use crate::facts::Stated;
@@ -82,15 +83,17 @@ pub struct StatedSet<'a> {
     pub parameters: &'a Stated,
     /// The domain and the radius.
     pub known: KnownDomain,
-    /// The positions, in the units of the domain, in any order.
+    /// The position in its file of the domain's lower corner.
+    pub origin: [f64; 2],
+    /// The positions, from that corner on, in the units of the domain and in any order.
     pub points: &'a [[f64; 2]],
 }
 
 impl StatedSet<'_> {
     /// Returns the set as a pattern, and its seed. Its darts are thrown again, and it must have the samples that they make.
     ///
-    /// Positions must be equal bit for bit. Where all of them are numbers of 32 bits, as a file of `f32` has them, those
-    /// that are made are rounded to 32 bits first.
+    /// Positions must be equal bit for bit: to those that are made, or to what a file holds of all these, which are rounded to
+    /// 32 bits, where they are added to an origin, or where they are divided by the width.
     ///
     /// # Errors
     ///
@@ -115,7 +118,8 @@ impl StatedSet<'_> {
             seed,
         };
         let arrived = PatternArrivals::of_reference(&spec, observer)?;
-        self.compare(domain.users_from_lattice(arrived.pattern().samples()), seed)?;
+        let made = domain.users_from_lattice(arrived.pattern().samples());
+        self.compare(&made, seed)?;
         Ok((arrived, seed))
     }
 
@@ -135,27 +139,26 @@ impl StatedSet<'_> {
     }
 
     /// Fails with the first position that is not among those that were made again.
-    fn compare(&self, mut made: Vec<[f64; 2]>, seed: u64) -> Result<(), ReferencePatternError> {
-        let rounded = |value: f64| f64::from(value as f32);
-        let all = self.points.iter().flatten();
-        if all
-            .copied()
-            .all(|value| rounded(value).to_bits() == value.to_bits())
-        {
-            made = made.iter().map(|point| point.map(rounded)).collect();
-        }
-
+    fn compare(&self, made: &[[f64; 2]], seed: u64) -> Result<(), ReferencePatternError> {
         let (count, expected) = (self.points.len(), made.len());
-        // A file may have its samples in any order. Each that is found is taken out, so that none is found twice.
-        let mut left: HashSet<[u64; 2]> =
-            made.iter().map(|point| point.map(f64::to_bits)).collect();
-        for (index, at) in self.points.iter().enumerate() {
-            if !left.remove(&at.map(f64::to_bits)) {
-                let at = *at;
-                return Err(ReferencePatternError::Differs { index, at, seed });
+        // The most samples that agree in one way of storing them: the sample after these differs in each.
+        let mut agreed = 0;
+        for mapping in self.mappings() {
+            let stored =
+                |&point: &[f64; 2]| mapping.domain_from_file(mapping.file_from_domain(point));
+            agreed = agreed.max(self.agreed(made.iter().map(stored)));
+            if agreed == count {
+                break;
             }
         }
 
+        if agreed < count {
+            return Err(ReferencePatternError::Differs {
+                index: agreed,
+                at: self.points[agreed],
+                seed,
+            });
+        }
         // All samples of the set are among those that were made, but some of these may be missing in it.
         if count != expected {
             return Err(ReferencePatternError::Count {
@@ -165,5 +168,33 @@ impl StatedSet<'_> {
             });
         }
         Ok(())
+    }
+
+    /// Returns each way in which positions of the set may have been stored, and rounded by that. The set does not say in which
+    /// format it was.
+    fn mappings(&self) -> Vec<Mapping> {
+        let region = Some(self.known.region);
+        // A set that was not read from a file has an origin that its positions were never added to.
+        let mut mappings = vec![Mapping::new(Format::Npy, region, Precision::Double)];
+        for format in Format::ALL {
+            for precision in [Precision::Double, Precision::Single] {
+                let mapping = Mapping::new(format, region, precision).with_origin(self.origin);
+                // Most formats store positions alike.
+                if !mappings.contains(&mapping) {
+                    mappings.push(mapping);
+                }
+            }
+        }
+        mappings
+    }
+
+    /// Returns how many samples of the set's beginning are among some positions.
+    fn agreed(&self, made: impl Iterator<Item = [f64; 2]>) -> usize {
+        // A file may have its samples in any order. Each that is found is taken out, so that none is found twice.
+        let mut left: HashSet<[u64; 2]> = made.map(|point| point.map(f64::to_bits)).collect();
+        let found = self.points.iter();
+        found
+            .take_while(|point| left.remove(&point.map(f64::to_bits)))
+            .count()
     }
 }

@@ -173,7 +173,7 @@ fn darts_of_a_set_by_the_reference_sampler_are_thrown_again() {
     let mut recipe = recipe();
     recipe.parameters.seed = u64::MAX;
     let made = recipe.reference(&mut Unobserved).unwrap();
-    let outcome = |points: &[[f64; 2]]| {
+    let outcome_from = |points: &[[f64; 2]], origin: [f64; 2]| {
         let set = StatedSet {
             method: made.facts.method,
             parameters: &made.facts.parameters,
@@ -181,11 +181,13 @@ fn darts_of_a_set_by_the_reference_sampler_are_thrown_again() {
                 region: made.facts.region,
                 radius: made.facts.radius,
             },
+            origin,
             points,
         };
         let arrived = set.arrivals(&mut Unobserved);
         arrived.map(|(arrived, seed)| (arrived.pattern().samples().len(), seed))
     };
+    let outcome = |points: &[[f64; 2]]| outcome_from(points, [0.0; 2]);
 
     let points = &made.set.points;
     let found = Some((points.len(), u64::MAX));
@@ -195,6 +197,13 @@ fn darts_of_a_set_by_the_reference_sampler_are_thrown_again() {
     let rounded = |value: f64| f64::from(value as f32);
     let narrow: Vec<_> = points.iter().map(|point| point.map(rounded)).collect();
     assert_eq!(outcome(&narrow).ok(), found);
+    // A file with an origin holds rounded sums. They are those of that origin alone.
+    let origin = [1000.5, -2000.25];
+    let sum = |&[x, y]: &[f64; 2]| [(x + origin[0]) - origin[0], (y + origin[1]) - origin[1]];
+    let summed: Vec<_> = points.iter().map(sum).collect();
+    assert_eq!(outcome_from(&summed, origin).ok(), found);
+    assert_eq!(outcome_from(points, origin).ok(), found);
+    assert!(outcome(&summed).is_err());
 
     let mut moved = points.clone();
     moved[5][1] += 1e-12;

@@ -259,7 +259,7 @@ def sample(
         ``parameters["samples_per_pattern_sample"]`` how often each is used. Order, insertion, search
         and variant must be the defaults, and `levels` cannot be given; a `pattern` must be a set by dart
         throwing in a periodic square, whose darts are thrown again from its seed: positions must be equal, or
-        equal when rounded to 32 bits if all of them are such numbers. The pattern's tables take 4.1 MB for a
+        equal as a file stores them, rounded to 32 bits for instance. The pattern's tables take 4.1 MB for a
         side of 200, 16.2 MB for 400 and 404 MB for 2,000. Below some 300,000 samples dart throwing takes less
         time.
     engine : {'auto', 'parallel', 'sequential'}
