@@ -7,7 +7,7 @@ use tilescope_sets::EXACT_PAYS_FROM;
 
 use crate::make::{self, Worked};
 use crate::output::{self, Judged, Outcome};
-use crate::paths::{InFile, check_inputs_stay, check_target};
+use crate::paths::{check_inputs_stay, check_target};
 use crate::progress::Stopwatch;
 use crate::sample_arguments::{SampleArguments, SamplingMethod, save_unverified};
 use crate::{interrupt, nested, solid, stream, varying, window};
@@ -73,8 +73,7 @@ fn outcome(arguments: &SampleArguments) -> Result<Outcome> {
             // A side and a seed of the pattern that were not given have other defaults here than in the recipe.
             recipe = arguments.run.exact_recipe(recipe)?;
             if is_streamed {
-                let passed = stream::exact(arguments, &recipe, expected_samples);
-                let outcome = of_file(passed, arguments)?;
+                let outcome = stream::exact(arguments, &recipe, expected_samples)?;
                 return Ok(with_remarks(arguments, &recipe.parameters, outcome));
             }
             make::exact(&recipe, gpu)?
@@ -92,8 +91,7 @@ fn outcome(arguments: &SampleArguments) -> Result<Outcome> {
                 .settle(recipe.clone(), in_memory, &mut watch)?;
             // A large set passes by band by band, and is never in memory as a whole.
             if is_streamed {
-                let passed = stream::kdrt(arguments, &run, &backend, watch);
-                let outcome = of_file(passed, arguments)?;
+                let outcome = stream::kdrt(arguments, &run, &backend, watch)?;
                 return Ok(with_remarks(arguments, &run.parameters, outcome));
             }
             make::whole(&run, &backend, watch)?
@@ -107,14 +105,6 @@ fn outcome(arguments: &SampleArguments) -> Result<Outcome> {
     };
     let outcome = finish(arguments, worked)?;
     Ok(with_remarks(arguments, &parameters, outcome))
-}
-
-/// Adds the name of the file, if there is one, to the error of a set that was made band by band.
-fn of_file(passed: Result<Outcome>, arguments: &SampleArguments) -> Result<Outcome> {
-    match &arguments.out {
-        Some(path) => passed.in_file(path),
-        None => passed,
-    }
 }
 
 /// Verifies a set and saves it, as the arguments ask. Without a verdict there is always a file to save: `--no-verify` needs

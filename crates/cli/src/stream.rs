@@ -19,7 +19,7 @@ use tilescope_sets::{Facts, Recipe, Settled, provenance};
 use crate::engine::of_engine;
 use crate::interrupt::Resumable;
 use crate::output::{Judged, Outcome, Work};
-use crate::paths::named;
+use crate::paths::{InFile, named};
 use crate::progress::{Stopwatch, verifying};
 use crate::sample_arguments::{CHECKPOINT, SampleArguments};
 use crate::{interrupt, make};
@@ -98,7 +98,8 @@ pub fn kdrt(
     watch: Stopwatch,
 ) -> Result<Outcome> {
     let begin = |sources| make::bands(run, backend, sources);
-    pass(arguments, run.facts.clone(), &run.domain, begin, watch)
+    let passed = pass(arguments, run.facts.clone(), &run.domain, begin, watch);
+    of_file(passed, arguments)
 }
 
 /// Makes an exact tiling of about `samples` samples band by band, and writes and verifies each band.
@@ -111,13 +112,17 @@ pub fn exact(arguments: &SampleArguments, recipe: &Recipe, samples: f64) -> Resu
     // The certificate is begun before the samples are counted, so that it states how many there are for each of the pattern
     // from the expected number.
     let facts = recipe.facts_of_exact(&recipe.parameters, &domain, history.pattern(), samples);
-    pass(
-        arguments,
-        facts,
-        &domain,
-        |sources| Ok(plane.sweep(sources)),
-        watch,
-    )
+    let begin = |sources| Ok(plane.sweep(sources));
+    let passed = pass(arguments, facts, &domain, begin, watch);
+    of_file(passed, arguments)
+}
+
+/// Adds the name of the file, if there is one, to the error of a set that was made band by band.
+fn of_file(passed: Result<Outcome>, arguments: &SampleArguments) -> Result<Outcome> {
+    match &arguments.out {
+        Some(path) => passed.in_file(path),
+        None => passed,
+    }
 }
 
 /// Makes the set of a run band by band, and writes and verifies each band. `begin` returns the run at its beginning, with
@@ -218,6 +223,11 @@ fn state_of(path: &Path, facts: &Facts, no_verify: bool) -> Result<SweepState> {
     // Bands of other parameters would not fit to those that the file has already.
     for (name, asked) in &facts.parameters {
         let begun = &token["parameters"][name];
+        // KDRT and exact tiling have other parameters.
+        ensure!(
+            !begun.is_null(),
+            "the interrupted run had no {name}, as it was by another --method or version; all arguments must be the same"
+        );
         ensure!(
             begun == asked,
             "the interrupted run had {name} {begun}, this one has {asked}; all arguments must be the same"
