@@ -33,13 +33,13 @@ pub fn curve<'py>(
 ) -> PyResult<Bound<'py, PyDict>> {
     let method = named("method", method)?;
     check_method(request, method)?;
-    let recipe = recipe_for(py, request, method)?;
-    // A run that is recorded makes its pattern from the parameters.
-    if matches!(method, SetMethod::Exact) && recipe.pattern.is_some() {
+    // A run that is recorded makes its pattern from the parameters. Refused before the darts of the given one are thrown again.
+    if matches!(method, SetMethod::Exact) && request.recipe.pattern.is_some() {
         let text =
             "pattern is given with method 'exact', whose curve makes its pattern: leave it out";
         return Err(PyValueError::new_err(text));
     }
+    let recipe = recipe_for(py, request, method)?;
     // Without a choice all numbers but those that need a spectrum at every moment, which takes far longer.
     let numbers = match numbers {
         None => live_numbers()
