@@ -130,6 +130,8 @@ def test_each_beginning_is_the_image_with_fewer_dots(dots):
     for count in (0, 901):
         with pytest.raises(ValueError, match=f"count is {count}; it must be between 1 and 900"):
             dots.prefix(count)
+    with pytest.raises(TypeError, match="integer"):
+        dots.prefix(2.5)
 
 
 def test_dots_are_of_one_size_or_the_larger_the_darker(dots):

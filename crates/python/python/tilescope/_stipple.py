@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import operator
 from typing import Any, Literal, SupportsIndex
 
 import numpy as np
@@ -122,7 +123,7 @@ class Stipple(PointSet):
         >>> len(fewer), fewer.verify().valid
         (200, True)
         """
-        wanted = count.__index__()
+        wanted = operator.index(count)
         if not 1 <= wanted <= len(self):
             raise ValueError(f"count is {shown(wanted)}; it must be between 1 and {len(self)}, the number of dots")
         first = Stipple.__new__(Stipple)
