@@ -159,6 +159,28 @@ fn an_exact_set_is_the_same_by_bands_and_as_a_whole() {
     }
 }
 
+/// An exact tiling that was killed goes on from its checkpoint to the file of a run that was not. Control: KDRT does not go on
+/// with it.
+#[test]
+fn an_exact_set_that_was_killed_goes_on_by_its_method_alone() {
+    let folder = tempdir().unwrap();
+    let words = "sample --radius 0.002 --leaf 12 --pattern-side 60 --no-verify";
+    let set: Vec<&str> = words.split(' ').collect();
+    let exact = [&set[..], &["--method", "exact"]].concat();
+    json(&folder, &[&exact[..], &["--out", "whole.npy"]].concat());
+    let mut child = paused(&folder, &exact, "set.npy");
+    signal(&child, "KILL");
+    child.wait().unwrap();
+
+    let resume = ["--out", "set.npy", "--resume"];
+    let mut other = tilescope(&folder);
+    other.args(&set).args(resume);
+    let said = contains("it was by another --method");
+    other.assert().code(2).stderr(said);
+    json(&folder, &[&exact[..], &resume[..]].concat());
+    assert!(read(&folder, "set.npy") == read(&folder, "whole.npy"));
+}
+
 /// Starts a large run and sends it a signal after its first checkpoint. Returns how it ended.
 fn interrupted(folder: &TempDir, name: &str, kill: &str) -> ExitStatus {
     let mut child = paused(folder, &LARGE, name);
