@@ -138,7 +138,8 @@ fn to_text(rates: &CpuRates, arguments: &BenchArguments) -> String {
     let _ = writeln!(
         out,
         "median of {rounds} rounds; verifying on {threads} threads; pattern made in {pattern:.1} ms, \
-         that of exact tiling with its tables in {history:.1} ms"
+         that of exact tiling with its tables in {history:.1} ms\n\
+         ratio: to the reference sampler; 1 thread: to one thread of the same method, and of exact tiling on one thread to that of KDRT"
     );
     out
 }
