@@ -7,7 +7,7 @@ use anyhow::{Context, Result, ensure};
 use clap::Args;
 use tilescope_analysis::measures::SetNumber;
 use tilescope_core::memory::Making;
-use tilescope_core::{Parameter, Pattern, SolidDomain, SolidRequest};
+use tilescope_core::{Domain, Parameter, Pattern, SolidDomain, SolidRequest};
 use tilescope_debugger::{Debugger, PatternFile, Recording, Session};
 use tilescope_formats::{read_whole, write_whole};
 use tilescope_live::{
@@ -300,10 +300,29 @@ fn of_session(path: &Path, watch: &mut Stopwatch) -> Result<Arc<Recording>> {
     let text = String::from_utf8(read_whole(path)?).context("this is not a saved session")?;
     let session = Session::from_json(&text)?;
     let mut load = |file: &PatternFile| pattern_beside(path, file).map_err(|e| format!("{e:#}"));
-    let recording = Arc::new(session.record(&mut load, watch)?);
+    let recording = Arc::new(match session.depth {
+        Some(depth) => recording_in_space(&session, depth, watch)?,
+        None => session.record(&mut load, watch)?,
+    });
     // The debugger compares the run with the digest in the session; what it would show is not needed.
     Debugger::resume(&session, Arc::clone(&recording))?;
     Ok(recording)
+}
+
+/// Makes the run of a saved session of a set in space, which has a depth.
+fn recording_in_space(session: &Session, depth: f64, watch: &mut Stopwatch) -> Result<Recording> {
+    let parameters = &session.parameters;
+    let (radius, boundary) = (parameters.radius, parameters.boundary);
+    let [width, height] = [parameters.width, parameters.height];
+    let domain = SolidDomain::from_size([width, height, depth], radius, boundary)?;
+    // The session limits the samples of the base of the box alone.
+    Course::check_space(&domain)?;
+    // The projections of the samples lie in this domain.
+    let planar = Domain::from_size([width, height], radius, boundary)?;
+    let budget = session.budget;
+    Ok(Recording::in_space(
+        domain, planar, parameters, budget, watch,
+    )?)
 }
 
 /// Reads the pattern of a saved session from the session's folder. A session from others names no other place to read from.

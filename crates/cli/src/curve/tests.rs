@@ -78,6 +78,50 @@ fn the_pattern_of_a_session_lies_beside_it() {
     assert_eq!(tilescope_debugger::digest(recording.run()), session.digest);
 }
 
+#[test]
+fn a_saved_session_in_space_has_the_numbers_of_its_set() {
+    let parameters = Parameters {
+        width: 11.0,
+        height: 10.0,
+        radius: 1.0,
+        seed: 5,
+        ..Parameters::default()
+    };
+    let domain = SolidDomain::from_size([11.0, 10.0, 4.0], 1.0, parameters.boundary).unwrap();
+    let planar = Domain::from_size([11.0, 10.0], 1.0, parameters.boundary).unwrap();
+    let recording =
+        Recording::in_space(domain, planar, &parameters, DEFAULT_BUDGET, &mut Unobserved);
+    let debugger = Debugger::new(Arc::new(recording.unwrap()), DEFAULT_BUDGET);
+    // The window adds the third side.
+    let session = Session {
+        depth: Some(4.0),
+        ..debugger.session()
+    };
+
+    let folder = tempfile::tempdir().unwrap();
+    let path = folder.path().join("saved.json");
+    let file = path.to_str().unwrap();
+    let of_file = |session: &Session| {
+        fs::write(&path, session.to_json().unwrap()).unwrap();
+        course(&arguments(&["--session", file]))
+    };
+    let of_session = of_file(&session).unwrap();
+    assert_eq!(of_session.setting(), Setting::Space);
+    let words = ["--size", "11x10x4", "--radius", "1", "--seed", "5"];
+    let asked = course(&arguments(&words)).unwrap();
+    assert_eq!(of_session.changes(), asked.changes());
+
+    // The controls: another depth is another set, and a box of too many balls is refused before it is made.
+    for (depth, part) in [(4.5, "it is not the same run"), (40_000.0, "2000000")] {
+        let other = Session {
+            depth: Some(depth),
+            ..session.clone()
+        };
+        let error = crate::describe(&of_file(&other).err().unwrap());
+        assert!(error.contains(part), "{error}");
+    }
+}
+
 /// Reads the words of a command line.
 fn arguments(words: &[&str]) -> CurveArguments {
     let words = ["tilescope", "curve"].iter().chain(words);
