@@ -72,8 +72,7 @@ fn overrides(set: &SetArguments, file: &Path) -> Result<Overrides> {
             || stated
                 .as_ref()
                 .is_none_or(|stated| stated.thinned.is_some()),
-        "--origin: its certificate states a box that begins at 0; leave --origin out, or read the set without it: \
-         {WITHOUT_CERTIFICATE}"
+        "--origin: its certificate states a box that begins at 0; leave --origin out, or give --no-certificate"
     );
     let is_given = set.width.is_some() || set.height.is_some() || set.boundary.is_some();
     let of_stated = stated.map(|stated| stated.region);
@@ -96,7 +95,7 @@ fn hinted(error: CheckError) -> anyhow::Error {
     // Messages of the crates below name values, and here the options that set them are added. A context is printed
     // before its error: "give --radius: there is no certificate".
     match error {
-        CheckError::Solid(error @ SolidError::OutOfRegion { .. }) => {
+        CheckError::Solid(SolidError::OutOfRegion { .. }) | CheckError::BeyondBox { .. } => {
             anyhow::anyhow!(
                 "{error}; --width, --height, --depth, --boundary, --origin and --origin-z state another domain"
             )

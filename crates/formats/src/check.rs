@@ -8,8 +8,8 @@ use std::sync::Arc;
 
 use glam::DVec2;
 use tilescope_analysis::{
-    Control, JudgeChoice, MAX_CONFLICTS, Number, Region, Report, SolidError, VaryingRegion,
-    VerifyError, VerifyOptions, verify, verify_levels,
+    Control, JudgeChoice, MAX_CONFLICTS, Number, Region, Report, SolidError, SolidRegion,
+    VaryingRegion, VerifyError, VerifyOptions, verify, verify_levels,
 };
 
 use crate::certificate::{Certificate, CertifiedLevel, CertifiedRadius, CertifiedShape, finite};
@@ -228,6 +228,22 @@ pub enum CheckError {
         region: Region,
         /// Where the lower corner of the region lies in the file.
         origin: [f64; 2],
+    },
+    /// The same of a set in space.
+    #[error(
+        "the set has no verdict: sample {index} at ({}, {}, {}) lies outside the region {region} from its corner at ({}, {}, {})",
+        Number(.point[0]), Number(.point[1]), Number(.point[2]),
+        Number(.origin[0]), Number(.origin[1]), Number(.origin[2])
+    )]
+    BeyondBox {
+        /// The index of the first such sample.
+        index: usize,
+        /// Its position in the file.
+        point: [f64; 3],
+        /// The box.
+        region: SolidRegion,
+        /// Where the lower corner of the box lies in the file.
+        origin: [f64; 3],
     },
     /// Positions lie outside the region once they are multiplied by its width, as those of the format are.
     #[error(

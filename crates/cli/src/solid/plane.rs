@@ -93,35 +93,29 @@ pub fn read(file: &Path, set: &SetArguments, slice: Slice) -> Result<PlaneDisks>
     let read = tilescope_formats::read_solid(file, &given, set.depth)
         .map_err(hinted)
         .in_file(file)?;
-    // The plane is that of a place in the file.
-    let within = Slice {
-        place: slice.place - read.origin[slice.axis],
-        ..slice
-    };
-    let found = disks(&read.points, read.region, read.radius, within)?;
-    Ok(PlaneDisks {
-        origin: slice.axes().map(|axis| read.origin[axis]),
-        ..found
-    })
+    disks(&read.points, read.region, read.radius, (slice, read.origin))
 }
 
-/// Returns the disks in which a plane meets the balls. Fails if the plane is beyond the box.
+/// Returns the disks in which a plane meets the balls. The plane is that of a place in the file, where the lower corner of the
+/// box lies at an origin; the points are counted from there. Fails if the plane is beyond the box.
 fn disks(
     points: &[[f64; 3]],
     region: SolidRegion,
     radius: f64,
-    slice: Slice,
+    (slice, origin): (Slice, [f64; 3]),
 ) -> Result<PlaneDisks> {
     let size = region.size();
-    let side = size[slice.axis];
+    let (side, low) = (size[slice.axis], origin[slice.axis]);
     // A plane just beyond the box would meet the balls that reach out of the box, and would look like a plane inside.
     ensure!(
-        (0.0..=side).contains(&slice.place),
-        "the plane {slice} lies beyond the domain, where {} is from 0 to {}",
+        (low..=low + side).contains(&slice.place),
+        "the plane {slice} lies beyond the domain, where {} is from {} to {}",
         AXES[slice.axis],
-        Number(side)
+        Number(low),
+        Number(low + side)
     );
 
+    let place = slice.place - low;
     let [across, up] = slice.axes();
     let mut found = PlaneDisks {
         region: Region::new([size[across], size[up]], region.is_periodic()),
@@ -130,10 +124,10 @@ fn disks(
         depths: Vec::new(),
         radius,
         samples: points.len(),
-        origin: [0.0; 2],
+        origin: [across, up].map(|axis| origin[axis]),
     };
     for point in points {
-        let straight = point[slice.axis] - slice.place;
+        let straight = point[slice.axis] - place;
         // Around the torus the nearest image of a ball counts. If the side is longer than two radii, no other image
         // meets the plane. The verifier refuses shorter sides; here they are drawn without the other images.
         let depth = if region.is_periodic() {
@@ -215,11 +209,12 @@ mod tests {
             boundary: Boundary::Periodic,
         };
         let points = [[1.0, 2.0, 0.2], [3.0, 4.0, 5.6], [0.0, 0.0, 3.0]];
+        let at_0 = [0.0; 3];
         let slice = Slice {
             axis: 2,
             place: 0.0,
         };
-        let found = disks(&points, region, 0.5, slice).expect("disks");
+        let found = disks(&points, region, 0.5, (slice, at_0)).expect("disks");
         assert_eq!(found.middles, [[1.0, 2.0], [3.0, 4.0]]);
         for (found, wanted) in found.radii.iter().zip([0.21_f64.sqrt(), 0.3]) {
             assert!((found - wanted).abs() < 1e-12);
@@ -232,7 +227,7 @@ mod tests {
             ..region
         };
         assert_eq!(
-            disks(&points, bounded, 0.5, slice)
+            disks(&points, bounded, 0.5, (slice, at_0))
                 .expect("disks")
                 .radii
                 .len(),
@@ -243,20 +238,31 @@ mod tests {
             place: 2.0,
         };
         assert_eq!(
-            disks(&points, region, 0.5, beside).expect("disks").middles,
+            disks(&points, region, 0.5, (beside, at_0))
+                .expect("disks")
+                .middles,
             [[1.0, 0.2]]
         );
         let beyond = Slice {
             axis: 1,
             place: 5.5,
         };
-        let said = disks(&points, region, 0.5, beyond)
+        let said = disks(&points, region, 0.5, (beyond, at_0))
             .err()
             .expect("beyond")
             .to_string();
         assert!(
             said.contains("y = 5.5") && said.contains("from 0 to 5"),
             "{said}"
+        );
+
+        // In a file whose box begins elsewhere the plane is at a place of the file, where it was beyond before.
+        let elsewhere = [7.0, 3.5, 0.0];
+        let found = disks(&points, region, 0.5, (beyond, elsewhere)).expect("disks");
+        assert_eq!(found.middles, [[1.0, 0.2]]);
+        assert_eq!(
+            found.origin.map(f64::to_bits),
+            [7.0_f64, 0.0].map(f64::to_bits)
         );
     }
 }

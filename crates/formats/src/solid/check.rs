@@ -1,7 +1,7 @@
 //! Re-verification of sets in space: compares a file with the statements of its certificate.
 
 use tilescope_analysis::{
-    Control, MAX_CONFLICTS, SolidRegion, SolidVerdict, VerifyOptions, measure_solid,
+    Control, MAX_CONFLICTS, SolidError, SolidRegion, SolidVerdict, VerifyOptions, measure_solid,
 };
 
 use crate::certificate::{Certificate, CertifiedRadius, Depth, finite};
@@ -180,7 +180,8 @@ impl SolidFile {
 
     /// Judges the file, and compares its certificate with it and the verdict. Returns also the points.
     fn check(self, control: Control<'_>) -> Result<(Vec<[f64; 3]>, SolidCheck), CheckError> {
-        let verdict = self.judged.verdict(&self.points, control)?;
+        let verdict = self.judged.verdict(&self.points, control);
+        let verdict = verdict.map_err(|error| in_file(error, self.origin))?;
         // A wrong statement is a difference of the check, and no error.
         let differences = (self.stated.as_ref()).map_or_else(Vec::new, |stated| {
             differences(stated, &self.judged, &self.mapping, &self.found, &verdict)
@@ -230,6 +231,23 @@ pub(crate) fn check_owned(
     let file = SolidFile::read(&data, name, certificate, overrides, depth, takes_thinned)?;
     drop(data);
     file.check(control)
+}
+
+/// Returns an error in which a sample outside of the box has its position in the file.
+fn in_file(error: CheckError, origin: [f64; 3]) -> CheckError {
+    match error {
+        CheckError::Solid(SolidError::OutOfRegion {
+            index,
+            point,
+            region,
+        }) if origin.iter().any(|&at| at != 0.0) => CheckError::BeyondBox {
+            index,
+            point: [0, 1, 2].map(|axis| point[axis] + origin[axis]),
+            region,
+            origin,
+        },
+        other => other,
+    }
 }
 
 /// Returns where the lower corner of the box lies in a file with these points: where it is given, or else at 0. The

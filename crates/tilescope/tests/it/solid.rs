@@ -511,6 +511,18 @@ fn windows_are_read_again_with_their_corner() {
         &format!("draw w.csv w.svg {sides} {corner} --slice y=-15 --size 100"),
         0,
     );
+    // What is refused is named by its place in the file, too.
+    refused(
+        &folder,
+        &format!("draw w.csv w.svg {sides} {corner} --slice y=5"),
+        "the plane y = 5 lies beyond the domain, where y is from -20 to -10",
+    );
+    let below = "--origin 5 -20 --origin-z -2";
+    refused(
+        &folder,
+        &format!("verify w.csv {given} {below}"),
+        "[0, 10] from its corner at (5, -20, -2)",
+    );
     // Planar sets have no third coordinate, and a certificate of a set in space states a box at 0.
     refused(
         &folder,
