@@ -148,6 +148,7 @@ fn to_text(rates: &CpuRates, arguments: &BenchArguments) -> String {
 fn to_json(rates: &CpuRates) -> Value {
     let row = |row: &EngineRate| {
         let (engine, method) = names(row);
+        // Rates are medians of the rounds, of which all times are given, too.
         json!({
             "method": method,
             "engine": engine,

@@ -71,6 +71,7 @@ fn examples() -> String {
         let each: Vec<&str> = numbers.map(|number| number.key).collect();
         each.join(", ")
     };
+    // Those of the spectrum take far longer to make, and have fewer moments.
     let planar = |needs_spectrum| {
         keys(&mut live_numbers().filter(|number| is_of_spectrum(number) == needs_spectrum))
     };

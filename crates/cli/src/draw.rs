@@ -171,6 +171,7 @@ fn of_space(arguments: &DrawArguments, view: OrbitView, kind: PictureKind) -> Re
     };
 
     let count = grouped(balls.points.len());
+    // The frames are written as they are drawn: together they would take as much memory as a film.
     if kind.is_animation() {
         let frames = drawn.write_turn(path, kind == PictureKind::Gif)?;
         output::emit(&format!(
@@ -264,6 +265,8 @@ fn of_plane(arguments: &DrawArguments, slice: Slice) -> Result<(Scene, Shown)> {
     let disks = solid::plane::read(&arguments.file, &arguments.set, slice)?;
     let (count, region) = (disks.middles.len(), disks.region);
     let name = lossy(arguments.file.file_name().unwrap_or_default());
+
+    // What the disks do not show: on which side of the plane a sample lies.
     let above = disks.above();
     let look = PlaneLook {
         above: &above,

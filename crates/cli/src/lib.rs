@@ -35,6 +35,7 @@ mod own_radii;
 mod parameters;
 mod paths;
 mod progress;
+mod radius_span;
 mod ranks;
 mod reproduce;
 mod sample;

@@ -13,8 +13,8 @@ use tilescope_formats::{
     StreamReader, refuse_degrees,
 };
 
-use crate::parameters::{RadiusSpan, TWO_RADII};
 use crate::paths::InFile;
+use crate::radius_span::{RadiusSpan, TWO_RADII};
 use crate::space::{Sides, SizeArgument};
 
 /// The names of a type's values, the same in options and in JSON, each with its line of `--help`, if any.
@@ -357,6 +357,7 @@ impl SetArguments {
             ..Hint::default()
         };
         let mut read = tilescope_formats::read(path, &hint);
+
         // A cloud that was thinned by x and y keeps its z, and is a planar set.
         if matches!(read, Err(FormatError::NotPlanar { .. }))
             && self

@@ -158,6 +158,7 @@ impl Outcome {
             None => json!({ "count": self.count, "verified": false }),
         };
         add(&mut object, verdict);
+        // What only some sets have is left out of the objects of others.
         if !judged.levels.is_empty() {
             object["levels"] = json!(judged.levels);
         }

@@ -24,6 +24,7 @@ use crate::interrupt;
 use crate::options::words;
 use crate::paths::InFile;
 use crate::progress::Stopwatch;
+use crate::radius_span::{RadiusSpan, TWO_RADII};
 
 /// Arguments that determine a run.
 #[derive(Debug)]
@@ -109,28 +110,6 @@ impl FromArgMatches for RunArguments {
     }
 }
 
-/// Why two radii are refused.
-pub const TWO_RADII: &str = "--radius takes two radii, MIN..MAX, with --radius-image only";
-
-/// A radius, or the radii of black and of white.
-#[derive(Clone, Copy, Debug, Default)]
-pub struct RadiusSpan {
-    pub least: f64,
-    pub greatest: Option<f64>,
-}
-
-impl RadiusSpan {
-    /// Reads `R` or `MIN..MAX`.
-    pub fn parse(text: &str) -> Result<Self, String> {
-        let number = |text: &str| text.parse().map_err(|_| format!("{text:?} is no number"));
-        let (least, greatest) = match text.split_once("..") {
-            Some((least, greatest)) => (number(least)?, Some(number(greatest)?)),
-            None => (number(text)?, None),
-        };
-        Ok(Self { least, greatest })
-    }
-}
-
 /// Refuses two radii without an image to go with, a radius beside a number of samples without an image, and a radius beside
 /// an expression.
 fn refuse_sizes(
@@ -143,6 +122,7 @@ fn refuse_sizes(
     let has_image = is_given("radius_image");
     // --exactly scales radii as --count does.
     let has_exactly = is_given("exactly");
+
     // The conflicts of clap have no exceptions, and with an image a radius and a number of samples go together: they are
     // refused here, in the words of clap.
     let why = if greatest.is_some() && !has_image {

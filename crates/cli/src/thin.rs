@@ -23,9 +23,9 @@ use tilescope_sets::thinning::{
 use crate::engine::ThreadArguments;
 use crate::ground::{file_name, formula, image};
 use crate::options::{XY, boundaries, columns, formats, pair};
-use crate::parameters::{RadiusSpan, TWO_RADII};
 use crate::paths::{InFile, check_file, check_inputs_stay, named};
 use crate::progress::{verifying, watched};
+use crate::radius_span::{RadiusSpan, TWO_RADII};
 use crate::{interrupt, output, verdict_code};
 
 /// Arguments of `tilescope thin`.
@@ -275,6 +275,8 @@ impl ThinArguments {
                 return Ok(None);
             }
         };
+
+        // A cloud goes around nothing unless that is asked for.
         let is_periodic = self.boundary == Some(Boundary::Periodic);
         let region = Region::new(size, is_periodic);
         Ok(Some((
@@ -495,6 +497,7 @@ pub fn report_text(report: &ThinnedReport) -> String {
         output::answer(report.uncovered == 0, report.uncovered),
     );
 
+    // The points are those of the file, by their numbers there, whether kept or not.
     for [first, second] in &report.conflicting {
         let _ = writeln!(
             out,

@@ -96,6 +96,8 @@ pub fn make(arguments: &SampleArguments) -> Result<Worked> {
 pub fn recipe_of(arguments: &SampleArguments) -> Result<VaryingRecipe> {
     let asked = VaryingArguments::from(arguments);
     let recipe = recipe(&asked)?;
+
+    // Only sets that are written band by band have something to go on from.
     let why = asked.reason();
     ensure!(
         !arguments.resume,
@@ -111,6 +113,7 @@ pub fn recipe_of(arguments: &SampleArguments) -> Result<VaryingRecipe> {
         "the reference sampler"
     };
     arguments.engine.check_on_cpu(method)?;
+
     // There is one engine, and its samples are the same on any number of threads.
     ensure!(
         arguments.engine.engine != EngineArgument::Sequential,

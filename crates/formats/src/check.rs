@@ -437,6 +437,7 @@ impl Judged {
             let point = in_file(point);
             return CheckError::Verify(VerifyError::OutOfShape { index, point });
         }
+
         // The region in the message is that around 0 0.
         if let VerifyError::OutOfRegion {
             index,

@@ -78,6 +78,7 @@ impl Course {
             };
             recorder.take(run_event);
         }
+
         let mut course = recorder.finish(*recording.domain(), &recording.run().samples.points);
         course.has_levels = recording.is_exact();
         let third = recording.domain_in_space().zip(recording.heights());

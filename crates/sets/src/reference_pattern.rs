@@ -103,6 +103,7 @@ impl StatedSet<'_> {
         &self,
         observer: &mut dyn Observer,
     ) -> Result<(PatternArrivals, u64), ReferencePatternError> {
+        // Only the reference sampler throws its darts in an order that its seed alone decides.
         if self.method != "reference" {
             return Err(ReferencePatternError::OtherMethod {
                 method: self.method.to_owned(),

@@ -110,6 +110,7 @@ fn reach(question: &SolidQuestion<'_>) -> f64 {
         let diagonal = DVec3::from(size) / DVec3::from(counts);
         // With more cells than samples one is empty. This also keeps their number small.
         let cells: f64 = counts.iter().product();
+
         let has_one_each = cells <= question.points.len() as f64 && {
             let mut is_met = vec![false; cells as usize];
             for point in question.points {

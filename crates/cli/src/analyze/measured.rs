@@ -125,6 +125,7 @@ impl<'a> Request<'a> {
             Some(radius) => Some(vec![radius]),
             None => readable.map(|found| Some(found?.radius.least())).collect(),
         };
+
         // A single set of unknown radius leaves all without a common one.
         let radii = stated.unwrap_or_default();
         // Radii that differ by rounding alone count as the same.

@@ -207,6 +207,7 @@ impl InSpace {
         for (object, differences) in all.iter_mut().zip(&self.differences) {
             report::add_differences(object, differences);
         }
+        // The sets of an average have numbers of their own, but its curves alone are shown.
         let is_average = !self.members.is_empty();
         let files = if is_average {
             self.members.iter().map(member).collect()

@@ -212,6 +212,7 @@ fn tiled_exactly(
         dihedral: blocks.dihedral,
         ..Parameters::default()
     };
+    // The engine that is written to be read is the definition, and the recipe has that of all threads.
     let history = PatternHistory::of_spec(&pattern, &mut Unobserved)?;
     let run = exact_in_shape(&parameters, &history, &ground.shape, &mut Unobserved)?;
     Ok(ExactShape {

@@ -200,6 +200,7 @@ pub struct ReadSet {
 /// Reads a set, with its smallest distance for a radius that nothing states.
 pub fn read(file: &Path, set: &SetArguments) -> Result<ReadSet> {
     match read_solid(file, &overrides(set, file)?, set.depth) {
+        // Other programs' sets state no radius: their smallest distance stands for it.
         Err(CheckError::NoRadius) => {
             let (points, context) = uncertified(file, set)?;
             let planar = &context.planar;
@@ -252,6 +253,7 @@ fn smallest_distance(points: &[[f64; 3]], region: SolidRegion) -> Result<f64> {
     // The verifier refuses a radius at which, in a periodic box, a place may be near two images of a sample: the
     // shortest side has to be more than twice the covering limit, which is a hair above the radius. 2.5 is 2 with room.
     let radius = spacing.min(shortest / 2.5);
+
     let report = verifying(|control| verify_solid(points, region, radius, &options, control))
         .map_err(|error| match error {
             // The box is at fault, and not that no radius is known.
@@ -260,6 +262,7 @@ fn smallest_distance(points: &[[f64; 3]], region: SolidRegion) -> Result<f64> {
                 .context("no radius is known, and none can be measured; give --radius"),
         })?;
     let distance = report.min_distance;
+    // One sample has no distance to another, and two at one place have none that is a radius.
     ensure!(
         distance.is_finite() && distance > 0.0,
         "the smallest distance is {distance}, which is no radius; give --radius"

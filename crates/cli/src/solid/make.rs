@@ -15,9 +15,9 @@ use tilescope_sets::{BallSize, SolidMade, SolidRecipe};
 
 use crate::make::NO_VERDICT;
 use crate::output::{self, warning_line};
-use crate::parameters::TWO_RADII;
 use crate::paths::{InFile, named};
 use crate::progress::{Stopwatch, verifying};
+use crate::radius_span::TWO_RADII;
 use crate::sample_arguments::{SampleArguments, SamplingMethod};
 use crate::verdict_code;
 
@@ -74,6 +74,7 @@ fn ask_for_memory(samples: f64, no_verify: bool) -> Result<()> {
         return Ok(());
     }
 
+    // The message says what is left to do without a verdict, which takes most of the memory.
     let gigabytes = |bytes: u64| format!("{:.2} GB", bytes as f64 / 1e9);
     let (given, needed) = (gigabytes(memory::given_of(needed)), gigabytes(needed));
     let what = if no_verify {

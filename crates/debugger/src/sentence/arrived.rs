@@ -29,6 +29,7 @@ pub fn why_here(recording: &Recording, sample: u32) -> Option<String> {
         Origin::Tiled { block, .. } => format!("tiled from block {}", grouped((*block).into())),
         Origin::Inserted { .. } => words.outlived(sample),
     };
+    // Of two samples that are near each other the later one is lost.
     let came_to = match run.samples.fates[sample as usize] {
         Fate::Eliminated { by } => {
             format!(
@@ -81,6 +82,7 @@ impl Words<'_> {
     fn refused_by(&self, sample: u32) -> String {
         let (mut lost, mut darts) = (Vec::new(), 0);
         for &event in self.0.events_of(sample) {
+            // Of its own events and those of others only the ones count in which it is the blocker.
             let run_event = self.0.event(event as usize).and_then(Event::run_event);
             match run_event {
                 Some(RunEvent::Eliminate { sample: other, by }) if by == sample => {
@@ -94,6 +96,7 @@ impl Words<'_> {
             }
         }
 
+        // One or two fit a line, and can be looked at next.
         let samples = match lost.as_slice() {
             [] => None,
             [one] => Some(format!("sample {one}")),

@@ -65,6 +65,7 @@ fn rendered(shade: impl Fn(usize, f64) -> f64) -> Vec<u16> {
     let mut grey = Vec::with_capacity(columns * rows);
     for row in 0..rows {
         for column in 0..columns {
+            // Places lie in a square grid within the pixel.
             let mut sum = 0.0;
             for place in 0..PLACES * PLACES {
                 let y = along(PLACES * row + place / PLACES);
@@ -119,6 +120,7 @@ fn on_ball(ball: &Ball, [x, y]: [f64; 2]) -> Option<f64> {
         (x - ball.center[0]) / ball.radius,
         (y - ball.center[1]) / ball.radius,
     ];
+    // The third side of a triangle on the unit sphere; beside the ball there is none.
     let depth = 1.0 - u * u - v * v;
     if depth < 0.0 {
         return None;
@@ -176,6 +178,7 @@ fn outlines(column: usize) -> [f64; 4] {
 /// Returns the outline of a ridge, between about -1 and 1: a sum of ever finer waves, folded to have peaks.
 fn outline(x: f64, number: f64) -> f64 {
     let waves = (0..7_u32).map(|octave| {
+        // Each wave is half as long as the one before, and little more than half as high.
         let scale = f64::from(1 << octave);
         let wave = libm::sin(3.1 * scale * x + 1.7 * number + 2.3 * f64::from(octave));
         (1.0 - 2.0 * wave.abs()) / libm::pow(scale, 0.9)
@@ -200,12 +203,14 @@ fn landscape(x: f64, tops: &[f64; 4], y: f64) -> f64 {
 /// Returns the light of a place above the lake.
 fn above(x: f64, tops: &[f64; 4], y: f64) -> f64 {
     for ([.., light], top) in RIDGES.iter().zip(tops) {
+        // Ridges are in order of their distance, so that the first one hides the others.
         if y < *top {
             // Haze lies in the valleys.
             return light + 0.18 * (top - y).min(0.3) / 0.3;
         }
     }
 
+    // The sun, and around it the sky, which is lighter near it and near the horizon.
     let [right, up] = [x - 0.98, y - 0.80];
     let sun = (right * right + up * up).sqrt();
     if sun < 0.06 {

@@ -115,6 +115,7 @@ impl VaryingRecipe {
 
         let domain = ground.field.domain();
         let set = PointSet::from_points(domain.users_from_lattice(&inside));
+        // The judge looks at samples in the window and around it alike.
         let mut all = set.points.clone();
         all.extend(domain.users_from_lattice(&around));
         let shown = window_parts(domain, window).map(|part| {
@@ -140,6 +141,7 @@ impl VaryingRecipe {
         let parameters = self.tiling_of(&self.radius, ground, blocks)?;
         let history = PatternHistory::of_spec(&blocks.pattern, observer)?;
         let plane = ExactPlane::new(&parameters, &history)?.in_shape(&ground.shape);
+        // Exact tilings have windows of their own, which hold nothing of what is around.
         let wide = window.grown(MARGIN, MARGIN);
         let found = plane.observed_window(&wide, observer)?;
 

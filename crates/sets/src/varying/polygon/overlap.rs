@@ -64,7 +64,9 @@ pub(super) fn overlap(
     let mut next = edges.iter().peekable();
     let mut open: Vec<(f64, RingEdge)> = Vec::new();
     for ends in stops.windows(2) {
+        // Edges are ordered by their heights at the middle, where no two of a strip meet.
         let (start, middle) = (ends[0], f64::midpoint(ends[0], ends[1]));
+        // An edge that ends where the strip begins bounds nothing in it.
         open.retain(|(_, edge)| edge.span(axis)[1] > start);
         while let Some(edge) = next.next_if(|edge| edge.span(axis)[0] <= start) {
             open.push((0.0, *edge));
@@ -90,6 +92,7 @@ impl Areas<'_> {
                 Some(at) => drop(around.swap_remove(at)),
                 None => around.push(edge.ring),
             }
+            // Edges that lie on each other have nothing between them.
             let thickness = above - height;
             if thickness > 0.0 {
                 let mut place = [middle; 2];
@@ -115,10 +118,12 @@ impl Areas<'_> {
             self.polygons[polygon] += area;
         }
 
+        // Few parts are around one piece, so that few pairs are asked about.
         for [first, second] in pairs(&holders) {
             self.share(Overlapping::Polygons(first, second), area, place);
         }
         for [first, second] in pairs(around) {
+            // Rings of two polygons are compared as these.
             if self.polygon_of[first] == self.polygon_of[second] {
                 self.share(Overlapping::Rings(first, second), area, place);
             }
