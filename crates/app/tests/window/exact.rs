@@ -121,7 +121,7 @@ fn the_inspector_says_in_one_line_why_a_sample_is_there() {
     let pick = Command::View(Which::First, ViewCommand::Pick(Selection::Sample(0)));
     for command in [
         LessonCommand::Open("exact".into()),
-        LessonCommand::Go("A loss".into()),
+        LessonCommand::Go("chain".into()),
     ] {
         apply(&mut harness, Command::Lesson(command));
     }
