@@ -107,7 +107,7 @@ fn pointed_at(subject: &Subject<'_>, rect: Rect, pointer: Pos2) -> Option<Named>
     })
 }
 
-/// Returns by which sample another one is gone: exact tiling resolves no conflicts, but loses what came later.
+/// Returns the words for a sample that another one removed: exact tiling resolves no conflicts; its later sample is lost.
 fn eliminated(by: u32, is_exact: bool) -> String {
     let verb = if is_exact { "lost to" } else { "eliminated by" };
     format!("{verb} sample {}", grouped(by as usize))

@@ -171,7 +171,7 @@ fn of_space(arguments: &DrawArguments, view: OrbitView, kind: PictureKind) -> Re
     };
 
     let count = grouped(balls.points.len());
-    // The frames are written as they are drawn: together they would take as much memory as a film.
+    // Frames are written one by one, so that only one of them is in memory.
     if kind.is_animation() {
         let frames = drawn.write_turn(path, kind == PictureKind::Gif)?;
         output::emit(&format!(

@@ -471,7 +471,7 @@ fn subdivision_text(report: &Report) -> String {
         ),
         None => format!("maximal        {}", answer(report.maximal(), report.gaps)),
     };
-    // A density counts what is to be covered, and each place by its own radius: about 0.70 of any maximal set.
+    // A density is by the area to be covered, where each place counts by its own radius: any maximal set has about 0.70.
     let mut out = format!(
         "samples        {}\n\
          density        {:.4} N r^2 / area that is covered\n\

@@ -23,8 +23,8 @@ pub const CHECKPOINT: u64 = 30;
 /// Sets of more than about this many samples are made band by band where that is possible, to save memory.
 const LARGE: f64 = 1e6;
 
-/// Exact tilings of more than about this many samples are made band by band. Bands follow what is in doubt at the ends of
-/// their windows, and take 1.6 times as long as a whole set (3.4 against 2.1 s for 2.8 million samples on one thread). A
+/// Exact tilings of more than about this many samples are made band by band. Bands follow the doubtful samples at the ends
+/// of their windows, and take 1.6 times as long as a whole set (3.4 against 2.1 s for 2.8 million samples on one thread). A
 /// whole set of so many samples takes about 2 GB, which is chosen, not measured.
 const LARGE_EXACT: f64 = 2e7;
 

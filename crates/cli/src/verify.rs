@@ -200,7 +200,7 @@ fn prefix_of_field(arguments: &VerifyArguments, count: usize, stated: &Certifica
     );
     let ground = arguments.ground.judged(file, set, Some(stated))?;
     let ground = ground.context("the certificate states neither a field nor a shape")?;
-    // As for levels: what the certificate states of all samples says nothing of these.
+    // As for levels: the certificate's numbers are of all samples, and not of the first ones.
     let points = set.read_as_stated(file)?.set.points;
     ensure!(
         (1..=points.len()).contains(&count),

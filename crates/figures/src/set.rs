@@ -59,7 +59,7 @@ pub struct SetPicture<'a> {
     /// Parts of circles of equal radii around samples that lie in no other disk: the sample's index, and where the part begins and ends,
     /// as angles from the x axis, anticlockwise, in radians.
     pub exposed: Vec<(usize, [f64; 2])>,
-    /// What is drawn of a plane through a set in space; `None` for sets of the plane.
+    /// How a plane through a set in space looks; `None` for planar sets.
     pub plane: Option<PlaneLook<'a>>,
     /// A line above the picture.
     pub caption: String,
@@ -112,7 +112,7 @@ fn laid_out<E>(
         let covered = Style::filled(options.palette.background);
         let mut gaps = canvas.group("gaps");
         gaps.shapes.extend(canvas.domain(options.palette.gap));
-        // What is left of the colour once every disk is painted over it is in no disk.
+        // Every disk is painted over the colour, which stays at the places in no disk.
         for (index, &point) in points.iter().enumerate() {
             step()?;
             canvas.radius = set.radii.of(index);

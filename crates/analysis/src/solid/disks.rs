@@ -5,7 +5,7 @@ use crate::measures::Summary;
 use super::region::SolidRegion;
 
 /// Returns how many balls around the samples planes meet for each squared radius of their area: the summary over evenly spaced
-/// planes across each of the three axes, as many as given across each.
+/// planes across each of the three axes, `planes` of them across each.
 ///
 /// A plane meets a ball of which it has a place, so that the mean over all planes of a periodic region is twice the density
 /// `N r^3 / volume`. In a bounded region the planes are a radius or more away from the parallel sides: nearer ones meet fewer

@@ -74,7 +74,7 @@ pub(super) fn search(
     let reach = reach(question);
 
     // On each axis the nearest image of a sample is within half a period of a place. In most sets it is much nearer, so
-    // that few images have to be kept: eight times as many as samples lie within half a period.
+    // that few images have to be kept: within half a period lie eight for each sample.
     let is_near = |image: &[f64; 3]| {
         (0..3).all(|axis| {
             let most = root.half[axis] + reach.min(root.half[axis]);

@@ -17,7 +17,7 @@ pub(super) fn ask(count: usize) -> Result<(), SolidError> {
         return Ok(());
     }
 
-    // Ten halvings find what there is to a thousandth of what is needed.
+    // Ten halvings find the free memory to a thousandth of the need.
     let (mut given, mut refused) = (0, bytes);
     for _ in 0..10 {
         let middle = u64::midpoint(given, refused);

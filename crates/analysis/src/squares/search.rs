@@ -295,7 +295,7 @@ struct TileSearch<'a> {
     /// The lists of the squares that are being cut, one after another.
     lists: Vec<Near>,
     counts_conflicts: bool,
-    /// What is to be covered, and free of conflicts.
+    /// The places to be covered, and the samples to be free of conflicts.
     asked: Asked<'a>,
     witnesses: usize,
     findings: TileFindings,

@@ -74,7 +74,7 @@ fn ask_for_memory(samples: f64, no_verify: bool) -> Result<()> {
         return Ok(());
     }
 
-    // The message says what is left to do without a verdict, which takes most of the memory.
+    // The verdict takes a part of the memory, so that the message also says how much is needed without one.
     let gigabytes = |bytes: u64| format!("{:.2} GB", bytes as f64 / 1e9);
     let (given, needed) = (gigabytes(memory::given_of(needed)), gigabytes(needed));
     let what = if no_verify {

@@ -67,7 +67,7 @@ fn decode_as(bytes: &[u8], hint: &Hint<'_>, is_set: bool) -> Result<SolidRaw, Fo
     let named = Format::from_path(hint.name.as_ref());
     if detection.format == Format::Xyz && hint.format.is_none() && named == Some(Format::UtkText) {
         detection.format = Format::UtkText;
-        // What is in the file is what its name says.
+        // The name decided, and not the content.
         detection.evidence = Evidence::Extension;
     }
     let format = detection.format;

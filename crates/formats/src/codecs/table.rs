@@ -84,9 +84,9 @@ pub(super) fn column(
     column_by(bytes, format, columns, of_use, pick)
 }
 
-/// Refuses a table whose head shows that it has no points in space, with what is needed. Of a set (`is_set`) rows without
-/// names have three numbers; between commas, where a number more may be the end of one with a decimal comma, those of
-/// other clouds have, too.
+/// Refuses a table whose head shows that it has no points in space, and says which columns are needed. Of a set (`is_set`)
+/// rows without names have three numbers; between commas, where a number more may be the end of one with a decimal comma,
+/// those of other clouds have, too.
 pub(super) fn check_in_space(
     bytes: &[u8],
     format: Format,
@@ -100,7 +100,7 @@ pub(super) fn check_in_space(
     while table.rows.is_none() && !rest.is_empty() {
         rest = match table.take_head(rest) {
             Ok(rest) => rest,
-            // A single column cannot be chosen twice. What is wrong with any other head is reported when it is read.
+            // A single column cannot be chosen twice. Faults of other heads are reported when they are read.
             Err(FormatError::Header { .. }) if table.header.names.is_empty() => {
                 return Err(unlike_space(format, table.line + 1, 1));
             }

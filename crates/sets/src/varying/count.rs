@@ -34,7 +34,7 @@ pub(super) enum Step {
     Found,
     /// A set with radii that are `scale` times as large is to be made.
     Again { scale: f64 },
-    /// No set had it, of as many as are ever made.
+    /// None of the sets had it, and no more are made.
     Missed { nearest: u64 },
 }
 

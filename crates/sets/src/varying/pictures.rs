@@ -1,5 +1,5 @@
 //! Two grey pictures to be stippled, computed from formulas: a still life of three balls on a table, whose shades are smooth,
-//! and a landscape of ridges, whose edges are sharp. Nobody else has rights to them. They are computed where they are asked
+//! and a landscape of ridges, whose edges are sharp. They are free of others' rights. They are computed where they are asked
 //! for, as a page would have to load their files. Sines and powers are those of `libm`, and so are the same everywhere.
 
 use super::VaryingError;
@@ -192,7 +192,7 @@ fn landscape(x: f64, tops: &[f64; 4], y: f64) -> f64 {
     if y >= SHORE {
         return above(x, tops, y);
     }
-    // The lake shows what is above the shore, with ripples that widen towards the viewer.
+    // The lake mirrors the ridges above the shore, with ripples that widen towards the viewer.
     let below = SHORE - y;
     let sway = 9.0 * libm::sin(5.0 * x);
     let ripple = libm::sin(below * 260.0 / (0.3 + 3.0 * below) + sway);

@@ -141,7 +141,7 @@ impl VaryingRecipe {
         let parameters = self.tiling_of(&self.radius, ground, blocks)?;
         let history = PatternHistory::of_spec(&blocks.pattern, observer)?;
         let plane = ExactPlane::new(&parameters, &history)?.in_shape(&ground.shape);
-        // Exact tilings have windows of their own, which hold nothing of what is around.
+        // Exact tilings have windows of their own, without the samples around them.
         let wide = window.grown(MARGIN, MARGIN);
         let found = plane.observed_window(&wide, observer)?;
 

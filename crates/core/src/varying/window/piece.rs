@@ -95,8 +95,8 @@ pub(super) struct WindowPiece<'a> {
 }
 
 impl<'a> WindowPiece<'a> {
-    /// Returns the samples of a window and of what is around it, in the order of their arrival, or `None` if the layers of cells
-    /// around the window are too few to decide about them.
+    /// Returns the samples of a window and of its surroundings, in the order of their arrival, or `None` if the layers of
+    /// cells around the window are too few to decide about them.
     pub fn made(
         field: &'a RadiusField,
         shape: &'a Shape,

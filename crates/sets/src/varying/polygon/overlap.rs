@@ -1,5 +1,5 @@
 //! Which polygons overlap, and which rings of a polygon do in part. Places that two polygons share would be outside by the
-//! even-odd rule, a hole that nobody asked for, and an edge along another one crosses nothing.
+//! even-odd rule, an unwanted hole, and a test of crossings misses edges that lie along each other.
 
 use std::collections::BTreeMap;
 
