@@ -519,6 +519,15 @@ fn view(list: &mut List, state: &State) {
         .marked(state.appearance().follows_events);
     list.within(Submenu::Camera, |list| camera(list, state));
 
+    let session = state.runs().first.session.as_ref();
+    let no_ground = session
+        .is_none_or(|session| !session.has_ground())
+        .then_some("Only a set in a field or a shape has radii and a shape to show.");
+    let beside = Command::Appearance(AppearanceCommand::ToggleSideBySide);
+    list.add("Radii, shape, set and dots side by side", beside)
+        .refused(no_ground)
+        .marked(state.appearance().is_side_by_side);
+
     list.group();
     list.within(Submenu::Panels, |list| panels(list, state));
     list.within(Submenu::HidePanel, |list| hidden_panels(list, state));

@@ -8,9 +8,10 @@ mod objects;
 mod orbit;
 mod painting;
 mod titles;
+mod views;
 
 use eframe::egui_wgpu::RenderState;
-use egui::{Rect, Sense, Ui, vec2};
+use egui::{Rect, Sense, Ui, Vec2, vec2};
 
 use crate::ENABLED;
 pub(crate) use input::has_focus;
@@ -22,7 +23,7 @@ use tilescope_canvas::sprites::Sprites;
 use tilescope_canvas::touch::Touch;
 use tilescope_canvas::{hint, hover, overlay};
 use tilescope_drawing::palette::Palette;
-use tilescope_drawing::subject::Subject;
+use tilescope_drawing::subject::{GroundView, Subject};
 use tilescope_session::look::Look;
 use tilescope_session::moment::ShownMoment;
 use tilescope_session::sentence::happened;
@@ -52,6 +53,8 @@ pub struct CanvasContext<'a> {
     listing: Listing,
     /// The brush that paints radii on run A, if it is chosen.
     brush: Option<CanvasBrush>,
+    /// The pictures of run A where it is not compared with another: that of the set, and perhaps others beside it.
+    views: Vec<GroundView>,
 }
 
 /// What the list of the objects in view has.
@@ -99,7 +102,19 @@ impl<'a> CanvasContext<'a> {
             is_compact: window.drawer.arrangement.is_compact(),
             listing,
             brush: CanvasBrush::of(state),
+            views: views_of(state),
         }
+    }
+}
+
+/// Returns the pictures of run A where it is not compared with another.
+fn views_of(state: &State) -> Vec<GroundView> {
+    // The picture of a lesson or a talk is as its author made it, and others could give an answer away.
+    let is_free = state.lessons().open.is_none() && state.talks().open.is_none();
+    let session = state.runs().first.session.as_deref();
+    match session.filter(|_| is_free && state.appearance().is_side_by_side) {
+        Some(session) => views::views_of(session),
+        None => vec![GroundView::Set],
     }
 }
 
@@ -108,6 +123,9 @@ impl<'a> CanvasContext<'a> {
 pub struct Canvas {
     first: Pane,
     second: Pane,
+    /// The pictures beside that of the set, by their places among all of them. Few samples are drawn there at a time, so that
+    /// they need no device.
+    beside: [Pane; 4],
     /// The device for the second picture, which is created when it is needed.
     device: Option<RenderState>,
     /// Symbols for the rows of buffers.
@@ -130,14 +148,7 @@ impl Canvas {
         let subject = context.subjects[0];
 
         let Some((second, comparison)) = &context.runs.second else {
-            let side = PaneSide {
-                which: Which::First,
-                rect,
-                name: "Canvas of samples",
-                subject,
-            };
-            side.show(ui, context, &mut self.first, &mut self.marks, commands)
-                .known_as("canvas");
+            self.show_views(ui, rect, context, commands);
             return;
         };
 
@@ -148,8 +159,11 @@ impl Canvas {
         let left = PaneSide {
             rect: titles::heading(ui, left, context, &titles::first_title(context)),
             which: Which::First,
+            view: GroundView::Set,
             name: "Canvas of run A",
             subject,
+            main: None,
+            is_led: true,
         };
         left.show(ui, context, &mut self.first, &mut self.marks, commands)
             .known_as("canvas-a");
@@ -163,8 +177,11 @@ impl Canvas {
         let right = PaneSide {
             rect: titles::heading(ui, right, context, &titles::second_title(context, second)),
             which: Which::Second,
+            view: GroundView::Set,
             name: "Canvas of run B",
             subject,
+            main: None,
+            is_led: true,
         };
         right
             .show(ui, context, &mut self.second, &mut self.marks, commands)
@@ -179,14 +196,70 @@ impl Canvas {
             context,
         );
     }
+
+    /// Shows run A alone, in one picture or in several.
+    fn show_views(
+        &mut self,
+        ui: &mut Ui,
+        rect: Rect,
+        context: &CanvasContext<'_>,
+        commands: &mut Vec<Command>,
+    ) {
+        let views = &context.views;
+        let tiles = views::tiles(rect, views.len());
+        let is_alone = views.len() == 1;
+        let of_set = views.iter().position(|view| *view == GroundView::Set);
+        let main = of_set.map(|index| tiles[index]);
+        let pointer = ui.input(|input| input.pointer.interact_pos());
+        let has_pointer = |tile: &Rect| pointer.is_some_and(|at| tile.contains(at));
+        let led = tiles.iter().position(has_pointer).or(of_set);
+        if !is_alone {
+            // Pictures leave gaps, in which this colour is seen as lines between them.
+            ui.painter().rect_filled(rect, 0.0, context.palette.line);
+        }
+
+        let pictures = views.iter().copied().zip(tiles).zip(&mut self.beside);
+        for (index, ((view, tile), beside)) in pictures.enumerate() {
+            let subject = context.subjects[0].map(|subject| Subject {
+                view,
+                layers: views::layers(view, subject.layers),
+                ..subject
+            });
+            let [name, id] = views::canvas(view);
+            let side = PaneSide {
+                which: Which::First,
+                view,
+                rect: if is_alone { rect } else { tile },
+                name,
+                subject,
+                main: main.filter(|_| !is_alone),
+                is_led: led == Some(index),
+            };
+            let pane = if view == GroundView::Set {
+                &mut self.first
+            } else {
+                beside
+            };
+            side.show(ui, context, pane, &mut self.marks, commands)
+                .known_as(id);
+            if !is_alone {
+                views::write_name(ui, tile, view, context.palette);
+            }
+        }
+    }
 }
 
 /// One of the pictures and its rectangle.
 struct PaneSide<'a> {
     which: Which,
+    view: GroundView,
     rect: Rect,
     name: &'a str,
     subject: Option<Subject<'a>>,
+    /// The rectangle of the picture of the set, where others are beside it.
+    main: Option<Rect>,
+    /// Whether it says what the pointer is over. Of several pictures of a run one does, since they would contradict each other.
+    is_led: bool,
 }
 
 /// Describes a picture by its moment, for those who do not see it. A pointer over it names the object there instead.
@@ -235,8 +308,9 @@ impl PaneSide<'_> {
         response.widget_info(|| egui::WidgetInfo::labeled(egui::Role::Canvas, ENABLED, &name));
 
         let run = context.runs.get(self.which);
-        // The state fits and frames views, and needs the rectangle for that.
-        if run.is_some_and(|run| run.viewport != rect) {
+        // The state fits and frames views, and needs the rectangle for that: of several pictures that of the set.
+        let is_main = self.view == GroundView::Set;
+        if is_main && run.is_some_and(|run| run.viewport != rect) {
             commands.push(Command::View(self.which, ViewCommand::Viewport(rect)));
         }
 
@@ -273,8 +347,12 @@ impl PaneSide<'_> {
         let pointer = input::handle(
             ui, &response, subject, context, is_painted, touch, &mut moves,
         );
-        let moves = moves.into_iter();
-        commands.extend(moves.map(|command| Command::View(self.which, command)));
+        moves.retain(|command| self.is_led || !matches!(command, ViewCommand::Hover(_)));
+        commands.extend(
+            (moves.into_iter())
+                .map(|command| self.in_main(command))
+                .map(|command| Command::View(self.which, command)),
+        );
         // The entries of the menu lead to panels, which an embedded window and the stage of a talk lack.
         if !context.is_embedded && !context.is_stage {
             menu::show(ui, &response, subject, self.which, commands);
@@ -282,7 +360,8 @@ impl PaneSide<'_> {
 
         let note_on_samples = pane.paint(ui, rect, subject, palette);
         // Only run A has passes of the GPU, whose buffers have rows.
-        let note = match context.rows.filter(|_| self.which == Which::First) {
+        let has_rows = is_main && self.which == Which::First;
+        let note = match context.rows.filter(|_| has_rows) {
             Some(rows) => buffers::show(ui, rect, subject, &rows, palette, marks, note_on_samples),
             None => note_on_samples,
         };
@@ -307,7 +386,8 @@ impl PaneSide<'_> {
             hover::show(ui, &painter, &response, subject, palette, is_brief);
         }
 
-        if context.listing != Listing::Withheld {
+        // One list is enough: the others would have the same objects.
+        if is_main && context.listing != Listing::Withheld {
             self.list(context, subject, &name).show(ui, commands);
         }
         response
@@ -317,6 +397,17 @@ impl PaneSide<'_> {
     fn brush<'a>(&self, context: &'a CanvasContext<'_>) -> Option<&'a CanvasBrush> {
         let brush = context.brush.as_ref();
         brush.filter(|_| self.which == Which::First)
+    }
+
+    /// Returns a command with the places of the screen that the picture of the set has for them.
+    fn in_main(&self, command: ViewCommand) -> ViewCommand {
+        let moved = self
+            .main
+            .map_or(Vec2::ZERO, |main| main.min - self.rect.min);
+        match command {
+            ViewCommand::Zoom(at, factor) => ViewCommand::Zoom(at + moved, factor),
+            command => command,
+        }
     }
 
     /// Returns the list of the objects in view, for the keyboard and for screen readers.

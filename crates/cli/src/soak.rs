@@ -71,10 +71,11 @@ const EXAMPLES: &str = "\
 Each round switches off about half of the features, at random (a bounded domain or pattern, dihedral clips, unusual leaves
 and patterns, each order, insertion and search), draws the settings that are left, samples with the sequential and with the
 parallel engine, compares the two point by point, compares four windows with the set, and verifies the set. Some rounds also
-make nested levels. Rounds of exact tiling check the counts, compare the samples of the first levels with the definition, and
-verify the set. Rounds of sets in space compare one thread with all threads, and cubes with covered circles. Rounds of varying
-radii draw a field (a formula, an image, a density) and a shape (a polygon, perhaps with a hole, or a mask), compare the set
-with the recorded one, half of them also with a window of it, and verify both by subdivision. Exit code 1 if two sets differ, or if one is not valid.
+make nested levels. Rounds of exact tiling also check the counts; those of up to 20,000 samples, and one in 32 of the others,
+compare the samples of the first levels with the definition. Rounds of sets in space compare one thread with all threads, and
+cubes with covered circles. Rounds of varying radii draw a field (a formula, an image, a density) and a shape (a polygon,
+perhaps with a hole, or a mask), compare the set with the recorded one, half of them also with a window of it, and verify
+both by subdivision. Exit code 1 if two sets differ, or if one is not valid.
 
 Examples:
   tilescope soak --samples 1000000000

@@ -13,7 +13,7 @@ use tilescope_session::solid::Cut;
 use crate::age::Ages;
 use crate::brushed;
 use crate::look::{SampleLook, Symbol};
-use crate::subject::Subject;
+use crate::subject::{GroundView, Subject};
 
 /// Everything that looks depend on.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -23,6 +23,7 @@ pub struct LooksKey {
     stage: Stage,
     layers: Layers,
     colouring: Colouring,
+    view: GroundView,
     palette: Palette,
     /// The plane through a set in space.
     plane: Option<i32>,
@@ -40,6 +41,7 @@ impl LooksKey {
             stage: subject.shown.stage,
             layers: subject.layers,
             colouring: subject.colouring,
+            view: subject.view,
             palette: *palette,
             plane: subject.shown.plane,
             causes: subject.causes.map(|found| found.serial),
@@ -173,6 +175,9 @@ impl<'a> Looks<'a> {
                 if has(Layer::Eliminated) && self.subject.shown.stage == Stage::Tile =>
             {
                 SampleLook::new(Symbol::Dot, self.dropped)
+            }
+            Standing::Valid | Standing::Tiled if self.subject.view == GroundView::Dots => {
+                SampleLook::new(Symbol::Dot, self.palette.text)
             }
             // Without its symbol a sample still has its disk, which is a layer of its own.
             Standing::Valid | Standing::Tiled => {

@@ -19,6 +19,7 @@ use tilescope_session::layers::Layer;
 
 use crate::looks::Looks;
 use crate::scene::Scene;
+use crate::subject::GroundView;
 use crate::surface::Surface;
 
 /// A part of a picture. Gaps are not listed: each surface draws them itself, between the domain and all parts.
@@ -151,7 +152,10 @@ impl Part {
 
         // Disks and gaps are drawn only where disks are large enough on the screen: `is_fine`.
         match self {
-            Self::Field => scene.session.ground.is_some() && has(Layer::Field),
+            Self::Field => {
+                let is_shape = scene.subject.view == GroundView::Shape;
+                scene.session.ground.is_some() && (has(Layer::Field) || is_shape)
+            }
             // The domain of a field alone has no outside.
             Self::Outside | Self::Outline => scene.session.has_shape(),
             Self::Tints | Self::Borders | Self::Numbers => has(Layer::Blocks),

@@ -37,8 +37,24 @@ pub struct Subject<'a> {
     pub contrast: Option<Contrast<'a>>,
     /// The causes of the brush.
     pub causes: Option<&'a BrushedCause>,
+    /// What of a set in a field or a shape is shown.
+    pub view: GroundView,
     /// How far the animation of the last event has come, from 0 to 1.
     pub drawn_in: f32,
+}
+
+/// What a picture of a set in a field or a shape shows. Pictures of all other sets show the set.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub enum GroundView {
+    /// The radius at each place.
+    Radii,
+    /// The places that are to be covered.
+    Shape,
+    /// The set with the layers that were chosen.
+    #[default]
+    Set,
+    /// The samples as dots of one colour, as a stipple is printed.
+    Dots,
 }
 
 /// The samples that only one of two compared runs has, seen from one of them.

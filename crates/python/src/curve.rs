@@ -6,14 +6,17 @@ use numpy::PyArray1;
 use pyo3::exceptions::PyValueError;
 use pyo3::prelude::*;
 use pyo3::types::PyDict;
+use tilescope_analysis::measures::SetNumber;
 use tilescope_core::MAXIMAL_DENSITY;
 use tilescope_core::memory::{Making, ask_for};
-use tilescope_live::{Course, Curve, CurveMaker, is_of_spectrum, live_numbers, numbers_named};
-use tilescope_sets::Recipe;
+use tilescope_live::{Course, Curve, CurveMaker, Setting, is_of_spectrum, numbers_named_in};
+use tilescope_sets::{RadiusSource, Recipe};
 
 use crate::arguments::RunRequest;
+use crate::domain::GivenDomain;
 use crate::failure::Failure;
-use crate::sample::{SetMethod, check_method, recipe_for};
+use crate::ground::FieldArgument;
+use crate::sample::{SetMethod, check_method, field_recipe, recipe_for};
 use crate::task::{TaskWatch, run};
 use crate::values::{named, whole};
 
@@ -40,21 +43,74 @@ pub fn curve<'py>(
         return Err(PyValueError::new_err(text));
     }
     let recipe = recipe_for(py, request, method)?;
-    // Without a choice all numbers but those that need a spectrum at every moment, which takes far longer.
-    let numbers = match numbers {
-        None => live_numbers()
-            .filter(|number| !is_of_spectrum(number))
-            .collect(),
-        Some(keys) => numbers_named(&keys)
-            .map_err(|error| PyValueError::new_err(format!("numbers: {error}")))?,
-    };
-    // A number of moments that the type cannot hold is more than any run has.
-    let moments = (moments.map(|count| whole("moments", count)).transpose()?)
-        .map(|count| usize::try_from(count).unwrap_or(usize::MAX));
-
+    let asked = AskedCurve::of(numbers, moments, Setting::Rectangle)?;
     let found = run(py, progress, |watch| {
-        let made = Arc::new(course(request, &recipe, method, watch)?);
-        let mut maker = CurveMaker::new(made, &numbers, moments)?;
+        asked.made(course(request, &recipe, method, watch)?, watch)
+    })?;
+    into_python(found, py)
+}
+
+/// Makes the run of a set whose radius varies, or that covers a shape, and returns its moments, as [`curve`]. The arguments are
+/// those of `sample_field`, its domain and its field in `ground`; `asked` has the numbers and how many moments.
+#[pyfunction]
+pub fn curve_field<'py>(
+    py: Python<'py>,
+    ground: (GivenDomain, FieldArgument<'py>),
+    count: Option<&Bound<'py, PyAny>>,
+    seed: &Bound<'py, PyAny>,
+    blocks: Option<PyRef<'py, RunRequest>>,
+    asked: (Option<Vec<String>>, Option<Bound<'py, PyAny>>),
+    progress: Option<Py<PyAny>>,
+) -> PyResult<Bound<'py, PyDict>> {
+    let (given, field) = ground;
+    let recipe = field_recipe(given, field, count, seed, blocks)?;
+    let has_one_radius = matches!(recipe.radius, RadiusSource::Constant(_));
+    let (numbers, moments) = asked;
+    let asked = AskedCurve::of(
+        numbers,
+        moments.as_ref(),
+        Setting::of_ground(has_one_radius),
+    )?;
+
+    // The course itself asks for memory, since it finds the radius.
+    let found = run(py, progress, |watch| {
+        let followed = Course::of_ground(&recipe, &mut watch.observer())?;
+        asked.made(followed, watch)
+    })?;
+    into_python(found, py)
+}
+
+/// What is asked of a curve.
+struct AskedCurve {
+    numbers: Vec<&'static SetNumber>,
+    /// At how many moments; at every change of the samples if that is not said.
+    moments: Option<usize>,
+}
+
+impl AskedCurve {
+    /// Returns what is asked of a run whose samples lie in `setting`.
+    fn of(
+        numbers: Option<Vec<String>>,
+        moments: Option<&Bound<'_, PyAny>>,
+        setting: Setting,
+    ) -> PyResult<Self> {
+        // Without a choice all numbers but those that need a spectrum at every moment, which takes far longer.
+        let numbers = match numbers {
+            None => (setting.numbers())
+                .filter(|number| !is_of_spectrum(number))
+                .collect(),
+            Some(keys) => numbers_named_in(&keys, setting)
+                .map_err(|error| PyValueError::new_err(format!("numbers: {error}")))?,
+        };
+        // A number of moments that the type cannot hold is more than any run has.
+        let moments = (moments.map(|count| whole("moments", count)).transpose()?)
+            .map(|count| usize::try_from(count).unwrap_or(usize::MAX));
+        Ok(Self { numbers, moments })
+    }
+
+    /// Computes the numbers of a course.
+    fn made(&self, followed: Course, watch: &TaskWatch) -> Result<Curve, Failure> {
+        let mut maker = CurveMaker::new(Arc::new(followed), &self.numbers, self.moments)?;
         let mut go_on = watch.steps("curve");
         // In slices, so that a signal can end the curve between two of them.
         while !maker.proceed(SLICE)? {
@@ -64,8 +120,7 @@ pub fn curve<'py>(
             }
         }
         Ok(maker.finish())
-    })?;
-    into_python(found, py)
+    }
 }
 
 /// Makes the run and returns its course.

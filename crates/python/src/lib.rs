@@ -43,7 +43,7 @@ mod _tilescope {
     #[pymodule_export]
     use crate::combine::combine;
     #[pymodule_export]
-    use crate::curve::curve;
+    use crate::curve::{curve, curve_field};
     #[pymodule_export]
     use crate::cut::verify_window;
     #[pymodule_export]

@@ -34,6 +34,36 @@ def test_the_last_row_is_what_analyze_says_of_the_set(arguments):
     assert (run["samples"][0], math.isnan(run["gaps"][0])) == (0, True)
 
 
+PARK = {"type": "Polygon", "coordinates": [[[0, 0], [200, 0], [200, 100], [80, 150], [0, 0]]]}
+
+
+@pytest.mark.parametrize(
+    "arguments",
+    [
+        {"shape": PARK, "radius": 6},
+        {"shape": PARK, "count": 300, "method": "exact"},
+        {"radius": lambda x, y: 0.02 + 0.04 * x},
+        {"radius_expression": "0.02 + 0.04*(x - 5)", "extent": (5, 0, 6, 1)},
+        {"density": np.array([[1.0, 0.3], [0.3, 1.0]]), "count": 300, "boundary": "periodic"},
+    ],
+)
+def test_the_last_row_of_a_field_or_a_shape_is_the_set(arguments):
+    run = tilescope.curve(seed=3, **arguments, moments=20)
+    assert len(run["samples"]) == 20 and run["samples"][0] == 0
+    made = tilescope.sample(seed=3, **arguments)
+    assert run["samples"][-1] == len(made)
+    assert (run["conflicts"][-1], run["gaps"][-1]) == (0, 0)
+
+
+def test_only_numbers_that_mean_something_in_a_field_are_followed():
+    with pytest.raises(ValueError, match='"covering_radius_r" is not followed where the radius varies'):
+        tilescope.curve(radius_expression="0.02 + 0.04*x", numbers=["covering_radius_r"])
+    with pytest.raises(ValueError, match="levels is given with shape"):
+        tilescope.curve(shape=PARK, radius=1, levels=2)
+    with pytest.raises(ValueError, match="origin is given with one radius in a rectangle"):
+        tilescope.curve(500, origin=(1, 2))
+
+
 def test_conflicts_come_by_tiling_and_go_by_elimination():
     run = tilescope.curve(radius=0.04, numbers=["conflicts"])
     stages = np.array(run["stage"])

@@ -602,6 +602,22 @@ impl Session {
         })
     }
 
+    /// Returns whether it lies in a field or a shape: its radius depends on the place, or its domain is a shape.
+    #[must_use]
+    pub fn has_ground(&self) -> bool {
+        self.run().locality.is_some()
+    }
+
+    /// Returns whether its radius depends on the place.
+    #[must_use]
+    pub fn radius_varies(&self) -> bool {
+        let locality = self.run().locality.as_ref();
+        locality.is_some_and(|locality| {
+            let [least, greatest] = locality.field.extremes();
+            least < greatest
+        })
+    }
+
     /// Returns whether its domain is a shape.
     #[must_use]
     pub fn has_shape(&self) -> bool {

@@ -20,6 +20,8 @@ pub struct Appearance {
     pub(crate) look_before: Look,
     /// The curve above the timeline.
     pub curve: ShownCurve,
+    /// Whether the radii, the shape and the dots of a set in a field or a shape are beside it.
+    pub is_side_by_side: bool,
     /// Whether the camera follows the current event.
     pub follows_events: bool,
     /// Whether the camera jumps instead of flying.
@@ -69,6 +71,7 @@ impl Appearance {
                 self.curve = ShownCurve { number, height }.within_limits();
             }
 
+            AppearanceCommand::ToggleSideBySide => self.is_side_by_side = !self.is_side_by_side,
             AppearanceCommand::ToggleFollow => self.follows_events = !self.follows_events,
             AppearanceCommand::ToggleReducedMotion => {
                 // A choice counts from now on, whatever the system prefers.

@@ -197,6 +197,8 @@ pub enum AppearanceCommand {
     Curve(Option<CurveNumber>),
     /// Sets the height of that curve, in screen points.
     CurveHeight(u16),
+    /// Shows the radii, the shape and the dots of a set in a field or a shape beside it, or the set alone.
+    ToggleSideBySide,
     /// Makes the camera follow the current event, or no longer.
     ToggleFollow,
     /// Switches between flying and jumping of the camera.

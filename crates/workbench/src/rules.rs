@@ -435,6 +435,7 @@ const fn appearance(command: AppearanceCommand) -> Rules {
         | AppearanceCommand::AutomaticLayers
         | AppearanceCommand::Colour(_)
         | AppearanceCommand::ToggleTheme
+        | AppearanceCommand::ToggleSideBySide
         | AppearanceCommand::ToggleFollow
         | AppearanceCommand::ToggleReducedMotion => VIEW,
     }

@@ -16,6 +16,9 @@ use tilescope_workbench::command::{AppearanceCommand, Command};
 const AUTOMATIC: &str = "The layers follow the stage: the KD-tree while blocks are cut, the clips while they are placed. A layer that is \
      switched by hand ends this; T returns to it.";
 
+const SIDE_BY_SIDE: &str =
+    "The radii, the shape and the samples as dots are shown beside the set, at the same place.";
+
 pub const CONTENT: Content = Content::of_run(Room::Whole, show);
 
 /// Shows a chip for each layer of this kind of session; over balls, which have no layers, the meaning of their colours.
@@ -51,6 +54,19 @@ pub fn show(ui: &mut Ui, context: &PanelContext<'_>, commands: &mut Vec<Command>
             chip.known_as(format_args!("layer.{}", Kebab(layer)));
             if chip.clicked() {
                 commands.push(Command::Appearance(AppearanceCommand::ToggleLayer(layer)));
+            }
+        }
+
+        let is_grounded =
+            (context.run.session.as_ref()).is_some_and(|session| session.has_ground());
+        if is_grounded {
+            let is_on = appearance.is_side_by_side;
+            let chip = ui
+                .add(chip((None, "Side by side"), is_on, context.palette))
+                .on_hover_text(ui.words(SIDE_BY_SIDE));
+            chip.known_as("side-by-side");
+            if chip.clicked() {
+                commands.push(Command::Appearance(AppearanceCommand::ToggleSideBySide));
             }
         }
 

@@ -131,6 +131,60 @@ fn darts_are_explained_with_the_radii_at_their_places() {
 }
 
 #[test]
+fn radii_shape_and_dots_are_beside_the_set_at_the_same_place() {
+    let beside = || Command::Appearance(AppearanceCommand::ToggleSideBySide);
+    let mut harness = made(Preset::Star);
+    assert!(find(&harness, "canvas-dots").is_none());
+    apply(&mut harness, beside());
+    let [radii, shape, set, dots] = ["canvas-radii", "canvas-shape", "canvas", "canvas-dots"]
+        .map(|id| node(&harness, id).rect());
+    assert!([radii, shape, dots].map(|rect| rect.size()) == [set.size(); 3]);
+    assert_eq!(harness.state().state.runs().first.viewport, set);
+
+    // The wheel over the dots keeps the place below it, and so all pictures go there.
+    let at = dots.min + 0.3 * dots.size();
+    let place = |harness: &Harness<'_, App>| {
+        let camera = harness.state().state.runs().first.camera;
+        (camera.scale, camera.domain_from_screen(dots, at))
+    };
+    let (scale, before) = place(&harness);
+    harness.hover_at(at);
+    harness.event(egui::Event::MouseWheel {
+        unit: egui::MouseWheelUnit::Point,
+        delta: egui::vec2(0.0, 200.0),
+        phase: egui::TouchPhase::Move,
+        source: egui::MouseWheelSource::Wheel,
+        modifiers: egui::Modifiers::NONE,
+    });
+    harness.run();
+    let (nearer, after) = place(&harness);
+    assert!(nearer > 1.2 * scale && before.distance(after) < 1e-3);
+
+    // A sample is found in each picture.
+    for rect in [set, dots] {
+        let place = session(&harness).position(0);
+        let fly = ViewCommand::FlyTo(place, 6.0);
+        apply(&mut harness, Command::View(Which::First, fly));
+        settle(&mut harness);
+        harness.hover_at(rect.center());
+        harness.run();
+        assert_eq!(
+            harness.state().state.runs().first.hovered,
+            Some(0),
+            "{rect:?}"
+        );
+    }
+
+    apply(&mut harness, beside());
+    assert!(find(&harness, "canvas-dots").is_none());
+
+    // Without a shape there is no picture of it.
+    let mut ramp = made(Preset::Ramp);
+    apply(&mut ramp, beside());
+    assert!(find(&ramp, "canvas-radii").is_some() && find(&ramp, "canvas-shape").is_none());
+}
+
+#[test]
 fn the_canvas_shows_disks_of_their_own_radii_the_outline_and_the_outside() {
     let mut harness = made(Preset::Star);
     assert!(session(&harness).has_shape());

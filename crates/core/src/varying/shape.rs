@@ -368,10 +368,11 @@ impl Mask {
     /// have one class, it is that of the places; otherwise the places are mixed.
     fn class_between(&self, min: [i64; 2], max: [i64; 2]) -> Class {
         let (first_pixel, last_pixel) = (self.scale.pixel(min), self.scale.pixel(max));
-        // Blocks of this level are at least as wide as the pixels that the places touch. So the places touch at most
-        // two blocks on an axis, and often a single one.
-        let spans = [0, 1].map(|axis| last_pixel[axis] - first_pixel[axis] + 1);
-        let level = spans[0].max(spans[1]).next_power_of_two().ilog2();
+        // Blocks of this level have at least so many pixels along a side as lie from the first pixel to the last. So the
+        // places touch at most two blocks on an axis. Two neighbouring pixels are looked at themselves: if cells that
+        // lie between two pixels outside were called mixed, there would be more of them at every level.
+        let steps = [0, 1].map(|axis| last_pixel[axis] - first_pixel[axis]);
+        let level = steps[0].max(steps[1]).max(1).next_power_of_two().ilog2();
         let (low, high) = (
             first_pixel.map(|at| at >> level),
             last_pixel.map(|at| at >> level),
@@ -461,6 +462,25 @@ mod tests {
         let pixels = [1, 0, 1, 1, 1, 1, 0, 0, 1].map(|pixel| pixel == 1);
         assert_eq!(check_classes(&Shape::mask(3, 3, &pixels).unwrap()), 6 * 64);
         assert_eq!(check_classes(&Shape::mask(0, 1, &[true]).unwrap()), 1);
+    }
+
+    /// Cells along the line between two pixels that are alike would otherwise be kept at every level, twice as many each time.
+    #[test]
+    fn a_cell_between_two_pixels_that_are_alike_has_their_class() {
+        // Of the blocks of 2 x 2 pixels only the one in the middle has pixels of both classes.
+        let row = [1, 1, 1, 0, 0, 0].map(|pixel| pixel == 1);
+        let shape = Shape::mask(3, 6, &[row, row].concat()).unwrap();
+        for (x, class) in [
+            (14, Class::Inside),
+            (22, Class::Mixed),
+            (30, Class::Outside),
+        ] {
+            let rect = Rect {
+                min: Point::new(x, 6),
+                max: Point::new(x + 4, 10),
+            };
+            assert_eq!(shape.class_of(&rect), class, "{x}");
+        }
     }
 
     #[test]

@@ -11,6 +11,7 @@ use tilescope_session::layers::Layer;
 use tilescope_session::units::{position, radii};
 
 use crate::scene::Scene;
+use crate::subject::GroundView;
 use crate::surface::{Mark, NO_GROWTH, Stroke, Surface};
 
 /// The side of the squares that show the area outside, in screen points: small enough to follow an outline.
@@ -91,7 +92,8 @@ fn squares<T: PartialEq + Copy>(
     }
 }
 
-/// Draws the radius at each place as a shade of the accent: the smaller, the stronger.
+/// Draws the radius at each place as a shade of the accent: the smaller, the stronger. In the picture of a shape all places have one
+/// shade.
 pub fn field(scene: &Scene<'_>, surface: &mut impl Surface) {
     let Some(locality) = scene.session.run().locality.as_deref() else {
         return;
@@ -104,7 +106,10 @@ pub fn field(scene: &Scene<'_>, surface: &mut impl Surface) {
     let shade = |place: Point| {
         let radius = f64::from(locality.radius_at(place));
         // All radii lie between the extremes, so that only rounding is cut off.
-        let share = ((radius / least).ln() / range).clamp(0.0, 1.0);
+        let mut share = ((radius / least).ln() / range).clamp(0.0, 1.0);
+        if scene.subject.view == GroundView::Shape {
+            share = 0.5;
+        }
         locality
             .inside(place)
             .then_some((SHADES * (1.0 - share)).round() as u32)

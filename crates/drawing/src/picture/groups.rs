@@ -16,7 +16,7 @@ use crate::brushed::BrushedCause;
 use crate::looks::{Looks, Swatches};
 use crate::parts::{self, Part};
 use crate::scene::{Scene, drawn_around};
-use crate::subject::Subject;
+use crate::subject::{GroundView, Subject};
 use crate::surface::Surface;
 
 /// Returns the visible parts from bottom to top, drawn within `frame`.
@@ -111,6 +111,7 @@ fn subject<'a>(
         geometry,
         contrast: None,
         causes,
+        view: GroundView::Set,
         drawn_in: 1.0,
     }
 }

@@ -316,35 +316,14 @@ def sample(
         ends = "periodic" if boundary is None else boundary
         with following(progress) as told:
             return SolidSet._made(_tilescope.sample_solid(sides(size), radius, count, exactly, ends, seed, told))
-    if extent is not None:
-        if not (width is None and height is None and origin is None):
-            raise ValueError("extent is given with width, height or origin, which it says; leave these out")
-        width, height, *corner = place_of(extent)
-        origin = (corner[0], corner[1])
-    # A wrong one is found before the set is made.
-    at = None if origin is None else place("origin", origin)
+    width, height, at = _corner(extent, width, height, origin)
     field = field_of(radius, radius_expression, density, mask, shape, planar)
     if field is not None:
-        blocks = {
-            "leaf": leaf, "pattern_side": pattern_side, "pattern_boundary": pattern_boundary, "pattern_seed": pattern_seed,
-            "dihedral": dihedral,
-        }  # fmt: skip
-        others = {
-            "pattern": pattern, "order": order, "insertion": insertion, "search": search, "variant": variant, "levels": levels,
-            "exactly": exactly, "order_within": order_within, "engine": engine,
-        }  # fmt: skip
-        request = None
-        # A pattern has one radius, so that exact tiling covers shapes alone.
-        if method == "exact" and field.has_one_radius:
-            _refuse_tiling(field.name, "which exact tiling covers without it", **others)
-            # Blocks and patterns have their lengths in radii, so that any radius serves to check them.
-            request = _request(
-                count=None, radius=0.01, seed=seed, **blocks, pattern=None, levels=None, exactly=None, order_within=order_within
-            )
-        else:
-            unless = ", unless method is 'exact'" if field.has_one_radius else ""
-            why = f"which needs the reference sampler, whose darts need no pattern{unless}"
-            _refuse_tiling(field.name, why, method=method, **blocks, **others)
+        request = _blocks_in(
+            field, method, seed, leaf=leaf, pattern_side=pattern_side, pattern_boundary=pattern_boundary,
+            pattern_seed=pattern_seed, dihedral=dihedral, pattern=pattern, order=order, insertion=insertion, search=search,
+            variant=variant, levels=levels, exactly=exactly, order_within=order_within, engine=engine,
+        )  # fmt: skip
         given = _Given(None, width, height, boundary, at)
         with following(progress) as told:
             return PointSet._made(*_tilescope.sample_field(given, field, count, seed, request, told))
@@ -485,13 +464,60 @@ def _refuse_tiling(name: str, why: str, **given: Any) -> None:
             raise ValueError(f"{argument} is given with {name}, {why}; leave {argument} out")
 
 
+# Arguments of tilings that exact tiling of a shape takes, too.
+_OF_BLOCKS = ("leaf", "pattern_side", "pattern_boundary", "pattern_seed", "dihedral")
+
+
+def _blocks_in(
+    field: Field, method: str | None, seed: SupportsIndex, **tiling: Any
+) -> _tilescope.RunRequest | None:
+    """Returns the blocks that tile a shape exactly, or nothing where the reference sampler makes the set of a field.
+
+    Raises ``ValueError`` for arguments of ``tiling`` that have no meaning there.
+    """
+    # A pattern has one radius, so that exact tiling covers shapes alone.
+    if method == "exact" and field.has_one_radius:
+        blocks = {argument: tiling.pop(argument) for argument in _OF_BLOCKS}
+        _refuse_tiling(field.name, "which exact tiling covers without it", **tiling)
+        # Blocks and patterns have their lengths in radii, so that any radius serves to check them.
+        return _request(
+            count=None, radius=0.01, seed=seed, **blocks, pattern=None, levels=None, exactly=None, order_within="random"
+        )
+    unless = ", unless method is 'exact'" if field.has_one_radius else ""
+    why = f"which needs the reference sampler, whose darts need no pattern{unless}"
+    _refuse_tiling(field.name, why, method=method, **tiling)
+    return None
+
+
+def _corner(
+    extent: tuple[float, float, float, float] | None,
+    width: float | None,
+    height: float | None,
+    origin: tuple[float, float] | None,
+) -> tuple[float | None, float | None, tuple[float, float] | None]:
+    """Returns width, height and lower corner as they are given, or as ``extent`` says them."""
+    if extent is not None:
+        if not (width is None and height is None and origin is None):
+            raise ValueError("extent is given with width, height or origin, which it says; leave these out")
+        width, height, *corner = place_of(extent)
+        origin = (corner[0], corner[1])
+    # A wrong one is found before the set is made.
+    return width, height, None if origin is None else place("origin", origin)
+
+
 def curve(
     count: SupportsIndex | None = None,
     *,
-    radius: float | None = None,
-    width: float = 1.0,
-    height: float = 1.0,
-    boundary: Boundary = "periodic",
+    radius: Radius | None = None,
+    radius_expression: str | None = None,
+    density: Pixels | None = None,
+    mask: Pixels | None = None,
+    shape: Any = None,
+    planar: bool = False,
+    extent: tuple[float, float, float, float] | None = None,
+    width: float | None = None,
+    height: float | None = None,
+    boundary: Boundary | None = None,
     seed: SupportsIndex = 1,
     leaf: float = 30.0,
     pattern_side: float | None = None,
@@ -506,7 +532,8 @@ def curve(
     levels: SupportsIndex | None = None,
     exactly: SupportsIndex | None = None,
     order_within: Literal["random", "farthest"] = "random",
-    method: Literal["kdrt", "exact", "reference"] = "kdrt",
+    origin: tuple[float, float] | None = None,
+    method: Literal["kdrt", "exact", "reference"] | None = None,
     numbers: Iterable[str] | None = None,
     moments: SupportsIndex | None = None,
     progress: Progress = False,
@@ -514,7 +541,9 @@ def curve(
     """Follows numbers of a run from its first event to its last.
 
     The run is that of :func:`sample` with the same arguments, and the numbers are those of
-    :func:`analyze`, of the samples that are there at a moment: tiled or inserted, and not eliminated.
+    :func:`analyze`, of the samples that are there at a moment: tiled or inserted, and not eliminated. In a
+    shape numbers are by the area inside, and where the radius varies there are samples, conflicts, gaps and
+    the density, in which each place counts by its own radius.
 
     Parameters
     ----------
@@ -541,16 +570,41 @@ def curve(
     (True, 0.0, 0.0)
     >>> run["stage"][0], run["stage"][-1]
     ('pattern', 'finish')
+
+    Darts cover a shape little by little, without conflicts:
+
+    >>> park = {"type": "Polygon", "coordinates": [[[0, 0], [200, 0], [200, 100], [80, 150], [0, 0]]]}
+    >>> run = tilescope.curve(shape=park, radius=8, numbers=["density", "gaps"], moments=5)
+    >>> [round(float(density), 1) for density in run["density"]], float(run["gaps"][-1])
+    ([0.0, ..., 0.7], 0.0)
     """
+    if isinstance(numbers, str):
+        raise TypeError(f"numbers is the text {numbers!r}; it must be a list of keys")
+    keys = None if numbers is None else list(numbers)
+    width, height, at = _corner(extent, width, height, origin)
+    field = field_of(radius, radius_expression, density, mask, shape, planar)
+    if field is not None:
+        request = _blocks_in(
+            field, method, seed, leaf=leaf, pattern_side=pattern_side, pattern_boundary=pattern_boundary,
+            pattern_seed=pattern_seed, dihedral=dihedral, pattern=pattern, order=order, insertion=insertion, search=search,
+            variant=variant, levels=levels, exactly=exactly, order_within=order_within,
+        )  # fmt: skip
+        ground = (_Given(None, width, height, boundary, at), field)
+        with following(progress) as told:
+            return _tilescope.curve_field(ground, count, seed, request, (keys, moments), told)
+    if origin is not None:
+        raise ValueError(
+            "origin is given with one radius in a rectangle, whose numbers do not depend on where it lies; leave origin out"
+        )
+    method = "kdrt" if method is None else method
+    width, height = 1.0 if width is None else width, 1.0 if height is None else height
+    boundary = "periodic" if boundary is None else boundary
     request = _request(
         count=count, radius=radius, width=width, height=height, boundary=boundary, seed=seed, leaf=leaf,
         pattern_side=pattern_side, pattern_boundary=pattern_boundary, pattern_seed=pattern_seed, pattern=pattern,
         dihedral=dihedral, order=order, insertion=insertion, search=search, variant=variant, levels=levels,
         exactly=exactly, order_within=order_within,
     )  # fmt: skip
-    if isinstance(numbers, str):
-        raise TypeError(f"numbers is the text {numbers!r}; it must be a list of keys")
-    keys = None if numbers is None else list(numbers)
     with following(progress) as told:
         return _tilescope.curve(request, method, keys, moments, told)
 

@@ -102,6 +102,14 @@ def curve(
     moments: SupportsIndex | None,
     progress: ProgressFunction | None,
 ) -> dict[str, Any]: ...
+def curve_field(
+    ground: tuple[_Given, Field],
+    count: SupportsIndex | None,
+    seed: SupportsIndex,
+    blocks: RunRequest | None,
+    asked: tuple[list[str] | None, SupportsIndex | None],
+    progress: ProgressFunction | None,
+) -> dict[str, Any]: ...
 def digest(set: PointSet) -> str: ...
 def draw(
     set: PointSet,

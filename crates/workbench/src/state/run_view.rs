@@ -25,7 +25,7 @@ use crate::orbit::RunOrbit;
 use crate::passes::Passes;
 use tilescope_drawing::brushed::BrushedCause;
 use tilescope_drawing::camera::{Camera, Flight};
-use tilescope_drawing::subject::{Contrast, Subject};
+use tilescope_drawing::subject::{Contrast, GroundView, Subject};
 
 mod camera;
 mod debug;
@@ -258,6 +258,7 @@ impl RunView {
             geometry: &self.geometry,
             contrast,
             causes,
+            view: GroundView::Set,
             drawn_in: self.drawn_in(),
         })
     }

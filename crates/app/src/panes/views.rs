@@ -1,0 +1,133 @@
+//! A set in a field or a shape, and its radii, its shape and its dots beside it: pictures of one camera.
+//! Sizes are in screen points, and chosen, not measured, where no reason stands beside them.
+
+use egui::{FontId, Rect, Ui, pos2, vec2};
+use tilescope_drawing::palette::Palette;
+use tilescope_drawing::subject::GroundView;
+use tilescope_session::layers::{Layer, Layers};
+use tilescope_session::session::Session;
+use tilescope_ui::language::Worded;
+
+/// Gap between two pictures.
+const GUTTER: f32 = 3.0;
+
+/// Returns the pictures of a session: only that of the set unless it lies in a field or a shape.
+pub fn views_of(session: &Session) -> Vec<GroundView> {
+    let mut views = Vec::new();
+    if session.radius_varies() {
+        views.push(GroundView::Radii);
+    }
+    if session.has_shape() {
+        views.push(GroundView::Shape);
+    }
+    views.push(GroundView::Set);
+    if session.has_ground() {
+        views.push(GroundView::Dots);
+    }
+    views
+}
+
+/// Returns the name above a picture.
+const fn name(view: GroundView) -> &'static str {
+    match view {
+        GroundView::Radii => "Radii",
+        GroundView::Shape => "Shape",
+        GroundView::Set => "Set",
+        GroundView::Dots => "Dots",
+    }
+}
+
+/// Returns the name of a picture's canvas for screen readers, and its id.
+pub const fn canvas(view: GroundView) -> [&'static str; 2] {
+    match view {
+        GroundView::Radii => ["Canvas of radii", "canvas-radii"],
+        GroundView::Shape => ["Canvas of the shape", "canvas-shape"],
+        GroundView::Set => ["Canvas of samples", "canvas"],
+        GroundView::Dots => ["Canvas of dots", "canvas-dots"],
+    }
+}
+
+/// Returns the layers of a picture, where those of the set are `chosen`.
+pub const fn layers(view: GroundView, chosen: Layers) -> Layers {
+    let mut layers = Layers::none();
+    match view {
+        GroundView::Set => return chosen,
+        // The area inside is no layer.
+        GroundView::Shape => {}
+        GroundView::Radii => layers.toggle(Layer::Field),
+        GroundView::Dots => layers.toggle(Layer::Samples),
+    }
+    layers
+}
+
+/// Returns the rectangles of so many pictures, all of one size, row by row. Of all numbers of columns that is taken whose
+/// pictures have the longest shorter side.
+pub fn tiles(rect: Rect, count: usize) -> Vec<Rect> {
+    let size_of = |columns: usize| {
+        let counts = vec2(columns as f32, count.div_ceil(columns) as f32);
+        ((rect.size() + vec2(GUTTER, GUTTER)) / counts - vec2(GUTTER, GUTTER)).floor()
+    };
+    let shorter = |columns: &usize| size_of(*columns).min_elem();
+    let columns = (1..=count).max_by(|a, b| shorter(a).total_cmp(&shorter(b)));
+
+    let columns = columns.unwrap_or(1);
+    // A window may leave the canvas no room.
+    let size = size_of(columns).max(vec2(1.0, 1.0));
+    let tile = |index: usize| {
+        let (row, column) = (index / columns, index % columns);
+        let step = size + vec2(GUTTER, GUTTER);
+        let corner = rect.min + vec2(column as f32, row as f32) * step;
+        Rect::from_min_size(pos2(corner.x, corner.y), size)
+    };
+    (0..count).map(tile).collect()
+}
+
+/// Writes the name of a picture into its upper left corner.
+pub fn write_name(ui: &Ui, rect: Rect, view: GroundView, palette: &Palette) {
+    let painter = ui.painter_at(rect);
+    let font = FontId::proportional(13.0);
+    let name = painter.layout_no_wrap(ui.words(name(view)), font, palette.text);
+    let at = rect.left_top() + vec2(16.0, 12.0);
+    let ground = Rect::from_min_size(at, name.size()).expand2(vec2(8.0, 4.0));
+    painter.rect_filled(ground, 6.0, palette.panel.gamma_multiply(0.82));
+    painter.galley(at, name, palette.text);
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn tiles_are_as_large_as_they_can_be_and_apart() {
+        let shapes = [
+            // Wide, almost square, and as a phone is held.
+            ([1_600.0, 400.0], 4, 4),
+            ([900.0, 700.0], 4, 2),
+            ([390.0, 844.0], 3, 1),
+            ([390.0, 500.0], 4, 2),
+            ([800.0, 600.0], 1, 1),
+        ];
+        for ([width, height], count, columns) in shapes {
+            let rect = Rect::from_min_size(pos2(10.0, 20.0), vec2(width, height));
+            let all = tiles(rect, count);
+            let in_first_row = all.iter().filter(|tile| tile.min.y < all[0].max.y).count();
+            assert_eq!((all.len(), in_first_row), (count, columns), "{width}");
+            assert!(all.iter().all(|tile| rect.contains_rect(*tile)));
+            for (index, tile) in all.iter().enumerate() {
+                let others = all[index + 1..].iter();
+                assert!(others.into_iter().all(|other| !tile.intersects(*other)));
+            }
+        }
+        assert_eq!(tiles(Rect::ZERO, 2).len(), 2);
+    }
+
+    #[test]
+    fn only_the_set_has_the_layers_that_were_chosen() {
+        let chosen = Layers::default();
+        assert_eq!(layers(GroundView::Set, chosen), chosen);
+        assert_eq!(layers(GroundView::Shape, chosen), Layers::none());
+        let dots = layers(GroundView::Dots, chosen);
+        assert!(dots.has(Layer::Samples) && dots.iter().count() == 1);
+        assert!(layers(GroundView::Radii, chosen).has(Layer::Field));
+    }
+}
