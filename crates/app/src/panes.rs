@@ -206,7 +206,9 @@ impl Canvas {
         commands: &mut Vec<Command>,
     ) {
         let views = &context.views;
-        let tiles = views::tiles(rect, views.len());
+        let size = context.subjects[0].map(|subject| subject.shown.session.size_radii());
+        let aspect = size.map_or(1.0, |size| (size.x / size.y) as f32);
+        let tiles = views::tiles(rect, views.len(), aspect);
         let is_alone = views.len() == 1;
         let of_set = views.iter().position(|view| *view == GroundView::Set);
         let main = of_set.map(|index| tiles[index]);

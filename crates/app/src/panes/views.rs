@@ -60,15 +60,18 @@ pub const fn layers(view: GroundView, chosen: Layers) -> Layers {
     layers
 }
 
-/// Returns the rectangles of so many pictures, all of one size, row by row. Of all numbers of columns that is taken whose
-/// pictures have the longest shorter side.
-pub fn tiles(rect: Rect, count: usize) -> Vec<Rect> {
+/// Returns the rectangles of so many pictures of a domain, all of one size, row by row. Of all numbers of columns that is taken by
+/// which the domain is largest. `aspect` is its width over its height.
+pub fn tiles(rect: Rect, count: usize, aspect: f32) -> Vec<Rect> {
     let size_of = |columns: usize| {
         let counts = vec2(columns as f32, count.div_ceil(columns) as f32);
         ((rect.size() + vec2(GUTTER, GUTTER)) / counts - vec2(GUTTER, GUTTER)).floor()
     };
-    let shorter = |columns: &usize| size_of(*columns).min_elem();
-    let columns = (1..=count).max_by(|a, b| shorter(a).total_cmp(&shorter(b)));
+    let height_of = |columns: &usize| {
+        let size = size_of(*columns);
+        size.y.min(size.x / aspect)
+    };
+    let columns = (1..=count).max_by(|a, b| height_of(a).total_cmp(&height_of(b)));
 
     let columns = columns.unwrap_or(1);
     // A window may leave the canvas no room.
@@ -99,17 +102,18 @@ mod tests {
 
     #[test]
     fn tiles_are_as_large_as_they_can_be_and_apart() {
-        let shapes = [
-            // Wide, almost square, and as a phone is held.
-            ([1_600.0, 400.0], 4, 4),
-            ([900.0, 700.0], 4, 2),
-            ([390.0, 844.0], 3, 1),
-            ([390.0, 500.0], 4, 2),
-            ([800.0, 600.0], 1, 1),
+        let canvases = [
+            // Wide, almost square, and as a phone is held, for a square and for a photograph.
+            ([1_600.0, 400.0], 1.0, 4, 4),
+            ([900.0, 700.0], 1.0, 4, 2),
+            ([390.0, 844.0], 1.0, 3, 1),
+            ([390.0, 600.0], 1.0, 4, 2),
+            ([390.0, 700.0], 1.5, 4, 1),
+            ([800.0, 600.0], 1.0, 1, 1),
         ];
-        for ([width, height], count, columns) in shapes {
+        for ([width, height], aspect, count, columns) in canvases {
             let rect = Rect::from_min_size(pos2(10.0, 20.0), vec2(width, height));
-            let all = tiles(rect, count);
+            let all = tiles(rect, count, aspect);
             let in_first_row = all.iter().filter(|tile| tile.min.y < all[0].max.y).count();
             assert_eq!((all.len(), in_first_row), (count, columns), "{width}");
             assert!(all.iter().all(|tile| rect.contains_rect(*tile)));
@@ -118,7 +122,7 @@ mod tests {
                 assert!(others.into_iter().all(|other| !tile.intersects(*other)));
             }
         }
-        assert_eq!(tiles(Rect::ZERO, 2).len(), 2);
+        assert_eq!(tiles(Rect::ZERO, 2, 1.0).len(), 2);
     }
 
     #[test]

@@ -3,7 +3,7 @@
 //! measured, where no reason stands beside them.
 
 use ecolor::Color32;
-use emath::{Rect, Vec2, pos2, vec2};
+use emath::{Rect, Vec2, vec2};
 use glam::DVec2;
 use tilescope_core::stages::disks::Cell;
 use tilescope_core::{Point, R, RunEvent, Stage, Verdict};
@@ -79,8 +79,9 @@ fn squares<T: PartialEq + Copy>(
 
         let columns = count(seen.width());
         for column in 0..columns {
-            // The last square may reach beyond the view, and its middle must not.
-            let middle = (corner(column) + size / 2.0).min(pos2(seen.max.x, seen.max.y));
+            // The last square may reach beyond the view: its place is the middle of the part in view.
+            let square = Rect::from_min_size(corner(column), size);
+            let middle = square.intersect(seen).center();
             let at = camera.domain_from_screen(scene.rect, middle);
             let now = place(scene, at).and_then(&shade);
             if begun.map(|(_, before)| before) != now {
