@@ -74,9 +74,8 @@ fn rounded(samples: f64) -> String {
 
 /// Returns a time with about two digits.
 fn seconds(seconds: f64) -> String {
-    if seconds < 1.0 {
-        format!("{seconds:.2} s")
-    } else {
-        format!("{seconds:.1} s")
-    }
+    // The decimals up to the second digit that is not 0. Nothing takes less than a tenth of a millisecond.
+    let first = seconds.max(1e-4).log10().floor();
+    let decimals = (1.0 - first).max(1.0) as usize;
+    format!("{seconds:.decimals$} s")
 }
