@@ -36,7 +36,7 @@ use tilescope_workbench::help::HelpPage;
 use tilescope_workbench::layout::Panel;
 use tilescope_workbench::orbit::OrbitCommand;
 use tilescope_workbench::scenes::{SceneCommand, SceneList};
-use tilescope_workbench::state::{NO_PLANE, RunView, State, Time};
+use tilescope_workbench::state::{NO_PLANE, RunView, State, Time, is_taught, no_side_by_side};
 
 /// A menu of the menu bar.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
@@ -423,8 +423,7 @@ fn painting(list: &mut List, state: &State) {
         .marked(form.paints);
     // In a lesson, in a talk and over a set in space, the canvas does not show the form's radii. The brush can be
     // switched on there for later, but neither the key nor the pointer paints.
-    let is_taught = state.lessons().open.is_some() || state.talks().open.is_some();
-    let elsewhere = is_taught || state.runs().first.plane().is_some();
+    let elsewhere = is_taught(state) || state.runs().first.plane().is_some();
     let not_here =
         elsewhere.then_some("Radii of a lesson, a talk or a set in space are not painted.");
     let off = (!form.paints).then_some("Choose Paint radii first.");
@@ -519,13 +518,9 @@ fn view(list: &mut List, state: &State) {
         .marked(state.appearance().follows_events);
     list.within(Submenu::Camera, |list| camera(list, state));
 
-    let session = state.runs().first.session.as_ref();
-    let no_ground = session
-        .is_none_or(|session| !session.has_ground())
-        .then_some("Only a set in a field or a shape has radii and a shape to show.");
     let beside = Command::Appearance(AppearanceCommand::ToggleSideBySide);
     list.add("Radii, shape, set and dots side by side", beside)
-        .refused(no_ground)
+        .refused(no_side_by_side(state))
         .marked(state.appearance().is_side_by_side);
 
     list.group();

@@ -13,6 +13,8 @@ mod views;
 use eframe::egui_wgpu::RenderState;
 use egui::{Rect, Sense, Ui, Vec2, vec2};
 
+use tilescope_core::Stage;
+
 use crate::ENABLED;
 pub(crate) use input::has_focus;
 pub use input::leads_zoom;
@@ -32,7 +34,7 @@ use tilescope_ui::language::Worded;
 use tilescope_ui::widgets::Known;
 use tilescope_workbench::command::{Command, ViewCommand, Which};
 use tilescope_workbench::passes::OnCanvas;
-use tilescope_workbench::state::{RunView, Runs, State};
+use tilescope_workbench::state::{RunView, Runs, State, no_side_by_side};
 
 /// The context of the canvas.
 pub struct CanvasContext<'a> {
@@ -109,9 +111,10 @@ impl<'a> CanvasContext<'a> {
 
 /// Returns the pictures of run A where it is not compared with another.
 fn views_of(state: &State) -> Vec<GroundView> {
-    // The picture of a lesson or a talk is as its author made it, and others could give an answer away.
-    let is_free = state.lessons().open.is_none() && state.talks().open.is_none();
-    let session = state.runs().first.session.as_deref();
+    let run = &state.runs().first;
+    // The pattern is shown alone: at that stage the set is not there.
+    let is_free = no_side_by_side(state).is_none() && run.current_stage() != Some(Stage::Pattern);
+    let session = run.session.as_deref();
     match session.filter(|_| is_free && state.appearance().is_side_by_side) {
         Some(session) => views::views_of(session),
         None => vec![GroundView::Set],
@@ -122,22 +125,38 @@ fn views_of(state: &State) -> Vec<GroundView> {
 #[derive(Default)]
 pub struct Canvas {
     first: Pane,
-    second: Pane,
-    /// The pictures beside that of the set, by their places among all of them. Few samples are drawn there at a time, so that
-    /// they need no device.
+    second: LatePane,
+    dots: LatePane,
+    /// The pictures of radii and of the shape, by their places beside that of the set. They have no samples, and need no device.
     beside: [Pane; 4],
-    /// The device for the second picture, which is created when it is needed.
-    device: Option<RenderState>,
     /// Symbols for the rows of buffers.
     marks: Sprites,
+}
+
+/// A picture that creates its pipelines when it is first shown, since that takes a while.
+#[derive(Default)]
+struct LatePane {
+    pane: Pane,
+    /// The device, until the pipelines are there.
+    device: Option<RenderState>,
+}
+
+impl LatePane {
+    fn ready(&mut self) -> &mut Pane {
+        if let Some(device) = self.device.take() {
+            self.pane.draw_with(&device);
+        }
+        &mut self.pane
+    }
 }
 
 impl Canvas {
     /// From now on draws samples by instancing on the device of `render_state`.
     pub fn draw_with(&mut self, render_state: &RenderState) {
         self.first.draw_with(render_state);
-        // The second picture creates its pipelines only when it is needed, since that takes a while.
-        self.device = Some(render_state.clone());
+        for late in [&mut self.second, &mut self.dots] {
+            late.device = Some(render_state.clone());
+        }
     }
 
     /// Shows the canvas in the remaining space of `ui`.
@@ -168,11 +187,6 @@ impl Canvas {
         left.show(ui, context, &mut self.first, &mut self.marks, commands)
             .known_as("canvas-a");
 
-        // The pipelines of the second canvas are created when a second run is shown for the first time.
-        if let Some(device) = self.device.take() {
-            self.second.draw_with(&device);
-        }
-
         let subject = context.subjects[1];
         let right = PaneSide {
             rect: titles::heading(ui, right, context, &titles::second_title(context, second)),
@@ -184,7 +198,7 @@ impl Canvas {
             is_led: true,
         };
         right
-            .show(ui, context, &mut self.second, &mut self.marks, commands)
+            .show(ui, context, self.second.ready(), &mut self.marks, commands)
             .known_as("canvas-b");
 
         // With linked cameras the pointer over one picture is marked at the same place of the other.
@@ -237,16 +251,13 @@ impl Canvas {
                 main: main.filter(|_| !is_alone),
                 is_led: led == Some(index),
             };
-            let pane = if view == GroundView::Set {
-                &mut self.first
-            } else {
-                beside
+            let pane = match view {
+                GroundView::Set => &mut self.first,
+                GroundView::Dots => self.dots.ready(),
+                GroundView::Radii | GroundView::Shape => beside,
             };
             side.show(ui, context, pane, &mut self.marks, commands)
                 .known_as(id);
-            if !is_alone {
-                views::write_name(ui, tile, view, context.palette);
-            }
         }
     }
 }
@@ -316,7 +327,7 @@ impl PaneSide<'_> {
             commands.push(Command::View(self.which, ViewCommand::Viewport(rect)));
         }
 
-        let palette = context.palette;
+        let palette = self.palette(context);
         let painter = ui.painter_at(rect);
         painter.rect_filled(rect, 0.0, palette.outside);
 
@@ -378,10 +389,19 @@ impl PaneSide<'_> {
         }
 
         overlay::cursor(&painter, rect, subject, pointer, palette);
-        overlay::note(&painter, rect, subject, note.as_deref(), palette);
-        hint::show(&painter, rect, palette);
+        let mut below = rect;
+        if self.main.is_some() {
+            below.min.y = views::write_name(&painter, rect, self.view, palette);
+        }
+        overlay::note(&painter, below, subject, note.as_deref(), palette);
+        if self.is_led {
+            hint::show(&painter, rect, palette);
+        }
 
-        describe(ui, &response, subject);
+        // The moment is that of the set. The names of the other pictures say what they show of it.
+        if is_main {
+            describe(ui, &response, subject);
+        }
         // A projector's type is large, so that a whole card would cover the picture.
         let is_brief = context.look.is_projector();
         if pointer.is_some() {
@@ -393,6 +413,18 @@ impl PaneSide<'_> {
             self.list(context, subject, &name).show(ui, commands);
         }
         response
+    }
+
+    /// Returns the colours. Dots are ink on paper in every look, as a stipple is printed; otherwise that of a photograph would be its
+    /// negative in a dark look. The dots of an inverted image are light.
+    fn palette(&self, context: &CanvasContext<'_>) -> &'static Palette {
+        let is_inverted =
+            (self.subject.as_ref()).is_some_and(|subject| subject.shown.session.is_inverted());
+        match self.view {
+            GroundView::Dots if is_inverted => Palette::of(Look::Dark),
+            GroundView::Dots => Palette::of(Look::Light),
+            _ => context.palette,
+        }
     }
 
     /// Returns the brush that paints this picture, if one does: the form is that of run A.

@@ -25,7 +25,7 @@ use crate::surface::Surface;
 /// A part of a picture. Gaps are not listed: each surface draws them itself, between the domain and all parts.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Part {
-    /// The radius at each place.
+    /// The radius at each place, or in the picture of a shape the area inside.
     Field,
     /// The area outside of a shape.
     Outside,
@@ -149,6 +149,8 @@ impl Part {
     pub fn is_on(self, scene: &Scene<'_>) -> bool {
         let has = |layer| scene.has(layer);
         let is_tiled = scene.stage >= Stage::Tile;
+        // Beside the set other pictures have what they are named after, and the selection.
+        let is_set = scene.subject.view == GroundView::Set;
 
         // Disks and gaps are drawn only where disks are large enough on the screen: `is_fine`.
         match self {
@@ -173,9 +175,9 @@ impl Part {
             Self::Clips => has(Layer::Pattern),
             // Which stages have conflicts is decided where they are drawn.
             Self::Conflicts => has(Layer::Conflicts),
-            Self::Pairs => is_tiled && scene.subject.causes.is_some(),
+            Self::Pairs => is_tiled && is_set && scene.subject.causes.is_some(),
             // At the end of a stage the whole stage is shown, not its last event.
-            Self::Step => !scene.shown.ends_stage(),
+            Self::Step => is_set && !scene.shown.ends_stage(),
             // The inset shows from where the block that is being tiled gets its samples.
             Self::Inset => {
                 scene.stage == Stage::Tile && has(Layer::Pattern) && !scene.shown.ends_stage()

@@ -60,8 +60,11 @@ def test_only_numbers_that_mean_something_in_a_field_are_followed():
         tilescope.curve(radius_expression="0.02 + 0.04*x", numbers=["covering_radius_r"])
     with pytest.raises(ValueError, match="levels is given with shape"):
         tilescope.curve(shape=PARK, radius=1, levels=2)
-    with pytest.raises(ValueError, match="origin is given with one radius in a rectangle"):
-        tilescope.curve(500, origin=(1, 2))
+
+
+def test_numbers_do_not_depend_on_where_a_rectangle_lies():
+    runs = [tilescope.curve(500, moments=5, **at) for at in [{}, {"origin": (1, 2)}, {"extent": (1, 2, 2, 3)}]]
+    assert str(runs[1]) == str(runs[0]) == str(runs[2])
 
 
 def test_conflicts_come_by_tiling_and_go_by_elimination():

@@ -3,6 +3,7 @@
 import copy
 import importlib.util
 import json
+import math
 import os
 import pickle
 import subprocess
@@ -409,3 +410,17 @@ def test_impossible_windows_of_fields_are_refused():
         tilescope.FieldPlane(radius_expression="4e-5 + 1e-9*x").window(0, 0, 1, 1)
     with pytest.raises(ValueError, match=r"tilescope\.Plane has such windows"):
         tilescope.FieldPlane(radius=0.1)
+
+
+def test_shapes_without_places_are_refused_in_words():
+    empty = {"type": "FeatureCollection", "features": [], "bbox": [math.nan] * 4}
+    with pytest.raises(ValueError, match="polygon"):
+        tilescope.sample(radius=2, shape=empty)
+    corners = [[0, 0], [900, 0], [900, math.inf], [0, 0]]
+    with pytest.raises(ValueError, match="a coordinate that is not finite"):
+        tilescope.sample(radius=2, shape={"type": "Polygon", "coordinates": [corners]})
+
+
+def test_the_report_of_a_field_says_nothing_that_was_not_measured():
+    made = tilescope.sample(radius=lambda x, y: 0.04 + 0.04 * x)
+    assert repr(made.verify()) == f"<Report: valid, {len(made)} samples, 0 conflicts, 0 gaps, by subdivision>"

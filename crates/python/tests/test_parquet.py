@@ -144,3 +144,11 @@ def test_without_pyarrow_the_error_says_so(small, tmp_path, monkeypatch):
         with pytest.raises(ImportError, match=r"needs pyarrow.*: pip install 'tilescope\[parquet\]'"):
             call()
     assert not (tmp_path / "b.parquet").exists()
+
+
+def test_a_stipple_is_judged_as_the_first_dots_of_a_few_more(tmp_path):
+    ramp = np.linspace(0, 255, 60).astype(np.uint8)[None, :].repeat(60, axis=0)
+    dots = tilescope.stipple(ramp, dots=300)
+    assert dots.made > 300
+    report = dots.save(tmp_path / "dots.parquet")
+    assert report.valid and report.covering_factor == dots.verify().covering_factor

@@ -602,10 +602,14 @@ impl Session {
         })
     }
 
-    /// Returns whether it lies in a field or a shape: its radius depends on the place, or its domain is a shape.
+    /// Returns whether it is a stipple of an inverted image, which has dots where the image is light.
     #[must_use]
-    pub fn has_ground(&self) -> bool {
-        self.run().locality.is_some()
+    pub fn is_inverted(&self) -> bool {
+        let request = self
+            .ground
+            .as_ref()
+            .and_then(|made| made.asked.1.stipple.as_ref());
+        request.is_some_and(|request| request.tone.is_inverted)
     }
 
     /// Returns whether its radius depends on the place.

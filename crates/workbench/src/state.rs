@@ -22,7 +22,7 @@ pub(crate) use effects::Effect;
 pub use export::{ExportSource, Exports};
 pub use files::session_to_keep;
 pub use form::Form;
-pub use frame::{FrameStart, PageAddress, Requests, Settings};
+pub use frame::{FrameStart, PageAddress, Requests, Settings, is_taught, no_side_by_side};
 pub use gpu::GpuState;
 pub use link::not_copied;
 pub use page::PageStart;

@@ -5,7 +5,7 @@ use tilescope_session::layers::Layers;
 
 use tilescope_workbench::arrangement::Drawer;
 use tilescope_workbench::curve::ShownCurve;
-use tilescope_workbench::state::{Appearance, RunView, State, Time};
+use tilescope_workbench::state::{Appearance, RunView, State, Time, no_side_by_side};
 
 /// The context of most panels: a run, and how it is drawn. Panels that need more receive a context of their own.
 pub struct PanelContext<'a> {
@@ -17,6 +17,8 @@ pub struct PanelContext<'a> {
     pub run: &'a RunView,
     /// Whether another run is shown beside it.
     pub is_compared: bool,
+    /// Why its pictures are not side by side, if they cannot be.
+    pub no_side_by_side: Option<&'static str>,
     /// The layers that the open question of a lesson hides.
     pub hidden_layers: Layers,
     /// Whether a question of a lesson is open.
@@ -32,6 +34,7 @@ impl<'a> PanelContext<'a> {
             appearance: state.appearance(),
             run: &state.runs().first,
             is_compared: state.runs().second.is_some(),
+            no_side_by_side: no_side_by_side(state),
             hidden_layers: state
                 .lessons()
                 .hidden_layers(state.runs().first.current_stage()),

@@ -16,8 +16,7 @@ use tilescope_workbench::command::{AppearanceCommand, Command};
 const AUTOMATIC: &str = "The layers follow the stage: the KD-tree while blocks are cut, the clips while they are placed. A layer that is \
      switched by hand ends this; T returns to it.";
 
-const SIDE_BY_SIDE: &str =
-    "The radii, the shape and the samples as dots are shown beside the set, at the same place.";
+const SIDE_BY_SIDE: &str = "The samples as dots are shown beside the set, and its radii and its shape as far as it has any.";
 
 pub const CONTENT: Content = Content::of_run(Room::Whole, show);
 
@@ -57,12 +56,17 @@ pub fn show(ui: &mut Ui, context: &PanelContext<'_>, commands: &mut Vec<Command>
             }
         }
 
-        let is_grounded =
-            (context.run.session.as_ref()).is_some_and(|session| session.has_ground());
-        if is_grounded {
-            let is_on = appearance.is_side_by_side;
+        let has_ground =
+            (context.run.session.as_ref()).is_some_and(|session| session.ground.is_some());
+        if has_ground {
+            let refusal = context.no_side_by_side;
+            let is_on = appearance.is_side_by_side && refusal.is_none();
             let chip = ui
-                .add(chip((None, "Side by side"), is_on, context.palette))
+                .add_enabled(
+                    refusal.is_none(),
+                    chip((None, "Side by side"), is_on, context.palette),
+                )
+                .on_disabled_hover_text(ui.words(refusal.unwrap_or_default()))
                 .on_hover_text(ui.words(SIDE_BY_SIDE));
             chip.known_as("side-by-side");
             if chip.clicked() {

@@ -8,7 +8,7 @@ use tilescope_drawing::palette::Palette;
 use tilescope_drawing::subject::Subject;
 use tilescope_session::layers::SessionKind;
 use tilescope_workbench::command::{Brush, Command, FormCommand, PaintCommand};
-use tilescope_workbench::state::State;
+use tilescope_workbench::state::{State, is_taught};
 
 /// Places of a stroke are at least this share of the brush apart: between them it is straight.
 const STEP: f64 = 0.2;
@@ -44,8 +44,7 @@ impl CanvasBrush {
             SessionKind::Run | SessionKind::Exact | SessionKind::Varying => true,
             SessionKind::Combination | SessionKind::Nested | SessionKind::Solid => false,
         };
-        let is_free = state.lessons().open.is_none() && state.talks().open.is_none();
-        (form.paints && has_radii && is_free).then(|| Self {
+        (form.paints && has_radii && !is_taught(state)).then(|| Self {
             brush: form.brush,
             is_sampling: run.sampling.is_some(),
             palette: Palette::of(state.appearance().look),

@@ -14,7 +14,7 @@ use tilescope_workbench::compare::{Comparison, contrast_of};
 use tilescope_workbench::state::{RunView, Verification};
 
 /// Gap between two pictures, in screen points.
-const GUTTER: f32 = 3.0;
+pub(super) const GUTTER: f32 = 3.0;
 /// Height of a title.
 const HEADING: f32 = 44.0;
 /// Narrower pictures, in screen points, are stacked if there is room.

@@ -1,15 +1,14 @@
 //! A set in a field or a shape, and its radii, its shape and its dots beside it: pictures of one camera.
 //! Sizes are in screen points, and chosen, not measured, where no reason stands beside them.
 
-use egui::{FontId, Rect, Ui, pos2, vec2};
+use egui::{Align2, Painter, Rect, pos2, vec2};
+use tilescope_canvas::overlay::tag;
 use tilescope_drawing::palette::Palette;
 use tilescope_drawing::subject::GroundView;
 use tilescope_session::layers::{Layer, Layers};
 use tilescope_session::session::Session;
-use tilescope_ui::language::Worded;
 
-/// Gap between two pictures.
-const GUTTER: f32 = 3.0;
+use super::titles::GUTTER;
 
 /// Returns the pictures of a session: only that of the set unless it lies in a field or a shape.
 pub fn views_of(session: &Session) -> Vec<GroundView> {
@@ -21,7 +20,7 @@ pub fn views_of(session: &Session) -> Vec<GroundView> {
         views.push(GroundView::Shape);
     }
     views.push(GroundView::Set);
-    if session.has_ground() {
+    if session.ground.is_some() {
         views.push(GroundView::Dots);
     }
     views
@@ -85,15 +84,11 @@ pub fn tiles(rect: Rect, count: usize, aspect: f32) -> Vec<Rect> {
     (0..count).map(tile).collect()
 }
 
-/// Writes the name of a picture into its upper left corner.
-pub fn write_name(ui: &Ui, rect: Rect, view: GroundView, palette: &Palette) {
-    let painter = ui.painter_at(rect);
-    let font = FontId::proportional(13.0);
-    let name = painter.layout_no_wrap(ui.words(name(view)), font, palette.text);
-    let at = rect.left_top() + vec2(16.0, 12.0);
-    let ground = Rect::from_min_size(at, name.size()).expand2(vec2(8.0, 4.0));
-    painter.rect_filled(ground, 6.0, palette.panel.gamma_multiply(0.82));
-    painter.galley(at, name, palette.text);
+/// Writes the name of a picture into its upper left corner; returns where it ends below.
+pub fn write_name(painter: &Painter, rect: Rect, view: GroundView, palette: &Palette) -> f32 {
+    let at = rect.left_top() + vec2(14.0, 10.0);
+    tag(painter, at, Align2::LEFT_TOP, name(view), palette);
+    at.y + 18.0
 }
 
 #[cfg(test)]

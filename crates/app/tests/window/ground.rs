@@ -161,8 +161,8 @@ fn radii_shape_and_dots_are_beside_the_set_at_the_same_place() {
     assert!(nearer > 1.2 * scale && before.distance(after) < 1e-3);
 
     // A sample is found in each picture.
-    for rect in [set, dots] {
-        let place = session(&harness).position(0);
+    for (rect, id) in [(set, 0), (dots, 1)] {
+        let place = session(&harness).position(id);
         let fly = ViewCommand::FlyTo(place, 6.0);
         apply(&mut harness, Command::View(Which::First, fly));
         settle(&mut harness);
@@ -170,7 +170,7 @@ fn radii_shape_and_dots_are_beside_the_set_at_the_same_place() {
         harness.run();
         assert_eq!(
             harness.state().state.runs().first.hovered,
-            Some(0),
+            Some(id),
             "{rect:?}"
         );
     }

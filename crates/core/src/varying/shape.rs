@@ -368,9 +368,10 @@ impl Mask {
     /// have one class, it is that of the places; otherwise the places are mixed.
     fn class_between(&self, min: [i64; 2], max: [i64; 2]) -> Class {
         let (first_pixel, last_pixel) = (self.scale.pixel(min), self.scale.pixel(max));
-        // Blocks of this level have at least so many pixels along a side as lie from the first pixel to the last. So the
-        // places touch at most two blocks on an axis. Two neighbouring pixels are looked at themselves: if cells that
-        // lie between two pixels outside were called mixed, there would be more of them at every level.
+        // These blocks are at least as many pixels wide as there are steps from the first pixel to the last: so the places
+        // touch at most two blocks on an axis. Places in two neighbouring pixels are judged by the pixels themselves. Judged by
+        // blocks of 2 x 2, cells across the line between two pixels that are alike could be called mixed at every level, and
+        // each level would have twice as many.
         let steps = [0, 1].map(|axis| last_pixel[axis] - first_pixel[axis]);
         let level = steps[0].max(steps[1]).max(1).next_power_of_two().ilog2();
         let (low, high) = (

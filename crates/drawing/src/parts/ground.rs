@@ -103,17 +103,19 @@ pub fn field(scene: &Scene<'_>, surface: &mut impl Surface) {
     // A field of one radius has one shade.
     let range = (greatest / least).ln().max(f64::MIN_POSITIVE);
 
-    // Radii are compared by their ratios: twice the radius is paler by the same number of shades everywhere.
-    let shade = |place: Point| {
-        let radius = f64::from(locality.radius_at(place));
-        // All radii lie between the extremes, so that only rounding is cut off.
-        let mut share = ((radius / least).ln() / range).clamp(0.0, 1.0);
-        if scene.subject.view == GroundView::Shape {
-            share = 0.5;
+    let is_even = scene.subject.view == GroundView::Shape;
+    let strength = |place: Point| {
+        if is_even {
+            return 0.5;
         }
-        locality
-            .inside(place)
-            .then_some((SHADES * (1.0 - share)).round() as u32)
+        // Radii are compared by their ratios: twice the radius is paler by the same number of shades everywhere. All radii lie
+        // between the extremes, so that only rounding is cut off.
+        let radius = f64::from(locality.radius_at(place));
+        1.0 - ((radius / least).ln() / range).clamp(0.0, 1.0)
+    };
+    let shade = |place: Point| {
+        let is_inside = locality.inside(place);
+        is_inside.then(|| (SHADES * strength(place)).round() as u32)
     };
     let color = scene.palette.accent;
     squares(scene, FIELD_SIDE, shade, |rect, shade| {

@@ -483,9 +483,12 @@ def _blocks_in(
         return _request(
             count=None, radius=0.01, seed=seed, **blocks, pattern=None, levels=None, exactly=None, order_within="random"
         )
+    why = "which needs the reference sampler, whose darts need no pattern"
+    # Only these would exact tiling take.
     unless = ", unless method is 'exact'" if field.has_one_radius else ""
-    why = f"which needs the reference sampler, whose darts need no pattern{unless}"
-    _refuse_tiling(field.name, why, method=method, **tiling)
+    blocks = {argument: tiling.pop(argument) for argument in _OF_BLOCKS}
+    _refuse_tiling(field.name, f"{why}{unless}", method=method, **blocks)
+    _refuse_tiling(field.name, why, **tiling)
     return None
 
 
@@ -592,10 +595,6 @@ def curve(
         ground = (_Given(None, width, height, boundary, at), field)
         with following(progress) as told:
             return _tilescope.curve_field(ground, count, seed, request, (keys, moments), told)
-    if origin is not None:
-        raise ValueError(
-            "origin is given with one radius in a rectangle, whose numbers do not depend on where it lies; leave origin out"
-        )
     method = "kdrt" if method is None else method
     width, height = 1.0 if width is None else width, 1.0 if height is None else height
     boundary = "periodic" if boundary is None else boundary

@@ -156,10 +156,14 @@ def _geojson(shape: Any) -> tuple[str, bytes]:
     # Geometries of shapely, series and frames of GeoPandas.
     described = getattr(shape, "__geo_interface__", shape)
     if isinstance(described, dict):
+        # The box around no shapes has corners that are no numbers, and no box is needed.
+        shapes = {key: value for key, value in described.items() if key != "bbox"}
         try:
-            return "", json.dumps(described).encode()
-        except (TypeError, ValueError) as error:
+            return "", json.dumps(shapes, allow_nan=False).encode()
+        except TypeError as error:
             raise TypeError(f"shape is no GeoJSON: {error}") from error
+        except ValueError as error:
+            raise ValueError("shape has a coordinate that is not finite") from error
     if isinstance(described, str) and described.lstrip().startswith("{"):
         return "", described.encode()
     if isinstance(described, (str, os.PathLike)):

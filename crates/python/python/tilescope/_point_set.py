@@ -332,7 +332,7 @@ class PointSet:
         ----------
         judge : {'delaunay', 'circles', 'both'}, optional
             Who judges. If not given, both do up to 2**20 samples, and covered circles for more. Where the radius varies
-            or there is a shape, squares are cut until each is seen to be covered, and neither of these can judge.
+            or there is a shape, ``'subdivision'`` judges alone: squares are cut until each is seen to be covered.
         progress : bool or callable
             Whether to show a bar, or what to call with the work's name, what is done and all there
             is to do.
@@ -442,6 +442,8 @@ class PointSet:
         stored = self._points + origin
         # As for other formats the verdict is on what is stored: far from 0 positions are rounded.
         held = self if self._ground is None else PointSet._on(stored - origin, self._ground)
+        # The first dots of a few more are judged as that, as they are in other formats.
+        held._first_of = self._first_of
         report = held.verify(judge=judge, progress=progress) if verify else None
         varies = self._ground is not None and self._ground.varies()
         columns = {"level": self.level, "rank": self.rank, "radius": self.radii if varies else None}

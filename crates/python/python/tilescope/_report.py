@@ -95,7 +95,8 @@ class Report:
     min_distance: float
     """Smallest distance between two samples; infinite for one sample of a bounded domain."""
     covering_radius: float
-    """Largest distance from a place of the domain to its nearest sample."""
+    """Largest distance from a place of the domain to its nearest sample; infinite in a field or a shape, where it is not
+    measured."""
     covering_tolerance: float
     """Relative tolerance of maximality, 2**-15: one unit of the sampler's lattice."""
     conflicts: int
@@ -111,7 +112,7 @@ class Report:
     relative_radius: float
     """``min_distance`` over that of the densest packing of as many samples."""
     judges: tuple[str, ...]
-    """Who judged: ``'delaunay'``, ``'circles'``, or both, which agree."""
+    """Who judged: ``'delaunay'``, ``'circles'``, or both, which agree; of a field or a shape ``'subdivision'``."""
     covering_factor: float | None = None
     """Of a stipple, the least factor of its radius within which every place is near a dot, as it was measured."""
     levels: tuple[LevelReport, ...] = ()
@@ -137,9 +138,12 @@ class Report:
                 f"<Report: {verdict} prefix, {self.count} samples, {self.conflicts} conflicts, {self.gaps} gaps, "
                 f"covering within {self.covering_factor:.6f} of the radius>"
             )
+        counts = f"<Report: {verdict}, {self.count} samples, {self.conflicts} conflicts, {self.gaps} gaps"
+        # In a field or a shape squares find out whether places are covered, and not how far they are from samples.
+        if self.judges == ("subdivision",):
+            return f"{counts}, by subdivision>"
         return (
-            f"<Report: {verdict}, {self.count} samples, {self.conflicts} conflicts, {self.gaps} gaps, "
-            f"smallest distance {self.min_distance / r:.6f} r, covering radius {self.covering_radius / r:.6f} r>"
+            f"{counts}, smallest distance {self.min_distance / r:.6f} r, covering radius {self.covering_radius / r:.6f} r>"
         )
 
 

@@ -277,3 +277,24 @@ fn put<T>(value: &mut T, other: Option<T>) {
         *value = other;
     }
 }
+
+/// Returns whether a lesson or a talk is open.
+#[must_use]
+pub fn is_taught(state: &State) -> bool {
+    state.lessons().open.is_some() || state.talks().open.is_some()
+}
+
+/// Returns why the pictures of a set in a field or a shape are not side by side, if they cannot be.
+#[must_use]
+pub fn no_side_by_side(state: &State) -> Option<&'static str> {
+    let runs = state.runs();
+    let session = runs.first.session.as_ref();
+    if session.is_none_or(|session| session.ground.is_none()) {
+        return Some("Only a set in a field or a shape has radii and a shape to show.");
+    }
+    if runs.second.is_some() {
+        return Some("Two runs are compared, with one picture each.");
+    }
+    // Its picture is as its author made it, and others could give an answer away.
+    is_taught(state).then_some("A lesson or a talk shows the set alone.")
+}
