@@ -52,7 +52,7 @@ fn the_form_says_what_the_pattern_means_and_offers_the_reference_sampler_where_i
     let time = text(&harness, "shared-pattern-time");
     assert_eq!(
         time,
-        "From nothing about 0.16 s, of which the pattern takes 0.15 s; the reference sampler about 0.04 s."
+        "From nothing about 0.16 s, of which the pattern takes 0.15 s; the reference sampler about 0.041 s."
     );
 
     // German and Spanish windows have these texts in their languages.
