@@ -13,8 +13,6 @@ mod views;
 use eframe::egui_wgpu::RenderState;
 use egui::{Rect, Sense, Ui, Vec2, vec2};
 
-use tilescope_core::Stage;
-
 use crate::ENABLED;
 pub(crate) use input::has_focus;
 pub use input::leads_zoom;
@@ -24,6 +22,7 @@ use tilescope_canvas::pane::Pane;
 use tilescope_canvas::sprites::Sprites;
 use tilescope_canvas::touch::Touch;
 use tilescope_canvas::{hint, hover, overlay};
+use tilescope_core::Stage;
 use tilescope_drawing::palette::Palette;
 use tilescope_drawing::subject::{GroundView, Subject};
 use tilescope_session::look::Look;
@@ -116,7 +115,7 @@ fn views_of(state: &State) -> Vec<GroundView> {
     let is_free = no_side_by_side(state).is_none() && run.current_stage() != Some(Stage::Pattern);
     let session = run.session.as_deref();
     match session.filter(|_| is_free && state.appearance().is_side_by_side) {
-        Some(session) => views::views_of(session),
+        Some(session) => views::of_session(session),
         None => vec![GroundView::Set],
     }
 }
@@ -127,8 +126,9 @@ pub struct Canvas {
     first: Pane,
     second: LatePane,
     dots: LatePane,
-    /// The pictures of radii and of the shape, by their places beside that of the set. They have no samples, and need no device.
-    beside: [Pane; 4],
+    /// The pictures of radii and of the shape have no samples, and need no device.
+    radii: Pane,
+    shape: Pane,
     /// Symbols for the rows of buffers.
     marks: Sprites,
 }
@@ -224,18 +224,20 @@ impl Canvas {
         let aspect = size.map_or(1.0, |size| (size.x / size.y) as f32);
         let tiles = views::tiles(rect, views.len(), aspect);
         let is_alone = views.len() == 1;
+
+        // The picture that the pointer is in says what lies there; without a pointer that of the set clears what was said.
         let of_set = views.iter().position(|view| *view == GroundView::Set);
         let main = of_set.map(|index| tiles[index]);
         let pointer = ui.input(|input| input.pointer.interact_pos());
         let has_pointer = |tile: &Rect| pointer.is_some_and(|at| tile.contains(at));
         let led = tiles.iter().position(has_pointer).or(of_set);
+
         if !is_alone {
             // Pictures leave gaps, in which this colour is seen as lines between them.
             ui.painter().rect_filled(rect, 0.0, context.palette.line);
         }
 
-        let pictures = views.iter().copied().zip(tiles).zip(&mut self.beside);
-        for (index, ((view, tile), beside)) in pictures.enumerate() {
+        for (index, (view, tile)) in views.iter().copied().zip(tiles).enumerate() {
             let subject = context.subjects[0].map(|subject| Subject {
                 view,
                 layers: views::layers(view, subject.layers),
@@ -254,7 +256,8 @@ impl Canvas {
             let pane = match view {
                 GroundView::Set => &mut self.first,
                 GroundView::Dots => self.dots.ready(),
-                GroundView::Radii | GroundView::Shape => beside,
+                GroundView::Radii => &mut self.radii,
+                GroundView::Shape => &mut self.shape,
             };
             side.show(ui, context, pane, &mut self.marks, commands)
                 .known_as(id);
@@ -360,6 +363,7 @@ impl PaneSide<'_> {
         let pointer = input::handle(
             ui, &response, subject, context, is_painted, touch, &mut moves,
         );
+        // The other pictures have no pointer in them, and would say that it is over nothing.
         moves.retain(|command| self.is_led || !matches!(command, ViewCommand::Hover(_)));
         commands.extend(
             (moves.into_iter())

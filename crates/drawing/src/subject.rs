@@ -44,14 +44,13 @@ pub struct Subject<'a> {
 }
 
 /// What a picture of a set in a field or a shape shows. Pictures of all other sets show the set.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum GroundView {
     /// The radius at each place.
     Radii,
     /// The places that are to be covered.
     Shape,
     /// The set with the layers that were chosen.
-    #[default]
     Set,
     /// The samples as dots of one colour, as a stipple is printed.
     Dots,

@@ -11,7 +11,7 @@ use tilescope_session::session::Session;
 use super::titles::GUTTER;
 
 /// Returns the pictures of a session: only that of the set unless it lies in a field or a shape.
-pub fn views_of(session: &Session) -> Vec<GroundView> {
+pub fn of_session(session: &Session) -> Vec<GroundView> {
     let mut views = Vec::new();
     if session.radius_varies() {
         views.push(GroundView::Radii);

@@ -475,18 +475,19 @@ def _blocks_in(
 
     Raises ``ValueError`` for arguments of ``tiling`` that have no meaning there.
     """
+    blocks = {argument: tiling.pop(argument) for argument in _OF_BLOCKS}
+
     # A pattern has one radius, so that exact tiling covers shapes alone.
     if method == "exact" and field.has_one_radius:
-        blocks = {argument: tiling.pop(argument) for argument in _OF_BLOCKS}
         _refuse_tiling(field.name, "which exact tiling covers without it", **tiling)
         # Blocks and patterns have their lengths in radii, so that any radius serves to check them.
         return _request(
             count=None, radius=0.01, seed=seed, **blocks, pattern=None, levels=None, exactly=None, order_within="random"
         )
+
     why = "which needs the reference sampler, whose darts need no pattern"
-    # Only these would exact tiling take.
+    # Exact tiling would take the arguments of blocks, and none of the others.
     unless = ", unless method is 'exact'" if field.has_one_radius else ""
-    blocks = {argument: tiling.pop(argument) for argument in _OF_BLOCKS}
     _refuse_tiling(field.name, f"{why}{unless}", method=method, **blocks)
     _refuse_tiling(field.name, why, **tiling)
     return None
