@@ -12,8 +12,7 @@ import { PATIENCE_MS, launch } from "./harness.mjs";
 
 const here = path.dirname(fileURLToPath(import.meta.url));
 const assets = path.join(here, "../../assets");
-/** The table of German words: English texts with the German ones. */
-/** The texts of a table, by the English ones. */
+/** The texts of a language's table, by the English ones. */
 const table = (language) =>
   new Map(readFileSync(path.join(assets, `words/${language}.txt`), "utf8").split("\n").flatMap((line, at, lines) => (line.startsWith("    ") ? [[lines[at - 1], line.slice(4)]] : [])));
 const GERMAN = table("de");

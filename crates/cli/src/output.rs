@@ -396,7 +396,13 @@ fn what_happened(stage: Stage, s: &Summary, at_once: bool, names: Names) -> Stri
         },
         Stage::Regions => {
             let inserted: Vec<String> = s.inserted.iter().map(ToString::to_string).collect();
-            let (dropped, inserted) = (dropped(" and # dropped outside"), inserted.join(" + "));
+            // Without any gap there was no insertion to count.
+            let inserted = if inserted.is_empty() {
+                "0".to_owned()
+            } else {
+                inserted.join(" + ")
+            };
+            let dropped = dropped(" and # dropped outside");
             format!(
                 "{blocks} building blocks, {tiled} samples tiled{dropped}, {eliminated} {lost}, {inserted} {new}"
             )

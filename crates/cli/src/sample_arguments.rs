@@ -165,7 +165,7 @@ impl NestedArguments {
     pub fn request(&self) -> Result<Option<NestedRequest>> {
         ensure!(
             self.exactly.is_none() || self.levels.is_some(),
-            "--exactly needs --levels K, or a third side (--depth D), a field or a shape, which `tilescope sample` takes"
+            "--exactly needs --levels K with --method kdrt, or a third side (--depth D), a field or a shape, which `tilescope sample` takes"
         );
         Ok(self.of_levels())
     }

@@ -49,12 +49,13 @@ pub fn run(arguments: &SampleArguments, asked: &[f64]) -> Result<u8> {
     if let Some(request) = arguments.nested.request()? {
         return nested::run(arguments, corners, &recipe, request);
     }
+    let is_tiling = arguments.method() != SamplingMethod::Reference;
+    ensure!(
+        !is_tiling || arguments.engine.makes_windows(arguments.run.asked.variant),
+        "--window needs the parallel engine: the others, also the GPU's, make whole sets"
+    );
     match arguments.method() {
         SamplingMethod::Kdrt => {
-            ensure!(
-                arguments.engine.makes_windows(arguments.run.asked.variant),
-                "--window needs the parallel engine: the others, also the GPU's, make whole sets"
-            );
             // Only the window is in memory, and `check_size` limits it, so that the set may have any size. `--count` is
             // allowed: the radius of a large set is estimated and as a rule confirmed by a smaller set, so that the
             // whole set need not be made.
@@ -64,10 +65,6 @@ pub fn run(arguments: &SampleArguments, asked: &[f64]) -> Result<u8> {
             show(arguments, corners, &plane, &run.facts)
         }
         SamplingMethod::Exact => {
-            ensure!(
-                !arguments.engine.wants_gpu(),
-                "--window runs on the CPU: a GPU makes whole sets"
-            );
             ensure!(
                 recipe.count.is_none(),
                 "--count would make the whole set to find its radius: with --window and --method exact give --radius"

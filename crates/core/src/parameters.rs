@@ -242,6 +242,30 @@ impl Parameters {
         }
     }
 
+    /// Returns the pattern of these parameters once they have come from `before` by a change of anything but the pattern. Its side
+    /// becomes the usual one (see [`Self::usual_pattern`]) if it was the usual one before, and otherwise stays; so does its seed.
+    #[must_use]
+    pub fn pattern_following(&self, before: &Self) -> PatternSpec {
+        let (old, new) = (before.usual_pattern(), self.usual_pattern());
+        // Side and seed follow apart: another side is no choice of a seed. Both sides are numbers from the same table, so that
+        // equal ones have equal bits.
+        let has_usual_side = before.pattern.side.to_bits() == old.side.to_bits();
+        let has_usual_seed = before.pattern.seed == old.seed;
+        PatternSpec {
+            side: if has_usual_side {
+                new.side
+            } else {
+                before.pattern.side
+            },
+            seed: if has_usual_seed {
+                new.seed
+            } else {
+                before.pattern.seed
+            },
+            boundary: self.pattern.boundary,
+        }
+    }
+
     /// Refuses parameters that have no meaning in exact tiling.
     fn check_exact(&self) -> Result<(), ParameterError> {
         let plain = self.as_exact();

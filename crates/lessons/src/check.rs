@@ -14,8 +14,8 @@ use std::collections::{BTreeMap, HashMap};
 use std::fmt::Write as _;
 use std::sync::Arc;
 
-use tilescope_core::{Observer, Pattern, SampleError};
-use tilescope_debugger::Recording;
+use tilescope_core::{Observer, Pattern, PatternSpec, SampleError, TilingMethod};
+use tilescope_debugger::{DEFAULT_BUDGET, Recording};
 use tilescope_sets::VaryingError;
 
 use self::asked::ask;
@@ -24,7 +24,7 @@ use self::findings::Findings;
 pub use self::leaks::leak;
 use crate::error::LessonError;
 use crate::lesson::{Lesson, Step};
-use crate::step_run::{StepRun, record};
+use crate::step_run::StepRun;
 
 /// The largest mean score of a learner who guesses. It is a coarse bound, as a wrong answer may have a part of the score; the
 /// chance of a right guess has its own limit in `rules.rs`.
@@ -73,27 +73,33 @@ impl Runs {
             return Ok(Arc::clone(recording));
         }
 
-        // Levels have a nested pattern, which is made with them, and a field or a box has none.
-        if run.levels.is_some() || run.radius.is_some() || run.depth.is_some() {
-            let recording = run.make(observer)?;
-            self.recordings.insert(name, Arc::clone(&recording));
-            return Ok(recording);
-        }
-
-        // The runs of several seeds have the same pattern, which is made once.
-        let parameters = &run.parameters;
-        let spec = format!("{:?}", parameters.pattern);
-        let pattern = if let Some(pattern) = self.patterns.get(&spec) {
-            Arc::clone(pattern)
+        let is_planar = run.levels.is_none() && run.radius.is_none() && run.depth.is_none();
+        let recording = if is_planar && run.parameters.method == TilingMethod::Kdrt {
+            // The runs of several seeds have the same pattern, which is made once.
+            let pattern = self.pattern(&run.parameters.pattern, observer)?;
+            let made = Recording::with_pattern(&run.parameters, pattern, DEFAULT_BUDGET, observer)?;
+            Arc::new(made)
         } else {
-            let made = Pattern::of_spec(&parameters.pattern, observer)?;
-            self.patterns.insert(spec, Arc::clone(&made));
-            made
+            // Levels have a nested pattern, exact tiling has one for each seed, and a field or a box has none.
+            run.make(observer)?
         };
-
-        let recording = record(parameters, &pattern, observer)?;
         self.recordings.insert(name, Arc::clone(&recording));
         Ok(recording)
+    }
+
+    fn pattern(
+        &mut self,
+        spec: &PatternSpec,
+        observer: &mut dyn Observer,
+    ) -> Result<Arc<Pattern>, SampleError> {
+        // Its side is a float, which has no hash.
+        let name = format!("{spec:?}");
+        if let Some(pattern) = self.patterns.get(&name) {
+            return Ok(Arc::clone(pattern));
+        }
+        let made = Pattern::of_spec(spec, observer)?;
+        self.patterns.insert(name, Arc::clone(&made));
+        Ok(made)
     }
 
     /// Drops the recordings; patterns stay.

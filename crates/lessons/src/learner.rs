@@ -506,10 +506,9 @@ impl Learner {
 
 #[cfg(test)]
 mod tests {
-    use tilescope_core::{Pattern, Unobserved};
+    use tilescope_core::Unobserved;
 
     use super::*;
-    use crate::step_run::record;
 
     /// Returns what a learner who gave up is told, at a gate of these lines.
     fn told_at(gate: &str, decimal_sign: char) -> String {
@@ -519,9 +518,7 @@ mod tests {
         let lesson = Lesson::read("t", &text).expect("a lesson");
         let translation = Translation::default().with_decimal_sign(decimal_sign);
         let mut learner = Learner::new(Arc::new(lesson), Arc::new(translation));
-        let parameters = learner.parameters();
-        let pattern = Pattern::of_spec(&parameters.pattern, &mut Unobserved).expect("a pattern");
-        let run = record(&parameters, &pattern, &mut Unobserved).expect("a run");
+        let run = learner.run().make(&mut Unobserved).expect("a run");
         assert_eq!(learner.arrive(&run, 0.0), Ok(Arrival::Here));
         learner.right_answer(&str::to_owned).expect("an answer")
     }

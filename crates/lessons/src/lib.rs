@@ -9,8 +9,8 @@
 //! This crate opens no window, reads no files and asks no clock: callers pass texts, runs and times.
 //!
 //! ~~~
-//! use tilescope_core::{Pattern, Unobserved};
-//! use tilescope_lessons::{Lesson, Question, Scene, record};
+//! use tilescope_core::Unobserved;
+//! use tilescope_lessons::{Lesson, Question, Scene};
 //!
 //! let text = "---
 //! title: Losses
@@ -31,8 +31,7 @@
 //! ";
 //! let lesson = Lesson::read("losses", text)?;
 //! let step = &lesson.steps[0];
-//! let pattern = Pattern::of_spec(&step.scene.parameters.pattern, &mut Unobserved)?;
-//! let recording = record(&step.scene.parameters, &pattern, &mut Unobserved)?;
+//! let recording = step.scene.run(None).make(&mut Unobserved)?;
 //! let scene = Scene::find(&recording, &step.scene)?.expect("a sample is lost");
 //! let question = Question::of(step.gate.as_ref().expect("a question"), &scene)?;
 //! let lost = recording.event(question.cursor).expect("an event").samples()[0];
@@ -95,7 +94,7 @@ pub use question::{Grade, Question, WrongAnswer};
 pub use read::{MAX_STEPS, step_name};
 pub use scene::Scene;
 pub use scene_spec::{Camera, Claim, LAYERS, SceneSpec};
-pub use step_run::{StepRun, record};
+pub use step_run::StepRun;
 pub use text::{ChoiceOption, MAX_BYTES, Text, Wrong};
 pub use translation::{Translation, is_language};
 pub use votes::{Advice, MAX_VOTES, RightShare, Vote, advice};

@@ -388,11 +388,18 @@ fn run(scene: &mut SceneSpec, fields: &Fields) -> Result<(), LessonError> {
     scene.line = fields.line;
     scene.claims = claims(fields)?;
 
+    let before = scene.parameters;
     // In the order of the file, so that the error names the first wrong line.
     for field in &fields.all {
         if let Some(parameter) = parameters().find(|it| it.key() == field.key) {
             set_parameter(&mut scene.parameters, parameter, field)?;
         }
+    }
+    let following = scene.parameters.pattern_following(&before);
+    let pattern = &mut scene.parameters.pattern;
+    pattern.seed = following.seed;
+    if fields.get(Parameter::PatternSide.key()).is_none() {
+        pattern.side = following.side;
     }
 
     levels(scene, fields)?;

@@ -61,14 +61,17 @@ pub struct SceneSpec {
 }
 
 impl SceneSpec {
-    /// Returns the run, with the seed of practice if one is given.
+    /// Returns the run, with the seed of practice if one is given. In exact tiling the pattern's seed follows it, so that each
+    /// practice has darts of its own.
     #[must_use]
     pub fn run(&self, seed: Option<u64>) -> StepRun {
+        let mut parameters = Parameters {
+            seed: seed.unwrap_or(self.parameters.seed),
+            ..self.parameters
+        };
+        parameters.pattern = parameters.pattern_following(&self.parameters);
         StepRun {
-            parameters: Parameters {
-                seed: seed.unwrap_or(self.parameters.seed),
-                ..self.parameters
-            },
+            parameters,
             levels: self.levels,
             radius: self.radius.clone(),
             depth: self.depth,

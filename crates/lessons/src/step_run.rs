@@ -4,8 +4,8 @@
 use std::sync::Arc;
 
 use tilescope_core::{
-    Locality, NestedRequest, Observer, ParameterError, Parameters, Pattern, Point, R, SampleError,
-    SolidDomain, TilingMethod,
+    Locality, NestedRequest, Observer, ParameterError, Parameters, Point, R, SampleError,
+    SolidDomain,
 };
 use tilescope_debugger::{DEFAULT_BUDGET, RecordedLevels, Recording};
 use tilescope_sets::{Expression, Ground, RadiusSource, VaryingError, VaryingRecipe};
@@ -157,29 +157,9 @@ impl StepRun {
             return Ok(Arc::new(made?));
         }
 
-        let pattern = Pattern::of_spec(&self.parameters.pattern, observer)?;
-        Ok(record(&self.parameters, &pattern, observer)?)
+        let made = Recording::new(&self.parameters, DEFAULT_BUDGET, observer)?;
+        Ok(Arc::new(made))
     }
-}
-
-/// Runs the sequential engine of the parameters' method for a lesson and records it. `pattern` is the one that they describe.
-///
-/// # Errors
-///
-/// Those of [`Recording::with_pattern`] and [`Recording::new`].
-pub fn record(
-    parameters: &Parameters,
-    pattern: &Arc<Pattern>,
-    observer: &mut dyn Observer,
-) -> Result<Arc<Recording>, SampleError> {
-    let recording = match parameters.method {
-        TilingMethod::Kdrt => {
-            Recording::with_pattern(parameters, Arc::clone(pattern), DEFAULT_BUDGET, observer)?
-        }
-        // It takes the darts of the pattern that the parameters describe.
-        TilingMethod::Exact => Recording::new(parameters, DEFAULT_BUDGET, observer)?,
-    };
-    Ok(Arc::new(recording))
 }
 
 /// Makes nested levels and records the arrival of each sample.

@@ -257,7 +257,7 @@ impl Draft {
     }
 
     /// Changes the parameters that follow from the one just changed. With the change to exact tiling, those without a
-    /// meaning there get their defaults. The pattern follows the size of the set and the seed, unless it was changed by hand.
+    /// meaning there get their defaults. The side of the pattern follows the size of the set, and its seed the seed, unless they were changed by hand.
     fn follow(&mut self, before: &Parameters, changed: Parameter) {
         // The parameters without a meaning there are chosen, so that no text changes with them.
         if self.parameters.method == TilingMethod::Exact && before.method == TilingMethod::Kdrt {
@@ -269,14 +269,11 @@ impl Draft {
             Parameter::PatternSeed,
             Parameter::PatternBoundary,
         ];
-        let (is_usual, usual) = (
-            before.pattern == before.usual_pattern(),
-            self.parameters.usual_pattern(),
-        );
+        let following = self.parameters.pattern_following(before);
 
-        // A pattern that the user changed stays as it is, and the change itself must not be undone here.
-        if is_usual && usual != self.parameters.pattern && !of_pattern.contains(&changed) {
-            self.parameters.pattern = usual;
+        // A change of the pattern itself must not be undone here.
+        if following != self.parameters.pattern && !of_pattern.contains(&changed) {
+            self.parameters.pattern = following;
             // The boundary is chosen, and has no text.
             for parameter in [Parameter::PatternSide, Parameter::PatternSeed] {
                 let text = parameter.text(&self.parameters);

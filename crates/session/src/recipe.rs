@@ -67,7 +67,7 @@ impl Recipe {
     /// Refuses exact tiling with an own pattern.
     pub fn check(&self) -> Result<(), ParameterError> {
         match (self.parameters.method, &self.own) {
-            (TilingMethod::Exact, Some(_)) => Err(ParameterError::ExactByKdrt),
+            (TilingMethod::Exact, Some(_)) => Err(ParameterError::ExactOfSamples),
             (TilingMethod::Kdrt, _) | (TilingMethod::Exact, None) => Ok(()),
         }
     }

@@ -48,6 +48,9 @@ pub fn independent_samples(samples: f64, of_pattern: f64) -> f64 {
 /// sample times 1 / N + 1 / k (`decisions/algorithm.md`). Nothing reads the text: files from before say it in other words.
 const LAW: &str = "exact in every window; averages over the set vary about as those of N k / (N + k) independent samples, with N the number of its samples and k = pattern_samples";
 
+/// What they say of a pattern that repeats within blocks: a window in which it repeats does not have the law.
+const LAW_WITH_REPEATS: &str = "exact in windows narrower than the pattern alone, which repeats within the largest blocks; averages over the set vary about as those of N k / (N + k) independent samples, with N the number of its samples and k = pattern_samples";
+
 /// Returns the pattern of exact tiling for about the given number of samples. A side and a seed that are among the
 /// parameters that were `given` are as asked.
 #[must_use]
@@ -84,7 +87,9 @@ pub fn facts_of_exact(
     let reuse = samples / independent as f64;
     used.insert("pattern_samples".to_owned(), independent.into());
     used.insert("samples_per_pattern_sample".to_owned(), reuse.into());
-    used.insert("law".to_owned(), LAW.into());
+    let repeats = parameters.side_without_repeats().is_some();
+    let law = if repeats { LAW_WITH_REPEATS } else { LAW };
+    used.insert("law".to_owned(), law.into());
     Facts::new("exact", used, domain)
 }
 

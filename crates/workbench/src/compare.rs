@@ -96,8 +96,11 @@ impl ComparePreset {
     pub fn parameters(self, first: &Parameters, typed: &Parameters) -> Parameters {
         let mut second = *first;
         match self {
-            // The seed after the largest one is 0.
-            Self::NextSeed => second.seed = first.seed.wrapping_add(1),
+            // The seed after the largest one is 0. In exact tiling the pattern's seed follows it, as in the form.
+            Self::NextSeed => {
+                second.seed = first.seed.wrapping_add(1);
+                second.pattern = second.pattern_following(first);
+            }
 
             Self::Search => {
                 second.search = match first.search {

@@ -2,7 +2,7 @@
 
 use std::fmt::Write as _;
 
-use tilescope_core::{Parameters, PatternSpec, SolidDomain, Stage};
+use tilescope_core::{Boundary, Parameters, PatternSpec, SolidDomain, Stage};
 use tilescope_debugger::{SavedScene, Session};
 use tilescope_lessons::step_name;
 use tilescope_session::layers::Layer;
@@ -34,10 +34,11 @@ pub(crate) fn lesson_of(
         return Err(text.to_owned());
     }
 
-    // A lesson can choose the side of its pattern, and nothing else of it.
+    // A lesson can choose the side of its pattern, and nothing else of it: its patterns have the usual seed, and are periodic.
     let generated = PatternSpec {
         side: parameters.pattern.side,
-        ..PatternSpec::default()
+        boundary: Boundary::Periodic,
+        ..parameters.usual_pattern()
     };
     if has_own_pattern || parameters.pattern != generated {
         let text = "The run has a pattern of its own, which a lesson cannot name: only its side can be chosen there.";
@@ -226,6 +227,7 @@ fn write_moment(text: &mut String, scene: &SavedScene, depth: Option<f64>, radiu
 #[cfg(test)]
 mod tests {
     use super::*;
+    use tilescope_core::TilingMethod;
     use tilescope_lessons::Lesson;
 
     fn scene(caption: &str, ends: Option<Stage>) -> SavedScene {
@@ -278,6 +280,28 @@ mod tests {
         assert_eq!(lesson.steps[0].text, ["Nothing has (happened)."]);
         assert_eq!(lesson.steps[0].notes, ["Ask for guesses."]);
         assert_eq!(lesson.steps[3].scene.parameters, parameters);
+    }
+
+    /// In exact tiling the usual pattern has the seed of the run.
+    #[test]
+    fn an_exact_tiling_becomes_a_lesson_with_its_pattern() {
+        let mut parameters = Parameters {
+            radius: 0.03,
+            seed: 5,
+            method: TilingMethod::Exact,
+            ..Parameters::default()
+        };
+        parameters.pattern = parameters.usual_pattern();
+        let scenes = [scene("A", None)];
+        for side in [parameters.pattern.side, 120.0] {
+            parameters.pattern.side = side;
+            let text = lesson_of(&scenes, &parameters, None, false).unwrap();
+            let lesson = Lesson::read("scenes", &text).unwrap();
+            assert_eq!(lesson.steps[0].scene.run(None).parameters, parameters);
+        }
+
+        parameters.pattern.seed = 0;
+        assert!(lesson_of(&scenes, &parameters, None, false).is_err());
     }
 
     #[test]

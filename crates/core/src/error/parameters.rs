@@ -168,9 +168,14 @@ pub enum ParameterError {
     },
     /// Engines of KDRT clip samples, and exact tiling clips darts.
     #[error(
-        "exact tiling takes all darts of a generated pattern, which neither a given pattern nor the engines of KDRT have"
+        "KDRT alone is possible here: exact tiling has engines of its own. A set that they made can be given as a file"
     )]
     ExactByKdrt,
+    /// A pattern that is given has samples, and exact tiling clips darts.
+    #[error(
+        "exact tiling takes the darts of a pattern that it makes itself, and a given pattern has none: choose the side and the seed of the pattern instead, or KDRT"
+    )]
+    ExactOfSamples,
     /// A window is empty, or larger than the domain.
     #[error(
         "the window's {name} runs from {} to {}; it must be finite, above 0 and at most {} long",

@@ -607,7 +607,10 @@ fn check(parameters: &Parameters, levels: u32) -> Result<Domain, ParameterError>
     // Nested levels are defined for the default of each choice alone (see the head of `levels`). The names
     // complete the error's message.
     let choices = [
-        ("exact tiling", parameters.method != TilingMethod::default()),
+        (
+            "the method, KDRT",
+            parameters.method != TilingMethod::default(),
+        ),
         (
             "the order of elimination",
             parameters.order != Order::default(),

@@ -197,14 +197,11 @@ fn said(text: &str) -> BTreeSet<String> {
 
 #[cfg(test)]
 mod tests {
-    use std::sync::Arc;
-
-    use tilescope_core::{Pattern, Unobserved};
+    use tilescope_core::Unobserved;
 
     use super::*;
     use crate::lesson::Lesson;
     use crate::scene::Scene;
-    use crate::step_run::record;
 
     /// Returns the question of a gate about a small run, at the end of tiling.
     fn asked(gate: &str) -> Question {
@@ -213,9 +210,8 @@ mod tests {
         );
         let lesson = Lesson::read("test", &text).expect("a lesson");
         let step = &lesson.steps[0];
-        let parameters = &step.scene.parameters;
-        let pattern = Pattern::of_spec(&parameters.pattern, &mut Unobserved).expect("a pattern");
-        let recording = record(parameters, &Arc::clone(&pattern), &mut Unobserved).expect("a run");
+        let made = step.scene.run(None).make(&mut Unobserved);
+        let recording = made.expect("a run");
         let scene = Scene::find(&recording, &step.scene)
             .expect("no fault")
             .expect("a moment");

@@ -3,7 +3,7 @@
 
 use std::env::var_os;
 
-use tilescope_core::Unobserved;
+use tilescope_core::{PatternSpec, Unobserved};
 use tilescope_lessons::{Lesson, Runs, Translation, check, shipped};
 
 /// Returns how many runs are made: questions are asked in at most 40 of them, claims are tested in all.
@@ -84,6 +84,28 @@ mod every_lesson_is_sound {
         let names: Vec<&str> = shipped.iter().map(|one| one.name.as_ref()).collect();
         assert_eq!(names, TESTED);
     }
+}
+
+/// A step by exact tiling shows the set that every other part of the program makes with these parameters.
+#[test]
+fn exact_tilings_have_their_usual_pattern_in_each_practice() {
+    let text = "---\ntitle: T\nobjective: O\n---\n# A\n```run\nmethod: exact\nradius: 0.02\nseed: 3\n```\nWords.\n\
+                # B\n```run\npattern-side: 60\nseed: 4\n```\nWords.\n# C\n```run\nmethod: kdrt\n```\nWords.\n";
+    let lesson = Lesson::read("t", text).expect("a lesson");
+    let pattern = |step: usize, seed| lesson.steps[step].scene.run(seed).parameters.pattern;
+    let of = |side, seed| PatternSpec {
+        side,
+        seed,
+        ..PatternSpec::default()
+    };
+    assert_eq!(pattern(0, None), of(200.0, 3));
+    assert_eq!(pattern(0, Some(9)), of(200.0, 9));
+    // A given side stays, and is no choice of a seed.
+    assert_eq!(pattern(1, None), of(60.0, 4));
+    assert_eq!(pattern(1, Some(9)), of(60.0, 9));
+    // KDRT has one pattern for all seeds.
+    assert_eq!(pattern(2, None), of(60.0, 0));
+    assert_eq!(pattern(2, Some(9)), of(60.0, 0));
 }
 
 #[test]

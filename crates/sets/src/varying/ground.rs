@@ -2,6 +2,7 @@
 
 use std::sync::Arc;
 
+use rayon::prelude::*;
 use tilescope_analysis::{Radii, Shape as JudgedShape, VaryingRegion};
 use tilescope_core::{Boundary, Domain, MAX_PITCH_BITS, Parameters, Point, R, RadiusField, Shape};
 use tilescope_formats::{
@@ -316,13 +317,11 @@ impl VaryingRecipe {
             let [x, y] = frame.origin;
             [x + column as f64 * pitch, y + row as f64 * pitch]
         };
-        // One stack for all nodes, as each would ask for memory of its own.
-        let mut stack = Vec::new();
-        let mut value = |row: usize, column: usize| match radius {
+        let value = |stack: &mut Vec<f64>, row: usize, column: usize| match radius {
             RadiusSource::Constant(radius) => *radius,
             RadiusSource::Expression { expression, scale } => {
                 let [x, y] = place_of(row, column);
-                scale * expression.on(&mut stack, x, y)
+                scale * expression.on(stack, x, y)
             }
             RadiusSource::Image { image, radii } => {
                 let (sum, count) = grey_around(&image.grey, counts, wraps, [column, row]);
@@ -335,20 +334,25 @@ impl VaryingRecipe {
             RadiusSource::Grid { grid, scale } => scale * grid.radii[row * columns + column],
         };
 
-        let mut asked = Vec::with_capacity(columns * rows);
-        for row in 0..rows {
-            for column in 0..columns {
-                let length = value(row, column);
-                if !(length > 0.0 && length.is_finite()) {
-                    return Err(VaryingError::Radius {
-                        radius: length,
-                        place: place_of(row, column),
-                    });
-                }
-                asked.push(length);
+        let mut asked = vec![0.0; columns * rows];
+        // A formula may take seconds. One stack serves all nodes of a thread, as each would ask for memory of its own.
+        let by_row = asked.par_chunks_mut(columns).enumerate();
+        let wrong = by_row.map_init(Vec::new, |stack, (row, radii)| {
+            for (column, radius) in radii.iter_mut().enumerate() {
+                *radius = value(stack, row, column);
             }
+            let is_wrong = |radius: &f64| !(*radius > 0.0 && radius.is_finite());
+            radii.iter().position(is_wrong).map(|column| (row, column))
+        });
+
+        // The error names the first node of all, whichever thread was first.
+        match wrong.flatten().min() {
+            Some((row, column)) => Err(VaryingError::Radius {
+                radius: asked[row * columns + column],
+                place: place_of(row, column),
+            }),
+            None => Ok(asked),
         }
-        Ok(asked)
     }
 
     /// Returns the domain, and the squares of its field.

@@ -6,8 +6,8 @@ use std::iter;
 use serde_json::{Value, json};
 use tilescope_core::{
     Boundary, Insertion, MAX_SIDE_RADII, MAXIMAL_DENSITY, MIN_LEAF_RADII, MIN_PATTERN_SIDE_RADII,
-    MIN_SIDE_RADII_BOUNDED, MIN_SIDE_RADII_PERIODIC, Parameter, ParameterKind, Parameters,
-    PatternSpec, TilingMethod, Variant,
+    MIN_SIDE_RADII_BOUNDED, MIN_SIDE_RADII_PERIODIC, NOT_OF_EXACT, Parameter, ParameterKind,
+    Parameters, PatternSpec, TilingMethod, Variant,
 };
 use tilescope_debugger::method_refusal;
 use tilescope_session::solid::expected_samples;
@@ -44,18 +44,17 @@ fn value(p: &Parameters, parameter: Parameter) -> String {
     }
 }
 
-/// Returns `base` with the pattern of `parameters` in a link that does not name one. That is the base's own, unless the
-/// base has its usual pattern: then it is the usual one of `parameters`, which in exact tiling depends on the size of
-/// the set and the seed.
+/// Returns `base` with the pattern of `parameters` in a link that does not name one. Its side and its seed are the base's own, unless
+/// the base has its usual ones: then they are the usual ones of `parameters`, which in exact tiling depend on the size of the set
+/// and the seed.
 fn following(base: &Parameters, parameters: &Parameters) -> Parameters {
-    let mut following = *base;
-    if base.pattern == base.usual_pattern() {
-        following.pattern = PatternSpec {
+    Parameters {
+        pattern: PatternSpec {
             boundary: base.pattern.boundary,
-            ..parameters.usual_pattern()
-        };
+            ..parameters.pattern_following(base)
+        },
+        ..*base
     }
-    following
 }
 
 /// Returns the keys and values in which `parameters` differ from `base`.
@@ -170,10 +169,17 @@ fn fit(p: &mut Parameters, run: &str, warnings: &mut LinkWarnings) {
     }
 
     if p.method == TilingMethod::Exact && *p != p.as_exact() {
-        warnings.add(format!(
-            "The link asked for choices of elimination and insertion{run} in exact tiling, which keeps whatever arrived first."
-        ));
-        *p = p.as_exact();
+        let exact = p.as_exact();
+        for parameter in NOT_OF_EXACT {
+            let (asked, used) = (value(p, parameter), value(&exact, parameter));
+            if asked != used {
+                let name = name_of(parameter);
+                warnings.add(format!(
+                    "The link asked for {name}{run} {asked}, which has no meaning in exact tiling: it keeps whatever arrived first."
+                ));
+            }
+        }
+        *p = exact;
     }
 
     if p.variant == Variant::AsPrinted && p.insertion == Insertion::Uniform {

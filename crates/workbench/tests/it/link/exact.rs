@@ -64,6 +64,16 @@ fn the_form_gives_exact_tiling_its_own_pattern_and_takes_it_back() {
     let typed = FormCommand::Type(Parameter::PatternSeed, "1".to_owned());
     form(&mut state, typed);
 
+    // A typed side stays, and is no choice of a seed.
+    for (parameter, text) in [(Parameter::PatternSide, "300"), (Parameter::Seed, "7")] {
+        form(&mut state, FormCommand::Type(parameter, text.to_owned()));
+    }
+    let pattern = state.form().draft.parameters.pattern;
+    assert_eq!((pattern.side, pattern.seed), (300.0, 7));
+    for (parameter, text) in [(Parameter::Seed, "1"), (Parameter::PatternSide, "200")] {
+        form(&mut state, FormCommand::Type(parameter, text.to_owned()));
+    }
+
     choose(&mut state, TilingMethod::Kdrt);
     assert_eq!(state.form().draft.parameters, kdrt);
 }
@@ -157,4 +167,9 @@ fn the_preset_is_an_exact_tiling_of_the_first_session() {
     assert_eq!(parameters.method, TilingMethod::Exact);
     assert_eq!(parameters.pattern, parameters.usual_pattern());
     assert!(parameters.validate_sequential().is_ok());
+
+    // The next seed has the next pattern, as in the form.
+    let next = ComparePreset::NextSeed.parameters(&parameters, &parameters);
+    assert_eq!(next.pattern, next.usual_pattern());
+    assert_ne!(next.pattern, parameters.pattern);
 }
