@@ -123,7 +123,7 @@ pub enum SamplingMethod {
     /// Randomized tiling
     Kdrt,
     /// Tiling of all darts with their arrival order, without bias at seams. Blocks share a pattern of k samples: the law of
-    /// the reference sampler holds in every window, and averages over N samples vary about as those of N k / (N + k)
+    /// the reference sampler holds in every window in which no pattern repeats, and averages over N samples vary about as those of N k / (N + k)
     /// independent ones, which is less than k however large N is. So the pattern's seed is the seed, and its side 200 r up
     /// to 28,000 samples (k = 27,800) and 400 r above (k = 111,400), unless they are given. Its tables take 101 bytes a
     /// squared r: 4.1 and 16.2 MB. Below about 300,000 samples the reference sampler takes less time
@@ -165,7 +165,7 @@ impl NestedArguments {
     pub fn request(&self) -> Result<Option<NestedRequest>> {
         ensure!(
             self.exactly.is_none() || self.levels.is_some(),
-            "--exactly needs --levels K with --method kdrt, or a third side (--depth D), a field or a shape, which `tilescope sample` takes"
+            "--exactly needs --levels K, which KDRT alone has, or a third side (--depth D), a field or a shape, which `tilescope sample` takes"
         );
         Ok(self.of_levels())
     }

@@ -10,7 +10,8 @@ use anyhow::{Context, Result, ensure};
 use serde_json::{Value, json};
 use tilescope_analysis::{CutReport, Region, VerifyOptions, verify_cut};
 use tilescope_core::{
-    Domain, ExactPlane, MAXIMAL_DENSITY, Plane, Progress, R, WidenedWindow, Window, WindowMaker,
+    Domain, ExactPlane, MAXIMAL_DENSITY, Plane, Progress, R, Variant, WidenedWindow, Window,
+    WindowMaker,
 };
 use tilescope_formats::{PointSet, positions_digest};
 use tilescope_sets::{Facts, region};
@@ -49,13 +50,16 @@ pub fn run(arguments: &SampleArguments, asked: &[f64]) -> Result<u8> {
     if let Some(request) = arguments.nested.request()? {
         return nested::run(arguments, corners, &recipe, request);
     }
-    let is_tiling = arguments.method() != SamplingMethod::Reference;
-    ensure!(
-        !is_tiling || arguments.engine.makes_windows(arguments.run.asked.variant),
-        "--window needs the parallel engine: the others, also the GPU's, make whole sets"
-    );
+    let check_engine = |variant| {
+        ensure!(
+            arguments.engine.makes_windows(variant),
+            "--window needs the parallel engine: the others, also the GPU's, make whole sets"
+        );
+        Ok(())
+    };
     match arguments.method() {
         SamplingMethod::Kdrt => {
+            check_engine(arguments.run.asked.variant)?;
             // Only the window is in memory, and `check_size` limits it, so that the set may have any size. `--count` is
             // allowed: the radius of a large set is estimated and as a rule confirmed by a smaller set, so that the
             // whole set need not be made.
@@ -65,6 +69,8 @@ pub fn run(arguments: &SampleArguments, asked: &[f64]) -> Result<u8> {
             show(arguments, corners, &plane, &run.facts)
         }
         SamplingMethod::Exact => {
+            // Its variants are refused below, by their name.
+            check_engine(Variant::Staged)?;
             ensure!(
                 recipe.count.is_none(),
                 "--count would make the whole set to find its radius: with --window and --method exact give --radius"

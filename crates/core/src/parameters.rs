@@ -107,8 +107,7 @@ pub struct PatternSpec {
     pub side: f64,
     /// A periodic pattern can be clipped at any offset, for blocks of any size; the paper uses a bounded one.
     pub boundary: Boundary,
-    /// Seed of the reference sampler that makes it. It is not the run's seed: one
-    /// pattern serves every run.
+    /// Seed of the reference sampler that makes it. In KDRT it is not the run's seed: one pattern serves every run.
     pub seed: u64,
 }
 
@@ -370,6 +369,30 @@ mod tests {
         let domain = Parameters::default().validate().unwrap();
         let expected = domain.area_radii() * 0.6985;
         assert!((9_900.0..10_100.0).contains(&expected), "{expected}");
+    }
+
+    #[test]
+    fn side_and_seed_of_a_pattern_follow_apart() {
+        let before = Parameters {
+            seed: 7,
+            ..Parameters::default()
+        };
+        // A million samples, for which the usual side is 400 r.
+        let after = Parameters {
+            radius: 0.000_835,
+            ..before.as_exact()
+        };
+        let following = |side, seed| {
+            let mut before = before;
+            (before.pattern.side, before.pattern.seed) = (side, seed);
+            let PatternSpec { side, seed, .. } = after.pattern_following(&before);
+            (side, seed)
+        };
+        // KDRT usually has a pattern of 100 r with the seed 0.
+        assert_eq!(following(100.0, 0), (400.0, 7));
+        assert_eq!(following(50.0, 0), (50.0, 7));
+        assert_eq!(following(100.0, 3), (400.0, 3));
+        assert_eq!(following(50.0, 3), (50.0, 3));
     }
 
     #[test]

@@ -49,7 +49,7 @@ pub struct Checked {
     pub misconceived: f64,
 }
 
-/// Makes the runs of lessons. A pattern is made once.
+/// Makes the runs of lessons. A pattern of KDRT is made once.
 #[derive(Default)]
 pub struct Runs {
     patterns: HashMap<String, Arc<Pattern>>,

@@ -378,8 +378,8 @@ pub fn step_name(title: &str) -> String {
     name
 }
 
-/// Changes a scene by a `run` directive. What the directive does not name stays as it was, with four exceptions: the
-/// claims, the condition of the moment, the camera and the plane. New levels have no density, and a new field has its
+/// Changes a scene by a `run` directive. What the directive does not name stays as it was, with five exceptions: the
+/// claims, the condition of the moment, the camera, the plane, and the usual pattern of exact tiling. New levels have no density, and a new field has its
 /// coin, unless the directive says otherwise.
 fn run(scene: &mut SceneSpec, fields: &Fields) -> Result<(), LessonError> {
     let known: Vec<&str> = parameters().map(Parameter::key).chain(OF_RUN).collect();

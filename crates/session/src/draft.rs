@@ -9,7 +9,7 @@ mod refusal;
 mod shared;
 mod stipple;
 
-use std::collections::BTreeMap;
+use std::collections::{BTreeMap, BTreeSet};
 
 use serde::de::Error as _;
 use serde::{Deserialize, Deserializer};
@@ -52,6 +52,18 @@ const MANY_SAMPLES: f64 = 2e7;
 /// The memory of a run, its verdict and its picture, for each sample: 8.9 GB were measured at 10^8 samples.
 const BYTES_PER_SAMPLE: f64 = 90.0;
 
+/// The numbers of a pattern.
+const OF_PATTERN: [Parameter; 2] = [Parameter::PatternSide, Parameter::PatternSeed];
+
+/// Returns whether a number of the pattern is the usual one of such parameters.
+fn is_usual(number: Parameter, parameters: &Parameters) -> bool {
+    let usual = Parameters {
+        pattern: parameters.usual_pattern(),
+        ..*parameters
+    };
+    number.value(parameters) == number.value(&usual)
+}
+
 /// Parameters that are being edited, with the texts of their fields.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Draft {
@@ -71,6 +83,8 @@ pub struct Draft {
     pub depth: String,
     /// The values; a number is that of the last valid text.
     pub parameters: Parameters,
+    /// Those numbers of the pattern that follow nothing, as they were typed or are not the usual ones.
+    fixed: BTreeSet<Parameter>,
 }
 
 impl Default for Draft {
@@ -84,7 +98,11 @@ impl Draft {
     #[must_use]
     pub fn from_parameters(parameters: Parameters) -> Self {
         let texts = numbers().map(|parameter| (parameter, parameter.text(&parameters)));
+        let fixed = OF_PATTERN.into_iter();
         Self {
+            fixed: fixed
+                .filter(|number| !is_usual(*number, &parameters))
+                .collect(),
             texts: texts.collect(),
             count: None,
             levels: None,
@@ -160,14 +178,24 @@ impl Draft {
         };
 
         let before = self.parameters;
+        let is_read = read.is_ok();
         // The value has the type of the parameter, so that setting it cannot fail. Limits are not checked here:
         // `refusals` names them.
         if let Ok(value) = read {
             drop(parameter.set(&mut self.parameters, value));
         }
 
+        if OF_PATTERN.contains(&parameter) {
+            // The usual number, typed, follows again. A text that cannot be read must stay until it can be.
+            if is_read && is_usual(parameter, &self.parameters) {
+                self.fixed.remove(&parameter);
+            } else {
+                self.fixed.insert(parameter);
+            }
+        }
+
         self.texts.insert(parameter, text);
-        self.follow(&before, parameter);
+        self.follow(&before);
         // A typed number of samples applied to the former parameters.
         self.count = None;
     }
@@ -248,7 +276,7 @@ impl Draft {
             Choice::Parameter(parameter, value) => {
                 let before = self.parameters;
                 drop(parameter.set(&mut self.parameters, value));
-                self.follow(&before, parameter);
+                self.follow(&before);
             }
             Choice::Levels(levels) => self.levels = levels,
             Choice::Within(within) => self.within = within,
@@ -256,29 +284,26 @@ impl Draft {
         }
     }
 
-    /// Changes the parameters that follow from the one just changed. With the change to exact tiling, those without a
-    /// meaning there get their defaults. The side of the pattern follows the size of the set, and its seed the seed, unless they were changed by hand.
-    fn follow(&mut self, before: &Parameters, changed: Parameter) {
+    /// Changes the parameters that follow from a change. With the change to exact tiling, those without a meaning there get
+    /// their defaults. The side of the pattern follows the size of the set, and its seed the seed, unless they were typed.
+    fn follow(&mut self, before: &Parameters) {
         // The parameters without a meaning there are chosen, so that no text changes with them.
         if self.parameters.method == TilingMethod::Exact && before.method == TilingMethod::Kdrt {
             self.parameters = self.parameters.as_exact();
         }
 
-        let of_pattern = [
-            Parameter::PatternSide,
-            Parameter::PatternSeed,
-            Parameter::PatternBoundary,
-        ];
-        let following = self.parameters.pattern_following(before);
-
-        // A change of the pattern itself must not be undone here.
-        if following != self.parameters.pattern && !of_pattern.contains(&changed) {
-            self.parameters.pattern = following;
-            // The boundary is chosen, and has no text.
-            for parameter in [Parameter::PatternSide, Parameter::PatternSeed] {
-                let text = parameter.text(&self.parameters);
-                self.texts.insert(parameter, text);
+        let usual = Parameters {
+            pattern: self.parameters.usual_pattern(),
+            ..self.parameters
+        };
+        for number in OF_PATTERN {
+            let value = number.value(&usual);
+            if self.fixed.contains(&number) || value == number.value(&self.parameters) {
+                continue;
             }
+            // It is a value of the same parameter, so that it can be set.
+            drop(number.set(&mut self.parameters, value));
+            self.texts.insert(number, number.text(&usual));
         }
     }
 
@@ -545,6 +570,65 @@ mod tests {
         draft.set_text(Parameter::Leaf, "12.5".to_owned());
         assert_eq!(draft.parameters.seed, 77);
         assert!((draft.parameters.leaf - 12.5).abs() < f64::EPSILON);
+    }
+
+    /// A number of the pattern that was typed stays, whatever the usual one is meanwhile.
+    #[test]
+    fn a_pattern_follows_the_set_but_for_what_was_typed() {
+        let choose = |draft: &mut Draft, method: &str| {
+            draft.choose(Choice::Parameter(Parameter::Method, method.into()));
+        };
+        let type_all = |draft: &mut Draft, texts: &[(Parameter, &str)]| {
+            for &(parameter, text) in texts {
+                draft.set_text(parameter, text.to_owned());
+            }
+        };
+        let pattern = |draft: &Draft| {
+            let numbers = OF_PATTERN.map(|number| draft.text(number).to_owned());
+            assert_eq!(draft.refusals(), []);
+            numbers
+        };
+
+        let mut draft = Draft::default();
+        choose(&mut draft, "exact");
+        type_all(&mut draft, &[(Parameter::Seed, "9")]);
+        assert_eq!(pattern(&draft), ["200", "9"]);
+        choose(&mut draft, "kdrt");
+        assert_eq!(pattern(&draft), ["100", "0"]);
+
+        // 200 r is the usual side of exact tiling, and 100 r that of KDRT.
+        type_all(&mut draft, &[(Parameter::PatternSide, "200")]);
+        choose(&mut draft, "exact");
+        choose(&mut draft, "kdrt");
+        assert_eq!(pattern(&draft), ["200", "0"]);
+        choose(&mut draft, "exact");
+        type_all(&mut draft, &[(Parameter::PatternSide, "100")]);
+        choose(&mut draft, "kdrt");
+        choose(&mut draft, "exact");
+        assert_eq!(pattern(&draft), ["100", "9"]);
+
+        // A seed passes the typed one of the pattern while it is typed.
+        type_all(
+            &mut draft,
+            &[(Parameter::PatternSeed, "4"), (Parameter::Seed, "4")],
+        );
+        type_all(&mut draft, &[(Parameter::Seed, "42")]);
+        assert_eq!(pattern(&draft), ["100", "4"]);
+        // The usual one, typed, follows again.
+        type_all(
+            &mut draft,
+            &[(Parameter::PatternSeed, "42"), (Parameter::Seed, "5")],
+        );
+        assert_eq!(pattern(&draft), ["100", "5"]);
+
+        // A text that cannot be read stays until it can be.
+        type_all(
+            &mut draft,
+            &[(Parameter::PatternSide, "5x"), (Parameter::Seed, "6")],
+        );
+        assert_eq!(draft.text(Parameter::PatternSide), "5x");
+        assert!(!draft.refusals().is_empty());
+        assert_eq!(draft.text(Parameter::PatternSeed), "6");
     }
 
     #[test]

@@ -49,7 +49,7 @@ pub fn independent_samples(samples: f64, of_pattern: f64) -> f64 {
 const LAW: &str = "exact in every window; averages over the set vary about as those of N k / (N + k) independent samples, with N the number of its samples and k = pattern_samples";
 
 /// What they say of a pattern that repeats within blocks: a window in which it repeats does not have the law.
-const LAW_WITH_REPEATS: &str = "exact in windows narrower than the pattern alone, which repeats within the largest blocks; averages over the set vary about as those of N k / (N + k) independent samples, with N the number of its samples and k = pattern_samples";
+const LAW_WITH_REPEATS: &str = "exact only in windows narrower than the pattern, which repeats within the largest blocks; averages over the set vary about as those of N k / (N + k) independent samples, with N the number of its samples and k = pattern_samples";
 
 /// Returns the pattern of exact tiling for about the given number of samples. A side and a seed that are among the
 /// parameters that were `given` are as asked.
@@ -87,7 +87,10 @@ pub fn facts_of_exact(
     let reuse = samples / independent as f64;
     used.insert("pattern_samples".to_owned(), independent.into());
     used.insert("samples_per_pattern_sample".to_owned(), reuse.into());
-    let repeats = parameters.side_without_repeats().is_some();
+    // The parameters do not describe a pattern that is given.
+    let mut of_pattern = *parameters;
+    of_pattern.pattern.side = pattern.domain().size()[0];
+    let repeats = of_pattern.side_without_repeats().is_some();
     let law = if repeats { LAW_WITH_REPEATS } else { LAW };
     used.insert("law".to_owned(), law.into());
     Facts::new("exact", used, domain)

@@ -4,7 +4,7 @@ use std::ops::ControlFlow;
 
 use tilescope_analysis::{Region, VerifyOptions};
 use tilescope_core::{
-    Boundary, Domain, NestedRequest, Parameter, Parameters, Unobserved, WithinLevel,
+    Boundary, Domain, NestedRequest, Parameter, Parameters, Pattern, Unobserved, WithinLevel,
 };
 
 use super::*;
@@ -100,7 +100,18 @@ fn exact_tiling_states_what_it_uses_and_how_large_its_pattern_is() {
     // The variance is 1 / N + 1 / k: at N = k the set is worth half of either, and not all of it.
     let law = made.facts.parameters["law"].as_str().unwrap();
     assert!(
-        law.contains("N k / (N + k)") && !law.contains("fewer"),
+        law.contains("N k / (N + k)") && law.starts_with("exact in every window;"),
+        "{law}"
+    );
+    // A pattern that is shorter than a block repeats there, whatever the parameters say of another one.
+    let pattern = Pattern::of_spec(&recipe.parameters.pattern, &mut Unobserved).unwrap();
+    let mut large = Parameters::default();
+    large.pattern.side = 400.0;
+    let domain = large.validate().unwrap();
+    let facts = facts_of_exact(&large, &domain, &pattern, 1e4);
+    let law = facts.parameters["law"].as_str().unwrap();
+    assert!(
+        law.starts_with("exact only in windows narrower than"),
         "{law}"
     );
 

@@ -41,7 +41,7 @@ pub enum CompareCommand {
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, serde::Serialize, serde::Deserialize)]
 #[serde(rename_all = "kebab-case")]
 pub enum ComparePreset {
-    /// The same with the next seed.
+    /// The same with the next seed, and in exact tiling with its pattern.
     NextSeed,
     /// The same with the other search radius of detectors: the paper's 2 r, or the radius of the proof.
     Search,

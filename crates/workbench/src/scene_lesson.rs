@@ -293,15 +293,17 @@ mod tests {
         };
         parameters.pattern = parameters.usual_pattern();
         let scenes = [scene("A", None)];
-        for side in [parameters.pattern.side, 120.0] {
+        for side in [parameters.pattern.side, 120.0, 100.0] {
             parameters.pattern.side = side;
             let text = lesson_of(&scenes, &parameters, None, false).unwrap();
             let lesson = Lesson::read("scenes", &text).unwrap();
             assert_eq!(lesson.steps[0].scene.run(None).parameters, parameters);
         }
 
-        parameters.pattern.seed = 0;
-        assert!(lesson_of(&scenes, &parameters, None, false).is_err());
+        for (seed, boundary) in [(0, Boundary::Periodic), (5, Boundary::Bounded)] {
+            (parameters.pattern.seed, parameters.pattern.boundary) = (seed, boundary);
+            assert!(lesson_of(&scenes, &parameters, None, false).is_err());
+        }
     }
 
     #[test]

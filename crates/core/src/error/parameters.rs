@@ -167,13 +167,11 @@ pub enum ParameterError {
         name: &'static str,
     },
     /// Engines of KDRT clip samples, and exact tiling clips darts.
-    #[error(
-        "KDRT alone is possible here: exact tiling has engines of its own. A set that they made can be given as a file"
-    )]
+    #[error("only KDRT can be used here, not exact tiling")]
     ExactByKdrt,
     /// A pattern that is given has samples, and exact tiling clips darts.
     #[error(
-        "exact tiling takes the darts of a pattern that it makes itself, and a given pattern has none: choose the side and the seed of the pattern instead, or KDRT"
+        "exact tiling takes darts, and here a pattern from a file has only samples: choose the side and the seed of a pattern instead, or KDRT"
     )]
     ExactOfSamples,
     /// A window is empty, or larger than the domain.

@@ -608,7 +608,7 @@ fn check(parameters: &Parameters, levels: u32) -> Result<Domain, ParameterError>
     // complete the error's message.
     let choices = [
         (
-            "the method, KDRT",
+            "the method, which is KDRT",
             parameters.method != TilingMethod::default(),
         ),
         (

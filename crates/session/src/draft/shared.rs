@@ -61,7 +61,8 @@ impl Draft {
 
     /// Takes the reference sampler in the place of exact tiling: the domain, its boundary, the radius and the seed stay.
     pub fn take_reference(&mut self) {
-        self.parameters.method = TilingMethod::Kdrt;
+        let method = Choice::Parameter(Parameter::Method, TilingMethod::Kdrt.key().into());
+        self.choose(method);
         // A shape has darts unless it is tiled. A rectangle has them if its radius is a formula, and here the formula is the
         // number.
         if !self.ground.is_asked() {

@@ -335,7 +335,7 @@ impl VaryingRecipe {
         };
 
         let mut asked = vec![0.0; columns * rows];
-        // A formula may take seconds. One stack serves all nodes of a thread, as each would ask for memory of its own.
+        // A formula may take seconds. One stack serves many rows, as each node would ask for memory of its own.
         let by_row = asked.par_chunks_mut(columns).enumerate();
         let wrong = by_row.map_init(Vec::new, |stack, (row, radii)| {
             for (column, radius) in radii.iter_mut().enumerate() {

@@ -906,7 +906,7 @@ fn what_makes_no_set_in_space_is_refused_by_name() {
     refused(
         &folder,
         "sample --exactly 100",
-        "--exactly needs --levels K with --method kdrt, or a third side",
+        "--exactly needs --levels K, which KDRT alone has, or a third side",
     );
     ends(&folder, "sample --size 5x5x5 --radius 1 --out a.ply", 0);
     refused(&folder, "verify a.ply --prefix 5", "--prefix");

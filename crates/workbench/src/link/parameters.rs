@@ -131,6 +131,11 @@ pub fn read<'a>(
     }
 
     fit(&mut parameters, run, warnings);
+    // Lengths that were corrected may have another usual side. The default session, in the place of what cannot be sampled, is not exact.
+    let names_no_side = texts(link_key(Parameter::PatternSide)).is_none();
+    if names_no_side && parameters.method == TilingMethod::Exact {
+        parameters.pattern.side = following(base, &parameters).pattern.side;
+    }
     parameters
 }
 
@@ -173,9 +178,9 @@ fn fit(p: &mut Parameters, run: &str, warnings: &mut LinkWarnings) {
         for parameter in NOT_OF_EXACT {
             let (asked, used) = (value(p, parameter), value(&exact, parameter));
             if asked != used {
-                let name = name_of(parameter);
+                let name = parameter.key();
                 warnings.add(format!(
-                    "The link asked for {name}{run} {asked}, which has no meaning in exact tiling: it keeps whatever arrived first."
+                    "Exact tiling{run} keeps whatever arrived first and has no {name}: {asked} is left out."
                 ));
             }
         }
@@ -368,6 +373,12 @@ mod tests {
             method: TilingMethod::Kdrt,
             ..other
         };
+        // An own seed beside the usual side, in a bounded pattern; and the next seed with its pattern.
+        let mut own_seed = asked;
+        own_seed.pattern.seed = 4;
+        own_seed.pattern.boundary = Boundary::Bounded;
+        let mut next = Parameters { seed: 8, ..other };
+        next.pattern.seed = 8;
         let first = Parameters::default();
         for (run, base) in [
             (asked, first),
@@ -375,6 +386,10 @@ mod tests {
             (first.as_exact(), first),
             (kdrt, asked),
             (first, other),
+            (own_seed, first),
+            (own_seed, other),
+            (own_seed, asked),
+            (next, other),
         ] {
             let pairs: Vec<_> = differing(&run, &base).collect();
             let texts = |key: &str| {

@@ -173,7 +173,7 @@ fn invalid_parts_are_named_and_the_rest_is_read() {
         ("b=&b.pattern=1e9", "a pattern of run B of 1000000000 r"),
         (
             "method=exact&order=index",
-            "order index, which has no meaning in exact tiling",
+            "has no order: index is left out",
         ),
         ("method=reference", "steps of the reference sampler"),
         ("method=best", "method best; kdrt is used instead: there is"),
