@@ -1,10 +1,10 @@
 //! What the pattern that the blocks of an exact tiling share means for the set and its time, and the way to the reference
 //! sampler, which makes no pattern.
 
-use tilescope_core::{MAXIMAL_DENSITY, TilingMethod};
+use tilescope_core::{MAXIMAL_DENSITY, Parameter, TilingMethod};
 use tilescope_sets::{exact_seconds, independent_samples, reference_seconds};
 
-use super::{Draft, RadiusBy};
+use super::{Choice, Draft, RadiusBy};
 
 /// The pattern that the blocks of an exact tiling share.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -61,7 +61,7 @@ impl Draft {
 
     /// Takes the reference sampler in the place of exact tiling: the domain, its boundary, the radius and the seed stay.
     pub fn take_reference(&mut self) {
-        let method = Choice::Parameter(Parameter::Method, TilingMethod::Kdrt.key().into());
+        let method = Choice::Parameter(Parameter::Method, "kdrt".into());
         self.choose(method);
         // A shape has darts unless it is tiled. A rectangle has them if its radius is a formula, and here the formula is the
         // number.
