@@ -4,7 +4,8 @@ use std::ops::ControlFlow;
 
 use tilescope_analysis::{Region, VerifyOptions};
 use tilescope_core::{
-    Boundary, Domain, NestedRequest, Parameter, Parameters, Pattern, Unobserved, WithinLevel,
+    Boundary, Domain, NestedRequest, Parameter, Parameters, Pattern, PatternSpec, Unobserved,
+    WithinLevel,
 };
 
 use super::*;
@@ -99,21 +100,17 @@ fn exact_tiling_states_what_it_uses_and_how_large_its_pattern_is() {
     assert_eq!(reuse, Some(made.set.len() as f64 / samples as f64));
     // The variance is 1 / N + 1 / k: at N = k the set is worth half of either, and not all of it.
     let law = made.facts.parameters["law"].as_str().unwrap();
+    let narrow = "exact only in windows narrower than the pattern";
     assert!(
-        law.contains("N k / (N + k)") && law.starts_with("exact in every window;"),
+        law.contains("N k / (N + k)") && law.starts_with(narrow),
         "{law}"
     );
-    // A pattern that is shorter than a block repeats there, whatever the parameters say of another one.
-    let pattern = Pattern::of_spec(&recipe.parameters.pattern, &mut Unobserved).unwrap();
-    let mut large = Parameters::default();
-    large.pattern.side = 400.0;
-    let domain = large.validate().unwrap();
-    let facts = facts_of_exact(&large, &domain, &pattern, 1e4);
+    // A given pattern, which the parameters do not describe, holds each block.
+    let pattern = Pattern::of_spec(&PatternSpec::default(), &mut Unobserved).unwrap();
+    let domain = recipe.parameters.validate().unwrap();
+    let facts = facts_of_exact(&recipe.parameters, &domain, &pattern, 700.0);
     let law = facts.parameters["law"].as_str().unwrap();
-    assert!(
-        law.starts_with("exact only in windows narrower than"),
-        "{law}"
-    );
+    assert!(law.starts_with("exact in every window;"), "{law}");
 
     let go_on = |_| ControlFlow::Continue(());
     let report = made.judge(&VerifyOptions::default(), &go_on);

@@ -78,9 +78,8 @@ impl Draft {
 #[cfg(test)]
 mod tests {
     use serde_json::json;
-    use tilescope_core::{Boundary, Parameter};
+    use tilescope_core::Boundary;
 
-    use super::super::Choice;
     use super::*;
 
     fn exact(radius: &str) -> Draft {
