@@ -246,8 +246,7 @@ impl Parameters {
     #[must_use]
     pub fn pattern_following(&self, before: &Self) -> PatternSpec {
         let (old, new) = (before.usual_pattern(), self.usual_pattern());
-        // Side and seed follow apart: another side is no choice of a seed. Both sides are numbers from the same table, so that
-        // equal ones have equal bits.
+        // Side and seed follow apart: another side is no choice of a seed. Usual sides are constants, whose bits are compared.
         let has_usual_side = before.pattern.side.to_bits() == old.side.to_bits();
         let has_usual_seed = before.pattern.seed == old.seed;
         PatternSpec {

@@ -379,8 +379,8 @@ pub fn step_name(title: &str) -> String {
 }
 
 /// Changes a scene by a `run` directive. What the directive does not name stays as it was, with five exceptions: the
-/// claims, the condition of the moment, the camera, the plane, and the usual pattern of exact tiling. New levels have no density, and a new field has its
-/// coin, unless the directive says otherwise.
+/// claims, the condition of the moment, the camera, the plane, and the usual pattern of exact tiling. New levels have no
+/// density, and a new field has its coin, unless the directive says otherwise.
 fn run(scene: &mut SceneSpec, fields: &Fields) -> Result<(), LessonError> {
     let known: Vec<&str> = parameters().map(Parameter::key).chain(OF_RUN).collect();
     fields.only(&known, &CLAIMS)?;
@@ -395,6 +395,8 @@ fn run(scene: &mut SceneSpec, fields: &Fields) -> Result<(), LessonError> {
             set_parameter(&mut scene.parameters, parameter, field)?;
         }
     }
+
+    // The pattern of exact tiling goes with the seed and the size of the set, but a side that is given here stays.
     let following = scene.parameters.pattern_following(&before);
     let pattern = &mut scene.parameters.pattern;
     pattern.seed = following.seed;

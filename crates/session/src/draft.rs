@@ -83,7 +83,7 @@ pub struct Draft {
     pub depth: String,
     /// The values; a number is that of the last valid text.
     pub parameters: Parameters,
-    /// Those numbers of the pattern that follow nothing, as they were typed or are not the usual ones.
+    /// The numbers of the pattern that stay when the set changes: they were typed, or are not the usual ones.
     fixed: BTreeSet<Parameter>,
 }
 
