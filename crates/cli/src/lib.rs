@@ -111,7 +111,7 @@ pub enum Command {
     Combine(combine::CombineArguments),
     /// Draw a point set as PNG or SVG
     Draw(draw::DrawArguments),
-    /// Measure KDRT against the reference sampler, a GPU against the threads, or measures that move with a run
+    /// Measure KDRT and exact tiling against the reference sampler, a GPU against the threads, or measures that move with a run
     Bench(bench_common::BenchArguments),
     /// Sample at random parameters with both engines, compare and verify
     Soak(soak::SoakArguments),

@@ -148,7 +148,12 @@ fn options() -> impl Iterator<Item = Parameter> {
 /// Returns the option of a parameter, with the default that the core has.
 fn option(parameter: Parameter) -> Arg {
     let row = parameter.row();
-    let bare = Arg::new(row.key).long(row.key).help(row.help);
+    let help = if NOT_OF_EXACT.contains(&parameter) {
+        format!("{}; of KDRT alone", row.help)
+    } else {
+        row.help.to_owned()
+    };
+    let bare = Arg::new(row.key).long(row.key).help(&help);
     let with_parser = match row.kind {
         ParameterKind::Real { .. } if parameter == Parameter::Radius => {
             bare.value_parser(RadiusSpan::parse)
@@ -172,11 +177,8 @@ fn option(parameter: Parameter) -> Arg {
         return with_default;
     };
     let default = &DEFAULTS[&parameter];
-    let help = format!(
-        "{} [default: {default}; of exact tiling {of_exact}]",
-        row.help
-    );
-    with_default.help(help).hide_default_value(true)
+    let with_both = format!("{help} [default: {default}; of exact tiling {of_exact}]");
+    with_default.help(with_both).hide_default_value(true)
 }
 
 /// Returns what exact tiling takes if an option is not given, where that is not what KDRT takes
@@ -209,7 +211,7 @@ fn pattern_file() -> [Arg; 2] {
     let file = Arg::new("pattern")
         .long("pattern")
         .value_name("FILE")
-        .help("Clip from this point set instead; it needs a certificate or --pattern-radius. Exact tiling takes a set by --method reference in a periodic square, whose darts are thrown again from the certificate's seed")
+        .help("Clip from this point set instead; it needs a certificate or --pattern-radius. In 'sample', exact tiling takes a set by --method reference in a periodic square, whose darts are thrown again from the certificate's seed")
         .value_parser(value_parser!(PathBuf))
         .conflicts_with_all(["pattern-side", "pattern-seed", "pattern-boundary"]);
     let radius = Arg::new("pattern-radius")
@@ -398,6 +400,10 @@ mod tests {
         // Negative control: the leaf has one default, which clap shows.
         assert!(!help(Parameter::Leaf).contains("exact"));
         assert!(!option(Parameter::Leaf).is_hide_default_value_set());
+        assert!(
+            help(Parameter::Order).ends_with("of KDRT alone")
+                && !help(Parameter::Leaf).contains("KDRT")
+        );
         // What the help says is what the core takes.
         let sides = [28_000.0, 28_001.0].map(|samples| PatternSpec::for_exact(samples, 7));
         assert_eq!(

@@ -3,7 +3,7 @@
 use anyhow::Result;
 use tilescope_core::{Parameters, grouped};
 use tilescope_formats::positions_digest;
-use tilescope_sets::EXACT_PAYS_FROM;
+use tilescope_sets::exact_pays_from;
 
 use crate::make::{self, Worked};
 use crate::output::{self, Judged, Outcome};
@@ -39,8 +39,7 @@ pub fn run(arguments: &SampleArguments) -> Result<u8> {
     // remarks of `outcome`, which are on sets of one radius that fill their domain, they get the one on the time.
     if arguments.ground.is_given() {
         let mut outcome = finish(arguments, varying::make(arguments)?)?;
-        let is_exact = matches!(arguments.method, Some(SamplingMethod::Exact));
-        let time = note_on_time(outcome.count, true).filter(|_| is_exact);
+        let time = note_on_time(&outcome, true);
         let notes = [beginning(&outcome), capped(&outcome), time];
         outcome.warnings.extend(notes.into_iter().flatten());
         output::report(arguments.json, || outcome.json(), || outcome.text())?;
@@ -170,26 +169,36 @@ fn with_remarks(
     }
 
     // This is a note on the time alone, and comes last.
-    let note = note_on_time(outcome.count, false);
-    let is_exact = arguments.method() == SamplingMethod::Exact;
-    outcome.warnings.extend(note.filter(|_| is_exact));
+    outcome.warnings.extend(note_on_time(&outcome, false));
     outcome
 }
 
 /// Returns a note on the time of exact tiling, for a set so small that its pattern does not pay.
-fn note_on_time(count: u64, is_shape: bool) -> Option<String> {
-    let limit = grouped(EXACT_PAYS_FROM as u64);
+fn note_on_time(outcome: &Outcome, is_shape: bool) -> Option<String> {
+    // A pattern from a file is stated without a side, and gets no note: it is asked for as it is.
+    let pattern = outcome.facts.parameters.get("pattern")?;
+    let side = pattern.get("side")?.as_f64()?;
+    let is_exact = outcome.facts.method == "exact";
+    time_is_longer(outcome.count, side, is_shape).filter(|_| is_exact)
+}
+
+/// Returns the note on a number of samples by a pattern of this side in radii, if the pattern does not pay.
+fn time_is_longer(count: u64, side: f64, is_shape: bool) -> Option<String> {
+    let pays_from = exact_pays_from(side);
+    // Two digits are as many as the measurement has.
+    let step = 10_f64.powf(pays_from.log10().floor() - 1.0).max(1.0);
+    let limit = grouped(((pays_from / step).round() * step) as u64);
     // Where the limit lies was measured in rectangles. Darts in shapes take other times.
     let text = if is_shape {
         format!(
-            "note: in a rectangle darts take less time below about {limit} samples, as they have the same law and need no pattern; shapes were not timed. Without --method exact darts make this shape"
+            "note: in a rectangle darts take less time than a pattern of {side} r below about {limit} samples, and have the same law; shapes were not timed. Without --method exact darts make this shape"
         )
     } else {
         format!(
-            "note: below about {limit} samples --method reference takes less time: it has the same law and makes no pattern"
+            "note: below about {limit} samples --method reference takes less time than a pattern of {side} r, and has the same law"
         )
     };
-    ((count as f64) < EXACT_PAYS_FROM).then_some(text)
+    ((count as f64) < pays_from).then_some(text)
 }
 
 #[cfg(test)]
@@ -202,13 +211,14 @@ mod tests {
             (false, "--method reference takes less"),
             (true, "shapes were not timed"),
         ] {
-            let note = note_on_time(299_999, is_shape).expect("a note");
+            let note = time_is_longer(286_000, 400.0, is_shape).expect("a note");
             assert!(
-                note.starts_with("note: ") && note.contains(part) && note.contains("300,000"),
+                note.starts_with("note: ") && note.contains(part) && note.contains("290,000"),
                 "{note}"
             );
-            // Negative control: at the limit the pattern pays.
-            assert_eq!(note_on_time(300_000, is_shape), None);
+            // Negative controls: above the limit the pattern pays, and that of a smaller pattern is lower.
+            assert_eq!(time_is_longer(288_000, 400.0, is_shape), None);
+            assert_eq!(time_is_longer(286_000, 200.0, is_shape), None);
         }
     }
 }

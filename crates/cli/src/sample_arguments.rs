@@ -136,7 +136,7 @@ pub enum SamplingMethod {
 /// Arguments of nested levels.
 #[derive(Debug, Args)]
 pub struct NestedArguments {
-    /// Make K sets, each with all samples of the one before and maximal for a radius smaller by the root of 2. The last has
+    /// Make K sets by KDRT, each with all samples of the one before and maximal for a radius smaller by the root of 2. The last has
     /// the radius or the count given. The samples of the first come first, so that every prefix of the set is evenly spread
     #[arg(long, value_name = "K", conflicts_with = "pattern")]
     pub levels: Option<u32>,

@@ -8,8 +8,8 @@ use glam::I64Vec2;
 use tilescope_core::stages::detect::Sites;
 use tilescope_core::{
     Domain, Fate, Insertion, Locality, Observer, Parameters, Pattern, PatternHistory, Point, R,
-    Run, RunEvent, SampleError, SampleGrid, Sequential, TilingMethod, Verdict, exact_recorded,
-    sample_recorded, varying_recorded,
+    Run, RunEvent, SampleError, SampleGrid, Sequential, Shape, TilingMethod, Verdict,
+    exact_recorded, sample_recorded, varying_recorded,
 };
 
 use crate::context::{Context, NeighbourSearch};
@@ -141,6 +141,20 @@ impl Recording {
         while engine.step_recorded(observer, &mut tape)?.is_some() {}
         tape.seal();
         Ok(Self::of(engine.finish(observer)?, tape))
+    }
+
+    /// Like [`Self::new`] by exact tiling, with a given pattern.
+    pub fn with_history(
+        parameters: &Parameters,
+        history: &PatternHistory,
+        budget: usize,
+        observer: &mut dyn Observer,
+    ) -> Result<Self, SampleError> {
+        let mut tape = Tape::new(parameters, budget);
+        let whole = Shape::rectangle();
+        let run = exact_recorded(parameters, history, &whole, observer, &mut tape)?;
+        tape.seal();
+        Ok(Self::of(run, tape))
     }
 
     /// Makes the set of a field of radii and a shape by darts, and records it with about `budget` events at most. Of

@@ -14,7 +14,7 @@ use std::collections::{BTreeMap, HashMap};
 use std::fmt::Write as _;
 use std::sync::Arc;
 
-use tilescope_core::{Observer, Pattern, PatternSpec, SampleError, TilingMethod};
+use tilescope_core::{Observer, Pattern, PatternHistory, PatternSpec, SampleError, TilingMethod};
 use tilescope_debugger::{DEFAULT_BUDGET, Recording};
 use tilescope_sets::VaryingError;
 
@@ -49,10 +49,12 @@ pub struct Checked {
     pub misconceived: f64,
 }
 
-/// Makes the runs of lessons. A pattern of KDRT is made once.
+/// Makes the runs of lessons. A pattern of KDRT is made once, and one of exact tiling once for each seed.
 #[derive(Default)]
 pub struct Runs {
     patterns: HashMap<String, Arc<Pattern>>,
+    /// The last pattern of exact tiling: the runs of a seed follow each other.
+    history: Option<(PatternSpec, PatternHistory)>,
     recordings: HashMap<String, Arc<Recording>>,
 }
 
@@ -74,14 +76,21 @@ impl Runs {
         }
 
         let is_planar = run.levels.is_none() && run.radius.is_none() && run.depth.is_none();
-        let recording = if is_planar && run.parameters.method == TilingMethod::Kdrt {
-            // The runs of several seeds have the same pattern, which is made once.
-            let pattern = self.pattern(&run.parameters.pattern, observer)?;
-            let made = Recording::with_pattern(&run.parameters, pattern, DEFAULT_BUDGET, observer)?;
-            Arc::new(made)
-        } else {
-            // Levels have a nested pattern, exact tiling has one for each seed, and a field or a box has none.
-            run.make(observer)?
+        let (parameters, budget) = (&run.parameters, DEFAULT_BUDGET);
+        let recording = match parameters.method {
+            // Levels have a nested pattern, and a field or a box has none.
+            _ if !is_planar => run.make(observer)?,
+            TilingMethod::Kdrt => {
+                // The runs of several seeds have the same pattern, which is made once.
+                let pattern = self.pattern(&parameters.pattern, observer)?;
+                let made = Recording::with_pattern(parameters, pattern, budget, observer)?;
+                Arc::new(made)
+            }
+            TilingMethod::Exact => {
+                let history = self.history(&parameters.pattern, observer)?;
+                let made = Recording::with_history(parameters, history, budget, observer)?;
+                Arc::new(made)
+            }
         };
         self.recordings.insert(name, Arc::clone(&recording));
         Ok(recording)
@@ -100,6 +109,18 @@ impl Runs {
         let made = Pattern::of_spec(spec, observer)?;
         self.patterns.insert(name, Arc::clone(&made));
         Ok(made)
+    }
+
+    fn history(
+        &mut self,
+        spec: &PatternSpec,
+        observer: &mut dyn Observer,
+    ) -> Result<&PatternHistory, SampleError> {
+        let last = match self.history.take() {
+            Some((of, history)) if of == *spec => history,
+            _ => PatternHistory::of_spec(spec, observer)?,
+        };
+        Ok(&self.history.insert((*spec, last)).1)
     }
 
     /// Drops the recordings; patterns stay.

@@ -21,6 +21,7 @@ use crate::arrays::rows;
 use crate::drawing::DrawingFields;
 use crate::failure::Failure;
 use crate::ground::Ground;
+use crate::sample::SetMethod;
 use crate::task::{TaskWatch, run};
 use crate::values::{named, real, real_if_given, shortened, shown, whole};
 
@@ -468,11 +469,17 @@ impl RunRequest {
         })
     }
 
-    /// Returns the side in radii of a pattern that would not repeat within blocks, where this one does.
-    fn side_without_repeats(&self) -> Option<f64> {
-        let generated = self.recipe.pattern.is_none() && self.nested.is_none();
-        let side = self.recipe.parameters.side_without_repeats();
-        side.filter(|_| generated)
+    /// Returns the side in radii of a generated pattern that repeats within blocks, and of one that would not. Raises what
+    /// sampling by this method raises for the arguments.
+    fn repeating_pattern(&self, method: &str) -> PyResult<Option<(f64, f64)>> {
+        let parameters = match named("method", method)? {
+            _ if self.recipe.pattern.is_some() || self.nested.is_some() => return Ok(None),
+            SetMethod::Kdrt => self.recipe.parameters,
+            SetMethod::Exact => self.exact_parameters()?,
+            SetMethod::Reference => return Ok(None),
+        };
+        let needed = parameters.side_without_repeats();
+        Ok(needed.map(|needed| (parameters.pattern.side, needed)))
     }
 }
 
@@ -480,11 +487,10 @@ impl RunRequest {
     /// Returns the recipe for exact tiling: the darts of a given pattern are thrown again. Refuses by their names the
     /// arguments that it has no use for, and a pattern that the reference sampler did not make.
     pub fn exact_recipe(&self, py: Python<'_>) -> PyResult<Recipe> {
-        // With a count the radius is an estimate, which is near enough to choose the pattern by.
-        let domain = (self.recipe.parameters.validate()).map_err(Failure::from)?;
-        let samples = domain.area_radii() * MAXIMAL_DENSITY;
-        let mut recipe = self.recipe.clone();
-        recipe.parameters.pattern = self.exact_pattern(samples)?;
+        let mut recipe = Recipe {
+            parameters: self.exact_parameters()?,
+            ..self.recipe.clone()
+        };
         // The samples of a given pattern are known, but exact tiling also needs the darts that were refused.
         if let (Some(set), Some(given)) = (&self.given_set, &recipe.pattern) {
             let source = given.source.clone();
@@ -492,6 +498,17 @@ impl RunRequest {
             recipe.pattern = Some(run(py, None, arrived)?);
         }
         Ok(recipe)
+    }
+
+    /// Returns the parameters with the pattern of exact tiling. Refuses arguments that exact tiling has no use for.
+    fn exact_parameters(&self) -> PyResult<Parameters> {
+        // With a count the radius is an estimate, which is near enough to choose the pattern by.
+        let asked = self.recipe.parameters;
+        let domain = asked.validate().map_err(Failure::from)?;
+        Ok(Parameters {
+            pattern: self.exact_pattern(domain.area_radii() * MAXIMAL_DENSITY)?,
+            ..asked
+        })
     }
 
     /// Returns the blocks of an exact tiling of about so many samples, and refuses by their names the arguments that it has no use

@@ -2,6 +2,7 @@
 
 import json
 import math
+import warnings
 from pathlib import Path
 
 import numpy as np
@@ -168,6 +169,13 @@ def test_exact_planes_need_a_radius_and_one_level():
 def test_a_pattern_that_repeats_within_blocks_is_warned_of():
     with pytest.warns(UserWarning, match="pattern_side=162 would avoid that"):
         tilescope.sample(radius=0.005, leaf=80)
+    with pytest.warns(UserWarning, match="the pattern of 50 r repeats .* pattern_side=62 would avoid that"):
+        tilescope.sample(radius=0.01, method="exact", pattern_side=50)
+    # Negative controls: the pattern of exact tiling has 200 r, and darts need none.
+    with warnings.catch_warnings():
+        warnings.simplefilter("error")
+        tilescope.sample(radius=0.005, leaf=80, method="exact")
+        tilescope.sample(radius=0.02, leaf=80, method="reference")
 
 
 @pytest.mark.parametrize(

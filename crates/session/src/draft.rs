@@ -57,11 +57,15 @@ const OF_PATTERN: [Parameter; 2] = [Parameter::PatternSide, Parameter::PatternSe
 
 /// Returns whether a number of the pattern is the usual one of such parameters.
 fn is_usual(number: Parameter, parameters: &Parameters) -> bool {
-    let usual = Parameters {
+    number.value(parameters) == number.value(&with_usual_pattern(parameters))
+}
+
+/// Returns the parameters with the pattern that their method and number of samples have if none is named.
+fn with_usual_pattern(parameters: &Parameters) -> Parameters {
+    Parameters {
         pattern: parameters.usual_pattern(),
         ..*parameters
-    };
-    number.value(parameters) == number.value(&usual)
+    }
 }
 
 /// Parameters that are being edited, with the texts of their fields.
@@ -292,10 +296,7 @@ impl Draft {
             self.parameters = self.parameters.as_exact();
         }
 
-        let usual = Parameters {
-            pattern: self.parameters.usual_pattern(),
-            ..self.parameters
-        };
+        let usual = with_usual_pattern(&self.parameters);
         for number in OF_PATTERN {
             let value = number.value(&usual);
             if self.fixed.contains(&number) || value == number.value(&self.parameters) {

@@ -72,6 +72,20 @@ impl Recipe {
         }
     }
 
+    /// Returns the recipe with the method that makes it. No [`TilingMethod`] stands for the darts that make sets in space, in
+    /// fields and in shapes that are not tiled: their parameters name the default one, whose pattern is not used.
+    #[must_use]
+    pub fn with_its_method(mut self) -> Self {
+        let tiles = |ground: &GroundRequest| ground.is_tiled(&self.parameters);
+        let is_tiled = self.depth.is_none() && self.ground.as_deref().is_none_or(tiles);
+        if !is_tiled {
+            let asked = self.parameters;
+            self.parameters.method = TilingMethod::Kdrt;
+            self.parameters.pattern = self.parameters.pattern_following(&asked);
+        }
+        self
+    }
+
     /// Returns the pattern: the own one, otherwise the one that the parameters describe.
     pub fn pattern(&self, observer: &mut dyn Observer) -> Result<Arc<Pattern>, SampleError> {
         match &self.own {

@@ -46,7 +46,7 @@ pub use facts::{Facts, Stated, stated};
 pub use layout::{set_of_piece, stated_layout};
 pub use made::{Made, point_set, provenance};
 pub use recipe::{
-    EXACT_PAYS_FROM, GivenPattern, Recipe, Settled, exact_pattern, exact_seconds, facts_of_exact,
+    GivenPattern, Recipe, Settled, exact_pattern, exact_pays_from, exact_seconds, facts_of_exact,
     independent_samples, reference_seconds,
 };
 pub use reference_pattern::{ReferencePatternError, StatedSet};

@@ -19,22 +19,34 @@ use crate::reference_pattern::{ReferencePatternError, StatedSet};
 /// The parameters that the reference sampler uses.
 const OF_REFERENCE: [&str; 5] = ["width", "height", "radius", "boundary", "seed"];
 
-/// Below about this many samples the reference sampler takes less time than exact tiling with its pattern and tables, which take
-/// nearly all of it: for 200,000 samples 0.50 against 0.67 s, for 300,000 0.71 against 0.68 s, for 600,000 1.50 against 0.78 s, with
-/// one thread as with two (`cargo run --release -p tilescope-core --example exact_rates -- 1200 3 5`).
-pub const EXACT_PAYS_FROM: f64 = 300_000.0;
+/// The seconds that a pattern with its tables takes, for each squared radius of it. With those of a sample they give, for a pattern of
+/// 400 radii, what was measured with one thread as with two: for 200,000 samples 0.50 s by the reference sampler against 0.67 s,
+/// for 300,000 0.71 against 0.68, for 600,000 1.50 against 0.78
+/// (`cargo run --release -p tilescope-core --example exact_rates -- 1200 3 5`).
+const SECONDS_OF_PATTERN: f64 = 3.8e-6;
+/// The seconds of a sample of exact tiling, once the pattern is there.
+const SECONDS_OF_EXACT: f64 = 0.28e-6;
+/// The seconds of a sample of the reference sampler.
+const SECONDS_OF_REFERENCE: f64 = 2.4e-6;
 
 /// Returns about how many seconds exact tiling of a rectangle takes on one thread from nothing, with a pattern of this side in
-/// radii and its tables: 3.8 µs a squared radius of the pattern and 0.28 µs a sample, by the measurement at [`EXACT_PAYS_FROM`].
+/// radii and its tables.
 #[must_use]
 pub fn exact_seconds(samples: f64, pattern_side: f64) -> f64 {
-    3.8e-6 * pattern_side * pattern_side + 0.28e-6 * samples
+    SECONDS_OF_PATTERN * pattern_side * pattern_side + SECONDS_OF_EXACT * samples
 }
 
-/// Returns about how many seconds the reference sampler takes on one thread: 2.4 µs a sample, by the same measurement.
+/// Returns about how many seconds the reference sampler takes on one thread.
 #[must_use]
 pub fn reference_seconds(samples: f64) -> f64 {
-    2.4e-6 * samples
+    SECONDS_OF_REFERENCE * samples
+}
+
+/// Returns below about how many samples the reference sampler takes less time than exact tiling from nothing, with a pattern of this
+/// side in radii: 72,000 for 200 radii, 287,000 for 400.
+#[must_use]
+pub fn exact_pays_from(pattern_side: f64) -> f64 {
+    exact_seconds(0.0, pattern_side) / (SECONDS_OF_REFERENCE - SECONDS_OF_EXACT)
 }
 
 /// Returns of about how many independent samples averages over a set are worth, whose blocks share a pattern of `of_pattern`
@@ -46,7 +58,7 @@ pub fn independent_samples(samples: f64, of_pattern: f64) -> f64 {
 
 /// What certificates of exact tilings say of the pattern that their blocks share. The variance of an average is that of one
 /// sample times 1 / N + 1 / k (`decisions/algorithm.md`). Nothing reads the text: files from before say it in other words.
-const LAW: &str = "exact in every window; averages over the set vary about as those of N k / (N + k) independent samples, with N the number of its samples and k = pattern_samples";
+const LAW: &str = "exact in every window in which no pattern repeats; averages over the set vary about as those of N k / (N + k) independent samples, with N the number of its samples and k = pattern_samples";
 
 /// What they say of a pattern that repeats within blocks: a window in which it repeats does not have the law.
 const LAW_WITH_REPEATS: &str = "exact only in windows narrower than the pattern, which repeats within the largest blocks; averages over the set vary about as those of N k / (N + k) independent samples, with N the number of its samples and k = pattern_samples";

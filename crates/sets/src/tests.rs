@@ -110,7 +110,7 @@ fn exact_tiling_states_what_it_uses_and_how_large_its_pattern_is() {
     let domain = recipe.parameters.validate().unwrap();
     let facts = facts_of_exact(&recipe.parameters, &domain, &pattern, 700.0);
     let law = facts.parameters["law"].as_str().unwrap();
-    assert!(law.starts_with("exact in every window;"), "{law}");
+    assert!(law.starts_with("exact in every window in which"), "{law}");
 
     let go_on = |_| ControlFlow::Continue(());
     let report = made.judge(&VerifyOptions::default(), &go_on);

@@ -11,6 +11,7 @@ use thiserror::Error;
 use tilescope_session::verification::Verdict;
 
 use crate::command::{Command, ViewCommand, Which};
+use crate::compare::CompareCommand;
 use crate::files::FileCommand;
 use crate::remote::to_json;
 use crate::state::{Effect, Settings, State};
@@ -112,6 +113,11 @@ fn refusal_before(state: &State, command: &Command) -> Option<String> {
     // All other commands do something, or say why not.
     match command {
         Command::Run => state.form().refusal(state.gpu()),
+        Command::Compare(CompareCommand::Start(preset)) => {
+            state
+                .runs()
+                .preset_refusal(*preset, state.form(), state.gpu())
+        }
         Command::File(FileCommand::Go) => match &state.files().sheet {
             None => Some("No file sheet is open.".to_owned()),
             Some(form) if form.path.trim().is_empty() => Some("No file is named.".to_owned()),

@@ -208,7 +208,7 @@ parameters! {
         place: |p| &mut p.pattern.side, unit: "r", limits: [MIN_PATTERN_SIDE_RADII, MAX_PATTERN_SIDE_RADII],
     };
         "pattern size", "The side of the pattern from which every block is clipped, in r. A larger one repeats less and takes longer to make.";
-        "SIDE", "Side of the generated pattern, in radii";
+        "SIDE", "Side of the generated pattern, in radii: from 10 to 2,000";
 
     PatternBoundary, "pattern-boundary", Tiling, choice![pattern.boundary;
         "periodic", "Opposite sides are joined";

@@ -336,12 +336,12 @@ def sample(
         dihedral=dihedral, order=order, insertion=insertion, search=search, variant=variant, levels=levels,
         exactly=exactly, order_within=order_within,
     )  # fmt: skip
-    side = request.side_without_repeats()
-    if side is not None and method == "kdrt":
-        own = 100.0 if pattern_side is None else pattern_side
+    repeating = request.repeating_pattern(method)
+    if repeating is not None:
+        own, needed = repeating
         warnings.warn(
             f"the pattern of {own:g} r repeats within the largest blocks, which spectra show; "
-            f"pattern_side={side:g} would avoid that",
+            f"pattern_side={needed:g} would avoid that",
             stacklevel=2,
         )
     with following(progress) as told:

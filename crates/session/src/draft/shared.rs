@@ -13,6 +13,8 @@ pub struct SharedPattern {
     pub samples: f64,
     /// About how many samples the pattern has.
     pub of_pattern: f64,
+    /// Whether it repeats within the largest blocks.
+    pub repeats_within_blocks: bool,
     /// Whether it is a shape, of which no times were measured.
     pub is_shape: bool,
     /// About how many seconds the pattern takes, with its tables.
@@ -52,6 +54,7 @@ impl Draft {
         Some(SharedPattern {
             samples,
             of_pattern: MAXIMAL_DENSITY * side * side,
+            repeats_within_blocks: self.parameters.side_without_repeats().is_some(),
             is_shape,
             of_making: exact_seconds(0.0, side),
             seconds: exact_seconds(samples, side),
@@ -114,7 +117,12 @@ mod tests {
         // A larger pattern takes longer.
         let mut patterned = exact("0.001");
         patterned.set_text(Parameter::PatternSide, "2000".to_owned());
-        assert!(patterned.shared_pattern().expect("a pattern").is_slower());
+        let slow = patterned.shared_pattern().expect("a pattern");
+        assert!(slow.is_slower() && !slow.repeats_within_blocks, "{slow:?}");
+        // One of 30 r repeats within blocks of up to 40 r.
+        patterned.set_text(Parameter::PatternSide, "30".to_owned());
+        let narrow = patterned.shared_pattern().expect("a pattern");
+        assert!(narrow.repeats_within_blocks, "{narrow:?}");
 
         // Negative controls: other methods and unreadable numbers have no such pattern.
         assert_eq!(Draft::default().shared_pattern(), None);

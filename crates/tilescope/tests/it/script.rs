@@ -48,6 +48,12 @@ fn a_refused_command_is_named_and_ends_the_script_with_its_code() {
     let unwritten =
         r#"[{"file": {"sheet": "save"}}, {"file": {"path": "no/file.json"}}, {"file": "go"}]"#;
     script(unwritten, 2).stderr(contains("command 3: ").and(contains("no/file.json")));
+    // The window has no button for this comparison: exact tiling has no order.
+    let compared =
+        r#"[{"form": {"choose": {"method": METHOD}}}, "run", {"compare": {"start": "order"}}]"#;
+    let by = |method| compared.replace("METHOD", method);
+    script(&by("\"exact\""), 1).stderr(contains("command 3: ").and(contains("order")));
+    script(&by("\"kdrt\""), 0).stderr("");
     script("[]", 0).stderr("");
 }
 

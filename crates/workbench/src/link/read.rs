@@ -223,6 +223,14 @@ impl LinkReader {
             self.warnings.add(text.to_owned());
         }
 
+        // No sample depends on the method there. It is named, as the reader of the link expects blocks.
+        let asked = content.parameters.method;
+        content.parameters = content.recipe().with_its_method().parameters;
+        if content.parameters.method != asked {
+            let text = "The link's method \"exact\" was left out: darts make sets in space and sets whose radius varies.";
+            self.warnings.add(text.to_owned());
+        }
+
         let lacks = self.take(LACKS, |text| (text == LACKS_GROUND).then_some(()));
         content.lacks_ground = lacks.is_some();
         if content.lacks_ground {

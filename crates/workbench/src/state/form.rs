@@ -50,6 +50,7 @@ impl Form {
             ground: ground.map(Box::new),
             depth: self.draft.depth_asked(),
         }
+        .with_its_method()
     }
 
     /// Returns why it cannot be run now, or `None` if it can.

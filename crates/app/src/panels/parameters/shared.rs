@@ -42,8 +42,13 @@ pub(super) fn show(ui: &mut Ui, context: &FormContext<'_>, commands: &mut Vec<Co
 
 /// Returns how often samples of the pattern are used, and what averages over the set are worth.
 fn reuse(shared: &SharedPattern) -> String {
+    let law = if shared.repeats_within_blocks {
+        "The pattern repeats within the largest blocks, so that the law is exact only in windows narrower than it"
+    } else {
+        "The law is exact in every window in which no pattern repeats"
+    };
     format!(
-        "N / k = {:.2}: about {} samples share a pattern of {}. The law is exact in every window; averages over the set vary as those of {} independent samples.",
+        "N / k = {:.2}: about {} samples share a pattern of {}. {law}; averages over the set vary about as those of {} independent samples.",
         shared.samples / shared.of_pattern,
         rounded(shared.samples),
         rounded(shared.of_pattern),

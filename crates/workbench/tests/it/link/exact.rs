@@ -8,6 +8,7 @@ use tilescope_workbench::command::{Command, FormCommand};
 use tilescope_workbench::compare::{CompareCommand, ComparePreset};
 use tilescope_workbench::draft::{Choice, Preset};
 use tilescope_workbench::files::SaveTask;
+use tilescope_workbench::link::read;
 use tilescope_workbench::state::State;
 
 use super::support::{digest, notice_text, opened, settle, state};
@@ -172,4 +173,41 @@ fn the_preset_is_an_exact_tiling_of_the_first_session() {
     let next = ComparePreset::NextSeed.parameters(&parameters, &parameters);
     assert_eq!(next.pattern, next.usual_pattern());
     assert_ne!(next.pattern, parameters.pattern);
+}
+
+#[test]
+fn a_link_to_a_set_by_darts_names_no_tiling() {
+    let shape = "shape=0,0_1,0_1,1";
+    for (asked, is_by_darts) in [
+        ("depth=1", true),
+        ("radius-expression=0.1%2B0.1*x", true),
+        // Negative controls: a rectangle and a shape of one radius are tiled.
+        ("seed=2", false),
+        (shape, false),
+    ] {
+        let (content, warnings) = read(&format!("v=2&radius=0.1&method=exact&{asked}"));
+        let said = warnings.sentences().concat();
+        assert_eq!(!said.is_empty(), is_by_darts, "{asked}: {said}");
+        assert_eq!(said.contains("method \"exact\""), is_by_darts, "{said}");
+        let expected = if is_by_darts {
+            Parameters::default().pattern
+        } else {
+            content.parameters.usual_pattern()
+        };
+        assert_eq!(content.parameters.pattern, expected, "{asked}");
+        let is_kdrt = content.parameters.method == TilingMethod::Kdrt;
+        assert_eq!(is_kdrt, is_by_darts, "{asked}");
+    }
+
+    // A form where a third side is typed after the method leads to a link without a warning.
+    let mut state = exact();
+    form(&mut state, FormCommand::Depth("0.3".to_owned()));
+    state.apply(Command::Run);
+    settle(&mut state);
+    let link = state.link();
+    assert!(!link.fragment.contains("method"), "{}", link.fragment);
+    assert!(!link.fragment.contains("pattern"), "{}", link.fragment);
+    let there = opened(&link.fragment);
+    assert_eq!(notice_text(&there), "");
+    assert_eq!(digest(&there), digest(&state));
 }
