@@ -191,11 +191,11 @@ fn time_is_longer(count: u64, side: f64, is_shape: bool) -> Option<String> {
     // Where the limit lies was measured in rectangles. Darts in shapes take other times.
     let text = if is_shape {
         format!(
-            "note: in a rectangle darts take less time than a pattern of {side} r below about {limit} samples, and have the same law; shapes were not timed. Without --method exact darts make this shape"
+            "note: in a rectangle darts take less time below about {limit} samples than exact tiling with a pattern of {side} r, and have the same law; shapes were not timed. Without --method exact darts make this shape"
         )
     } else {
         format!(
-            "note: below about {limit} samples --method reference takes less time than a pattern of {side} r, and has the same law"
+            "note: below about {limit} samples --method reference takes less time than exact tiling with a pattern of {side} r, and has the same law"
         )
     };
     ((count as f64) < pays_from).then_some(text)

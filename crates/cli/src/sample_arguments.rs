@@ -123,8 +123,8 @@ pub enum SamplingMethod {
     /// Randomized tiling
     Kdrt,
     /// Tiling of all darts with their arrival order, without bias at seams. Blocks share a pattern of k samples: the law of
-    /// the reference sampler holds in every window in which no pattern repeats, and averages over N samples vary about as
-    /// those of N k / (N + k) independent ones, which is less than k however large N is. So the pattern's seed is the
+    /// the reference sampler holds in every window in which no part of the pattern occurs twice, and averages over N samples
+    /// vary about as those of N k / (N + k) independent ones, which is less than k however large N is. So the pattern's seed is the
     /// seed, and its side 200 r up to 28,000 samples (k = 27,800) and 400 r above (k = 111,400), unless they are given. Its
     /// tables take 101 bytes a squared r: 4.1 and 16.2 MB. Below about 300,000 samples the reference sampler takes less
     /// time

@@ -21,7 +21,6 @@ use crate::arrays::rows;
 use crate::drawing::DrawingFields;
 use crate::failure::Failure;
 use crate::ground::Ground;
-use crate::sample::SetMethod;
 use crate::task::{TaskWatch, run};
 use crate::values::{named, real, real_if_given, shortened, shown, whole};
 
@@ -470,13 +469,12 @@ impl RunRequest {
     }
 
     /// Returns the side in radii of a generated pattern that repeats within blocks, and of one that would not. Raises what
-    /// sampling by this method raises for the arguments.
-    fn repeating_pattern(&self, method: &str) -> PyResult<Option<(f64, f64)>> {
-        let parameters = match named("method", method)? {
+    /// tiling raises for the arguments.
+    fn repeating_pattern(&self, is_exact: bool) -> PyResult<Option<(f64, f64)>> {
+        let parameters = match is_exact {
             _ if self.recipe.pattern.is_some() || self.nested.is_some() => return Ok(None),
-            SetMethod::Kdrt => self.recipe.parameters,
-            SetMethod::Exact => self.exact_parameters()?,
-            SetMethod::Reference => return Ok(None),
+            false => self.recipe.parameters,
+            true => self.exact_parameters()?,
         };
         let needed = parameters.side_without_repeats();
         Ok(needed.map(|needed| (parameters.pattern.side, needed)))

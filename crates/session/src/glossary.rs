@@ -67,9 +67,9 @@ glossary! {
     INSERTED, "inserted", "3.2.2", "A sample that was put into a gap, rather than tiled.";
     ITERATION, "iteration", "3.2.3", "One round of detection and insertion. Rounds go on until no detector finds a gap.";
     DART, "dart", "", "A random place that becomes a sample if nothing covers it. Uniform insertion and the reference sampler throw darts.";
-    ARRIVAL, "arrival", "", "The place of a dart in the order of all darts: by its level, throw and rank, then by its position. What arrives first stays.";
+    ARRIVAL, "arrival", "", "The turn of a dart among all darts: by how often its cell was cut, by its throw and its number in that throw, then by its place in the pattern. What arrives first stays.";
     FIRST_BLOCKER, "first blocker", "", "The earliest sample that covers a refused dart. While it is there, the dart stays refused.";
-    WOKEN, "woken", "", "Said of a refused dart of exact tiling that arrives once more, as its first blocker was lost or lies beyond the border of its block.";
+    WOKEN, "woken", "", "Said of a refused dart of exact tiling that arrives once more, as its first blocker was lost, or lies outside of its block or of the shape.";
     AS_PRINTED, "as printed", "3.2.2", "Algorithm 4 exactly as the paper prints it: elimination and the first insertion take turns sample by sample.";
     STAGED, "staged", "", "The arrangement used otherwise: all elimination comes before all insertion, so that every stage can run in parallel.";
     REFERENCE_SAMPLER, "reference sampler", "4.1.3", "Maximal Poisson-disk sampling from scratch by dart throwing (Ebeida and others, 2012). It makes the patterns, and sets to compare with.";

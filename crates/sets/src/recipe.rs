@@ -20,7 +20,7 @@ use crate::reference_pattern::{ReferencePatternError, StatedSet};
 const OF_REFERENCE: [&str; 5] = ["width", "height", "radius", "boundary", "seed"];
 
 /// The seconds that a pattern with its tables takes, for each squared radius of it. With those of a sample they give, for a pattern of
-/// 400 radii, what was measured with one thread as with two: for 200,000 samples 0.50 s by the reference sampler against 0.67 s,
+/// 400 radii, about what was measured with one thread as with two: for 200,000 samples 0.50 s by the reference sampler against 0.67 s,
 /// for 300,000 0.71 against 0.68, for 600,000 1.50 against 0.78
 /// (`cargo run --release -p tilescope-core --example exact_rates -- 1200 3 5`).
 const SECONDS_OF_PATTERN: f64 = 3.8e-6;
@@ -58,7 +58,7 @@ pub fn independent_samples(samples: f64, of_pattern: f64) -> f64 {
 
 /// What certificates of exact tilings say of the pattern that their blocks share. The variance of an average is that of one
 /// sample times 1 / N + 1 / k (`decisions/algorithm.md`). Nothing reads the text: files from before say it in other words.
-const LAW: &str = "exact in every window in which no pattern repeats; averages over the set vary about as those of N k / (N + k) independent samples, with N the number of its samples and k = pattern_samples";
+const LAW: &str = "exact in every window in which no part of the pattern occurs twice; averages over the set vary about as those of N k / (N + k) independent samples, with N the number of its samples and k = pattern_samples";
 
 /// What they say of a pattern that repeats within blocks: a window in which it repeats does not have the law.
 const LAW_WITH_REPEATS: &str = "exact only in windows narrower than the pattern, which repeats within the largest blocks; averages over the set vary about as those of N k / (N + k) independent samples, with N the number of its samples and k = pattern_samples";

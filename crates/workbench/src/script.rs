@@ -118,6 +118,12 @@ fn refusal_before(state: &State, command: &Command) -> Option<String> {
                 .runs()
                 .preset_refusal(*preset, state.form(), state.gpu())
         }
+        Command::Compare(CompareCommand::GoToDivergence) => {
+            state.runs().parting_refusal().map(str::to_owned)
+        }
+        Command::Compare(CompareCommand::Swap) if state.runs().second.is_none() => {
+            Some("There is no second run.".to_owned())
+        }
         Command::File(FileCommand::Go) => match &state.files().sheet {
             None => Some("No file sheet is open.".to_owned()),
             Some(form) if form.path.trim().is_empty() => Some("No file is named.".to_owned()),

@@ -46,7 +46,7 @@ fn the_form_says_what_the_pattern_means_and_offers_the_reference_sampler_where_i
         "{said}"
     );
     assert!(
-        said.ends_with("vary as those of 11,000 independent samples."),
+        said.ends_with("vary about as those of 11,000 independent samples."),
         "{said}"
     );
     let time = text(&harness, "shared-pattern-time");
@@ -55,10 +55,20 @@ fn the_form_says_what_the_pattern_means_and_offers_the_reference_sampler_where_i
         "From nothing about 0.16 s, of which the pattern takes 0.15 s; the reference sampler about 0.041 s."
     );
 
+    // A small pattern repeats within blocks, and the text says that.
+    let side = |text: &str| form(FormCommand::Type(Parameter::PatternSide, text.to_owned()));
+    apply(&mut harness, side("30"));
+    let repeating = text(&harness, "shared-pattern");
+    assert!(
+        repeating.contains("narrower") && !said.contains("narrower"),
+        "{repeating}"
+    );
+    apply(&mut harness, side("200"));
+
     // German and Spanish windows have these texts in their languages.
     for tag in ["de", "es"] {
         let language = Language::of(tag).expect("a table");
-        for english in [&said, &time, "Use the reference sampler"] {
+        for english in [&said, &repeating, &time, "Use the reference sampler"] {
             assert!(language.translated(english).is_some(), "{tag}: {english}");
         }
     }

@@ -300,7 +300,7 @@ fn an_exact_set_is_made_again_from_its_certificate() {
         stated["law"]
             .as_str()
             .expect("words")
-            .starts_with("exact in every window")
+            .starts_with("exact in every window in which no part")
     );
     assert!(stated.get("order").is_none() && stated.get("insertion").is_none());
 

@@ -689,8 +689,8 @@ mod tests {
     fn narrow_halos_are_found_out() {
         for boundary in [Boundary::Periodic, Boundary::Bounded] {
             let parameters = Parameters {
-                width: 160.0,
-                height: 200.0,
+                width: 120.0,
+                height: 120.0,
                 radius: 1.0,
                 leaf: 9.0,
                 boundary,

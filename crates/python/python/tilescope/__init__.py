@@ -336,8 +336,8 @@ def sample(
         dihedral=dihedral, order=order, insertion=insertion, search=search, variant=variant, levels=levels,
         exactly=exactly, order_within=order_within,
     )  # fmt: skip
-    repeating = request.repeating_pattern(method)
-    if repeating is not None:
+    repeating = request.repeating_pattern(method == "exact")
+    if repeating is not None and method != "reference":
         own, needed = repeating
         warnings.warn(
             f"the pattern of {own:g} r repeats within the largest blocks, which spectra show; "

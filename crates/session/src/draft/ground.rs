@@ -453,7 +453,8 @@ impl Draft {
             expression: self.ground.expression.clone(),
             ..GroundDraft::default()
         };
-        let request = ground.request(black)?.ok();
+        // Radii that were painted over a number have neither a field nor a shape before them.
+        let request = ground.request(black).and_then(Result::ok);
         Some((black, request.and_then(|request| request.radius)))
     }
 

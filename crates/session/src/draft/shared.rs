@@ -119,7 +119,7 @@ mod tests {
         patterned.set_text(Parameter::PatternSide, "2000".to_owned());
         let slow = patterned.shared_pattern().expect("a pattern");
         assert!(slow.is_slower() && !slow.repeats_within_blocks, "{slow:?}");
-        // One of 30 r repeats within blocks of up to 40 r.
+        // One of 30 r repeats within blocks, which may be 60 r long.
         patterned.set_text(Parameter::PatternSide, "30".to_owned());
         let narrow = patterned.shared_pattern().expect("a pattern");
         assert!(narrow.repeats_within_blocks, "{narrow:?}");

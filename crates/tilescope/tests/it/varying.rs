@@ -330,6 +330,34 @@ fn masks_without_a_certificate_are_judged_whatever_made_them() {
 }
 
 #[test]
+fn small_exact_tilings_get_a_note_on_their_time_and_other_sets_none() {
+    let folder = tempdir().unwrap();
+    park(&folder);
+    let made = |line: &str| {
+        let done = tilescope(&folder).args(words(line)).assert().success();
+        let output = done.get_output();
+        String::from_utf8_lossy(&[&output.stdout[..], &output.stderr].concat()).into_owned()
+    };
+    let set = "sample --radius 0.02 --out set.csv";
+    let small = made(&format!("{set} --method exact --pattern-side 100"));
+    let note = "below about 18,000 samples --method reference takes less time";
+    assert!(small.contains(note), "{small}");
+    let shape = made("sample --shape park.geojson --radius 2 --method exact --out park.csv");
+    assert!(shape.contains("shapes were not timed"), "{shape}");
+
+    // Controls: other methods, a pattern that pays, and one from a file, which is asked for as it is.
+    let reference = made(&format!("{set} --method reference"));
+    let given = "sample --radius 0.04 --method exact --pattern set.csv --out given.csv";
+    let side = "sample --radius 0.02 --method exact --pattern-side 20 --leaf 8 --out side.csv";
+    for said in [reference, made(given), made(side), made(set)] {
+        assert!(
+            said.contains("samples") && !said.contains("less time"),
+            "{said}"
+        );
+    }
+}
+
+#[test]
 fn counts_are_met_to_within_a_hundredth() {
     let folder = tempdir().unwrap();
     image(&folder, "photo.png", [60, 40], |x, y| {

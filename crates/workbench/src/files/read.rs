@@ -7,8 +7,8 @@ use std::sync::Arc;
 
 use serde_json::Value;
 use tilescope_analysis::Region;
+use tilescope_core::Pattern;
 use tilescope_core::combine::file::Layout;
-use tilescope_core::{Pattern, TilingMethod};
 use tilescope_debugger::{Debugger, PatternFile, Session as Saved, SessionError};
 use tilescope_formats::CERTIFICATE_SUFFIX;
 use tilescope_session::combining::{SavedCombination, make};
@@ -357,7 +357,7 @@ fn session(incoming: &Incoming, generation: u64, monitor: &Monitor) -> Made {
 /// Makes the set in space of a saved session again.
 fn session_in_space(
     incoming: &Incoming,
-    saved: Saved,
+    mut saved: Saved,
     depth: f64,
     generation: u64,
     monitor: &Monitor,
@@ -374,10 +374,13 @@ fn session_in_space(
         }));
     }
 
+    // Older files may name exact tiling.
     let recipe = Recipe {
         depth: Some(depth),
         ..Recipe::from(saved.parameters)
-    };
+    }
+    .with_its_method();
+    saved.parameters = recipe.parameters;
     let session = match packing::sample(&recipe, depth, generation, monitor) {
         Ok(session) => session,
         Err(error) if error.cancelled().is_some() => {
@@ -415,15 +418,13 @@ fn session_on_ground(
         .map_err(|error| refused(error.to_string()))?;
     let request = asked.ok_or_else(|| refused("it asks for neither".to_owned()))?;
 
-    // Only a shape of one radius is tiled exactly. Every other set is made by darts, even if the file names exact
-    // tiling. No `TilingMethod` stands for darts, so that the parameters name the default one.
-    if !request.is_tiled(&saved.parameters) {
-        saved.parameters.method = TilingMethod::Kdrt;
-    }
+    // Older files may name exact tiling where darts make the set.
     let recipe = Recipe {
         ground: Some(Box::new(request.clone())),
         ..Recipe::from(saved.parameters)
-    };
+    }
+    .with_its_method();
+    saved.parameters = recipe.parameters;
     let locality = varying::locality(&request.recipe(&saved.parameters))
         .map_err(|error| refused(error.to_string()))?;
 

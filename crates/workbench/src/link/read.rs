@@ -71,8 +71,9 @@ pub fn read(text: &str) -> (LinkContent, LinkWarnings) {
     reader.selection(&mut content);
     // After the run, from which the parameters of the second one differ.
     reader.second(&mut content);
-    // An older link leads to the same samples as when it was copied. The method is replaced only here, as the second run's
-    // parameters are given by their differences from those of the link.
+    // Methods are replaced only here, as the second run's parameters are given by their differences from those of the link.
+    reader.method(&mut content);
+    // An older link leads to the same samples as when it was copied.
     let is_tiled = |ground: &GroundRequest| ground.is_tiled(&content.parameters);
     if version < VERSION && content.ground.as_ref().is_some_and(is_tiled) {
         content.parameters.method = TilingMethod::Kdrt;
@@ -223,14 +224,6 @@ impl LinkReader {
             self.warnings.add(text.to_owned());
         }
 
-        // No sample depends on the method there. It is named, as the reader of the link expects blocks.
-        let asked = content.parameters.method;
-        content.parameters = content.recipe().with_its_method().parameters;
-        if content.parameters.method != asked {
-            let text = "The link's method \"exact\" was left out: darts make sets in space and sets whose radius varies.";
-            self.warnings.add(text.to_owned());
-        }
-
         let lacks = self.take(LACKS, |text| (text == LACKS_GROUND).then_some(()));
         content.lacks_ground = lacks.is_some();
         if content.lacks_ground {
@@ -251,6 +244,17 @@ impl LinkReader {
             (None, None, Some(stage)) => NamedMoment::Stage(stage),
             (None, None, None) => NamedMoment::End,
         };
+    }
+
+    /// Replaces the method of a set that darts make, of which no sample depends on the method. The reader of the link may expect
+    /// blocks, so that a warning names it.
+    fn method(&mut self, content: &mut LinkContent) {
+        let asked = content.parameters.method;
+        content.parameters = content.recipe().with_its_method().parameters;
+        if content.parameters.method != asked {
+            let text = "The link's method \"exact\" was left out: darts make sets in space and sets whose radius varies.";
+            self.warnings.add(text.to_owned());
+        }
     }
 
     /// Returns the third side, if the link has one with which a box can be filled.

@@ -156,6 +156,8 @@ impl<'a> LinkSource<'a> {
         }
 
         self.put_run(&mut content, left_out);
+        // The typed method may not be the one that makes such a set.
+        content.parameters = content.recipe().with_its_method().parameters;
         content
     }
 
@@ -232,7 +234,11 @@ impl<'a> LinkSource<'a> {
         let is_painted = matches!(&request.radius, Some(RadiusSource::Image { image, .. }) if image.name() == PAINTED);
         let before = self.form.draft.before_painting().filter(|_| is_painted);
         let unpainted = before.map(|(radius, field)| {
+            // Darts made the set of the painted radii, whatever the method of the one before.
+            let painted = content.parameters;
             content.parameters.radius = radius;
+            content.parameters.method = self.form.draft.parameters.method;
+            content.parameters.pattern = content.parameters.pattern_following(&painted);
             GroundRequest {
                 radius: field,
                 ..request

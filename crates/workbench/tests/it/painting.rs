@@ -2,7 +2,8 @@
 
 use std::sync::Arc;
 
-use tilescope_core::Unobserved;
+use serde_json::json;
+use tilescope_core::{Parameter, Unobserved};
 use tilescope_session::incoming::NamedBytes;
 use tilescope_session::layers::{Layer, SessionKind};
 use tilescope_sets::{GrayImage, RadiusSource, VaryingRecipe};
@@ -249,6 +250,42 @@ fn a_link_of_painted_radii_leads_to_those_before_and_says_so_on_both_sides() {
     // Control: a link can lack nothing else.
     let (_, warnings) = tilescope_workbench::link::read("v=1&lacks=leaf");
     assert!(warnings.text().contains("invalid"), "{}", warnings.text());
+}
+
+#[test]
+fn a_link_of_radii_that_were_painted_over_an_exact_tiling_leads_to_it() {
+    let mut state = State::new(Arc::new(|| {}));
+    state.settle();
+    let method = Choice::Parameter(Parameter::Method, json!("exact"));
+    for command in [
+        FormCommand::Choose(method),
+        FormCommand::Type(Parameter::Radius, "0.04".to_owned()),
+    ] {
+        state.apply(Command::Form(command));
+    }
+    state.apply(Command::Run);
+    state.settle();
+    let digest = session_digest(&state);
+    paint(&mut state, PaintCommand::Tool(true));
+    stroke(&mut state);
+    assert_ne!(session_digest(&state), digest);
+    let link = state.link();
+    assert!(
+        link.left_out[0].contains("from before they were painted"),
+        "{:?}",
+        link.left_out
+    );
+    assert!(
+        link.fragment.contains("radius=0.04&method=exact"),
+        "{}",
+        link.fragment
+    );
+
+    let mut other = State::new(Arc::new(|| {}));
+    other.settle();
+    other.open_link(&link.fragment);
+    other.settle();
+    assert_eq!(session_digest(&other), digest);
 }
 
 #[test]

@@ -43,9 +43,9 @@ pub(super) fn show(ui: &mut Ui, context: &FormContext<'_>, commands: &mut Vec<Co
 /// Returns how often samples of the pattern are used, and what averages over the set are worth.
 fn reuse(shared: &SharedPattern) -> String {
     let law = if shared.repeats_within_blocks {
-        "The pattern repeats within the largest blocks, so that the law is exact only in windows narrower than it"
+        "It repeats within the largest blocks, so that the law is exact only in windows that are narrower"
     } else {
-        "The law is exact in every window in which no pattern repeats"
+        "The law is exact in every window in which no part of the pattern occurs twice"
     };
     format!(
         "N / k = {:.2}: about {} samples share a pattern of {}. {law}; averages over the set vary about as those of {} independent samples.",

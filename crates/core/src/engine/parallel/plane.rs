@@ -300,7 +300,7 @@ mod tests {
     fn windows(plane: &Plane, depth: usize) -> (Vec<Vec<Point>>, usize) {
         let mut repaired = 0;
         let mut found = Vec::new();
-        for y in (0..400).step_by(8) {
+        for y in (0..200).step_by(8) {
             for x in (0..400).step_by(8) {
                 let window = Rect {
                     min: Point::new(x * R, y * R),

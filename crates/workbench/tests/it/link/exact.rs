@@ -199,9 +199,14 @@ fn a_link_to_a_set_by_darts_names_no_tiling() {
         assert_eq!(is_kdrt, is_by_darts, "{asked}");
     }
 
+    // A second run is given by its differences from the link's parameters, also from a method that is left out.
+    let (content, _) = read("v=2&radius=0.1&method=exact&depth=1&b=&b.seed=2");
+    let second = content.view.second.expect("a second run");
+    assert_eq!(second.method, TilingMethod::Exact);
+
     // A form where a third side is typed after the method leads to a link without a warning.
     let mut state = exact();
-    form(&mut state, FormCommand::Depth("0.3".to_owned()));
+    form(&mut state, FormCommand::Depth("0.5".to_owned()));
     state.apply(Command::Run);
     settle(&mut state);
     let link = state.link();
