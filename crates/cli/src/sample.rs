@@ -179,11 +179,11 @@ fn note_on_time(outcome: &Outcome, is_shape: bool) -> Option<String> {
     let pattern = outcome.facts.parameters.get("pattern")?;
     let side = pattern.get("side")?.as_f64()?;
     let is_exact = outcome.facts.method == "exact";
-    time_is_longer(outcome.count, side, is_shape).filter(|_| is_exact)
+    note_for(outcome.count, side, is_shape).filter(|_| is_exact)
 }
 
 /// Returns the note on a number of samples by a pattern of this side in radii, if the pattern does not pay.
-fn time_is_longer(count: u64, side: f64, is_shape: bool) -> Option<String> {
+fn note_for(count: u64, side: f64, is_shape: bool) -> Option<String> {
     let pays_from = exact_pays_from(side);
     // Two digits are as many as the measurement has.
     let step = 10_f64.powf(pays_from.log10().floor() - 1.0).max(1.0);
@@ -211,14 +211,14 @@ mod tests {
             (false, "--method reference takes less"),
             (true, "shapes were not timed"),
         ] {
-            let note = time_is_longer(286_000, 400.0, is_shape).expect("a note");
+            let note = note_for(286_000, 400.0, is_shape).expect("a note");
             assert!(
                 note.starts_with("note: ") && note.contains(part) && note.contains("290,000"),
                 "{note}"
             );
             // Negative controls: above the limit the pattern pays, and that of a smaller pattern is lower.
-            assert_eq!(time_is_longer(288_000, 400.0, is_shape), None);
-            assert_eq!(time_is_longer(286_000, 200.0, is_shape), None);
+            assert_eq!(note_for(288_000, 400.0, is_shape), None);
+            assert_eq!(note_for(286_000, 200.0, is_shape), None);
         }
     }
 }

@@ -468,8 +468,8 @@ impl RunRequest {
         })
     }
 
-    /// Returns the side in radii of a generated pattern that repeats within blocks, and of one that would not. Raises what
-    /// tiling raises for the arguments.
+    /// Returns the side in radii of the generated pattern if it repeats within blocks, and that of one that would not. Raises
+    /// what tiling raises for the arguments.
     fn repeating_pattern(&self, is_exact: bool) -> PyResult<Option<(f64, f64)>> {
         let parameters = match is_exact {
             _ if self.recipe.pattern.is_some() || self.nested.is_some() => return Ok(None),

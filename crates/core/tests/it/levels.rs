@@ -266,8 +266,8 @@ fn windows_and_threads_do_not_matter() {
         for boundary in [Boundary::Periodic, Boundary::Bounded] {
             // Large blocks in deep levels take most of the time: unless all cases are tried, only one boundary has them.
             let (small, large) = ((3, 12.0), (5, 40.0));
-            let is_tried = boundary == Boundary::Bounded || cases(2) == 2;
-            for (levels, leaf) in [small].into_iter().chain(is_tried.then_some(large)) {
+            let has_large = boundary == Boundary::Bounded || cases(2) == 2;
+            for (levels, leaf) in [small].into_iter().chain(has_large.then_some(large)) {
                 let parameters = Parameters {
                     dihedral: seed == 1,
                     ..parameters(300.0, boundary, seed, leaf)
